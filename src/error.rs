@@ -1,0 +1,81 @@
+//! What can go wrong, said so that the reader knows what to change.
+
+use ash::vk;
+
+/// Result of the library's fallible functions.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Errors of the library. Each names the setting, image, buffer or Vulkan call, and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting is outside what is allowed.
+    #[error("{name} = {value}: {allowed}")]
+    Setting {
+        /// Key as in the shot file, e.g. `smoke.sigma`.
+        name: &'static str,
+        /// The value that was given.
+        value: String,
+        /// What is allowed, with unit.
+        allowed: String,
+    },
+    /// Something is larger than this device can take.
+    #[error("{what} needs {needed}, this device allows {limit}; {advice}")]
+    Limit {
+        /// What is too large.
+        what: &'static str,
+        /// What it needs, with unit.
+        needed: u64,
+        /// What the device allows, same unit.
+        limit: u64,
+        /// What to change.
+        advice: &'static str,
+    },
+    /// An image or a buffer that the host handed over does not fit.
+    #[error("{name}: {why}")]
+    HostResource {
+        /// Which of the host's resources.
+        name: &'static str,
+        /// What is wrong with it and what is expected.
+        why: String,
+    },
+    /// The device lacks something; everything that is missing is named at once.
+    #[error("the device cannot run celfx: {}", missing.join("; "))]
+    Device {
+        /// What is missing, one entry each.
+        missing: Vec<String>,
+    },
+    /// A Vulkan call failed.
+    #[error("{call}{}: {result}", object.as_deref().map(|o| format!(" ({o})")).unwrap_or_default())]
+    Vulkan {
+        /// The call.
+        call: &'static str,
+        /// The object or pass it was for, if any.
+        object: Option<String>,
+        /// What Vulkan returned.
+        result: vk::Result,
+    },
+    /// Device memory could not be had.
+    #[error("no memory for {name} ({bytes} bytes): {source}")]
+    Allocation {
+        /// The buffer or image.
+        name: String,
+        /// Its size in bytes.
+        bytes: u64,
+        /// What the allocator said.
+        source: gpu_allocator::AllocationError,
+    },
+}
+
+impl Error {
+    /// For `map_err`: names the call, and the object or pass it was for.
+    pub(crate) fn vulkan(call: &'static str, object: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
+        let object = object.into();
+        move |result| Error::Vulkan { call, object: Some(object).filter(|o| !o.is_empty()), result }
+    }
+
+    /// A setting outside of what is allowed.
+    pub(crate) fn setting(name: &'static str, value: impl ToString, allowed: impl Into<String>) -> Error {
+        Error::Setting { name, value: value.to_string(), allowed: allowed.into() }
+    }
+}

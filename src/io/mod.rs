@@ -1,0 +1,3 @@
+//! Readers and writers of the files that users have.
+
+pub mod volume;

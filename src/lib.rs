@@ -1,0 +1,11 @@
+//! Hand-drawn-looking effects on raw Vulkan.
+#![deny(missing_docs, unsafe_op_in_unsafe_fn)]
+
+pub mod error;
+pub mod smoke;
+pub mod view;
+
+#[cfg(feature = "cli")]
+pub mod io;
+#[cfg(feature = "cli")]
+pub mod simulate;

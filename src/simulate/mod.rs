@@ -1,0 +1,1 @@
+//! Makes input where the user has none.

@@ -1,0 +1,122 @@
+//! What an effect is seen by and lit by: [`Camera`] and [`Light`].
+
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::error::{Error, Result};
+
+/// A pinhole camera: right-handed, y up, square pixels. Lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Position.
+    pub eye: DVec3,
+    /// The point looked at; must differ from `eye`.
+    pub target: DVec3,
+    /// Any direction that is up in the picture; must not be parallel to the view direction.
+    pub up: DVec3,
+    /// Vertical field of view in degrees, in (0, 180).
+    pub vertical_fov: f64,
+    /// Nearest depth seen, > 0.
+    pub near: f64,
+    /// Farthest depth seen, > `near`; may be infinite.
+    pub far: f64,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Camera {
+            eye: DVec3::new(0.0, 1.0, 4.0),
+            target: DVec3::new(0.0, 1.0, 0.0),
+            up: DVec3::Y,
+            vertical_fov: 40.0,
+            near: 0.1,
+            far: 100.0,
+        }
+    }
+}
+
+impl Camera {
+    /// Checks every value; the error names the key.
+    pub fn validate(&self) -> Result<()> {
+        let finite = |name, v: DVec3| match v.is_finite() {
+            true => Ok(()),
+            false => Err(Error::setting(name, v, "three finite numbers, in metres")),
+        };
+        finite("camera.eye", self.eye)?;
+        finite("camera.target", self.target)?;
+        finite("camera.up", self.up)?;
+        if (self.target - self.eye).length() == 0.0 {
+            return Err(Error::setting("camera.target", self.target, "must differ from camera.eye"));
+        }
+        let across = (self.target - self.eye).normalize().cross(self.up.normalize_or_zero());
+        if across.length() < 1e-9 {
+            return Err(Error::setting("camera.up", self.up, "must not be parallel to the view direction"));
+        }
+        if !(self.vertical_fov > 0.0 && self.vertical_fov < 180.0) {
+            return Err(Error::setting("camera.vertical_fov", self.vertical_fov, "degrees, above 0 and below 180"));
+        }
+        if !(self.near > 0.0 && self.near.is_finite()) {
+            return Err(Error::setting("camera.near", self.near, "metres, above 0"));
+        }
+        if self.far.is_nan() || self.far <= self.near {
+            return Err(Error::setting("camera.far", self.far, "metres, above camera.near; may be inf"));
+        }
+        Ok(())
+    }
+
+    /// Rows right, up and forward: turns `p - eye` into view space (x right, y up, z = view depth).
+    pub fn rotation(&self) -> DMat3 {
+        let forward = (self.target - self.eye).normalize();
+        let right = forward.cross(self.up).normalize();
+        let up = right.cross(forward);
+        DMat3::from_cols(right, up, forward).transpose()
+    }
+
+    /// View-space extent at depth 1 from the centre to the right and to the top edge of a picture of `size` pixels.
+    pub fn half_extent(&self, size: [u32; 2]) -> DVec2 {
+        let y = (self.vertical_fov.to_radians() / 2.0).tan();
+        DVec2::new(y * f64::from(size[0]) / f64::from(size[1]), y)
+    }
+}
+
+/// One light, without falloff, and the ambient share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Where the light is or comes from.
+    pub source: LightSource,
+    /// Luminance of what the light does not reach, 0 to 1.
+    pub ambient: f64,
+}
+
+/// Directional or point light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightSource {
+    /// The way light travels; any length above 0.
+    Direction(DVec3),
+    /// Position in metres.
+    Position(DVec3),
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Light { source: LightSource::Direction(DVec3::new(-1.0, -1.5, -1.0)), ambient: 0.25 }
+    }
+}
+
+impl Light {
+    /// Checks every value; the error names the key.
+    pub fn validate(&self) -> Result<()> {
+        match self.source {
+            LightSource::Direction(d) if !(d.is_finite() && d.length() > 0.0) => {
+                return Err(Error::setting("light.direction", d, "three finite numbers, not all 0"));
+            }
+            LightSource::Position(p) if !p.is_finite() => {
+                return Err(Error::setting("light.position", p, "three finite numbers, in metres"));
+            }
+            _ => {}
+        }
+        if !(0.0..=1.0).contains(&self.ambient) {
+            return Err(Error::setting("light.ambient", self.ambient, "0 to 1"));
+        }
+        Ok(())
+    }
+}
