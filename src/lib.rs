@@ -2,6 +2,8 @@
 #![deny(missing_docs, unsafe_op_in_unsafe_fn)]
 
 pub mod error;
+pub mod gpu;
+pub mod host;
 pub mod smoke;
 pub mod view;
 

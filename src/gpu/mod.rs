@@ -1,0 +1,3 @@
+//! The only place that calls Vulkan, and the only one with unsafe bodies. It knows no effect.
+
+pub mod capabilities;
