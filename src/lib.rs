@@ -4,6 +4,7 @@
 pub mod error;
 pub mod gpu;
 pub mod host;
+pub mod profile;
 pub mod smoke;
 pub mod view;
 
