@@ -1,10 +1,13 @@
 //! Hand-drawn-looking effects on raw Vulkan.
 #![deny(missing_docs, unsafe_op_in_unsafe_fn)]
 
+pub mod barrier;
 pub mod error;
 pub mod gpu;
 pub mod host;
+pub mod plan;
 pub mod profile;
+pub mod shaders;
 pub mod smoke;
 pub mod view;
 

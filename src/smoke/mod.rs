@@ -1,3 +1,296 @@
 //! Cel-shaded smoke from a density volume (Hoshino, Dobashi, Yamamoto: Cartoon Rendering of Smoke).
+//!
+//! Spheres grow inside the thresholded volume (section 3.1), are lit and shadowed (3.2), smoothed within groups of equal
+//! depth (3.3), cut into tones (3.4) and outlined from depth (3.5). [`Smoke::record`] records it all into the host's
+//! command buffer.
 
+pub mod frame;
+pub mod layout;
+pub mod params;
+pub mod passes;
 pub mod settings;
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+pub use frame::{Background, Desc, Frame, Sequence, Shape, VolumeInput};
+pub use settings::Settings;
+
+use crate::error::{Error, Result};
+use crate::gpu::kernel::Pipelines;
+use crate::gpu::profiler::{Mode, Timing};
+use crate::gpu::recorder::{Recorder, Recording};
+use crate::gpu::resources::Resources;
+use crate::host::{Host, Memory};
+use crate::plan::Plan;
+use crate::view::Light;
+use layout::Layout;
+use params::SmokeParams;
+use passes::{Moment, Passes, Tables, chosen_grow};
+use settings::Grow;
+
+/// The smoke effect: pipelines, and the buffers and images of one picture size.
+///
+/// Its state lives on the device and moves on with each recorded frame, so every recorded command buffer must be
+/// submitted, in order, to the same queue. A frame may be recorded before the one before it has finished.
+#[derive(Debug)]
+pub struct Smoke {
+    desc: Desc,
+    layout: Layout,
+    passes: Passes,
+    tables: Tables,
+    plan: Plan,
+    resources: Resources,
+    pipelines: Pipelines,
+    recorder: Recorder,
+    state: State,
+}
+
+/// What is known of the frames recorded so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    /// Whether a frame has been recorded.
+    begun: bool,
+    /// Frames since the restart.
+    frames: u32,
+    /// Frames since particles or their radii could last have changed.
+    quiet: u32,
+    shape: Shape,
+    /// The light of the shadows on the device; none if there are none.
+    shadowed: Option<Light>,
+}
+
+impl Smoke {
+    /// Device memory that an effect will take, before alignment. `limit` is the device's `maxStorageBufferRange`.
+    ///
+    /// # Errors
+    /// A setting out of range, or something larger than `limit`.
+    pub fn memory(desc: &Desc, limit: u64) -> Result<Memory> {
+        validate(desc)?;
+        Ok(Layout::new(desc, limit)?.memory(desc))
+    }
+
+    /// Creates pipelines, buffers and images; leaves nothing behind on error.
+    ///
+    /// # Errors
+    /// A setting out of range, something too large for the device, no memory, a failed Vulkan call.
+    ///
+    /// # Safety
+    /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on, and `allocator` is its.
+    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: Desc) -> Result<Smoke> {
+        validate(&desc)?;
+        // SAFETY: the caller's.
+        let limits = unsafe { host.instance.get_physical_device_properties(host.physical_device) }.limits;
+        for side in desc.size {
+            let largest =
+                limits.max_framebuffer_width.min(limits.max_framebuffer_height).min(limits.max_image_dimension2_d);
+            if side > largest {
+                let (needed, limit) = (u64::from(side), u64::from(largest));
+                return Err(Error::Limit {
+                    what: "a side of the picture",
+                    needed,
+                    limit,
+                    advice: "render a smaller picture",
+                });
+            }
+        }
+        let layout = Layout::new(&desc, u64::from(limits.max_storage_buffer_range))?;
+        let passes = Passes::new(&desc, &layout);
+        let tables = Tables::new(&desc.settings, &layout);
+        let mut resources = Resources::default();
+        // SAFETY: the caller's; what was made is destroyed unused on error.
+        let pipelines = unsafe {
+            create_resources(host, allocator, &desc, &layout, &mut resources)
+                .and_then(|()| Pipelines::new(host, &passes.list, &resources))
+                .inspect_err(|_| resources.destroy(host, allocator))?
+        };
+        let (steps, bytes) = Passes::capacity(&layout, &tables);
+        let plan = Plan::with_capacity(steps, bytes);
+        let recorder = Recorder::new(&resources);
+        Ok(Smoke { desc, layout, passes, tables, plan, resources, pipelines, recorder, state: State::default() })
+    }
+
+    /// Changes the size of the picture. The next frame must be a [`Sequence::Restart`]. On error the effect is as it was.
+    ///
+    /// # Errors
+    /// As [`Smoke::new`].
+    ///
+    /// # Safety
+    /// As [`Smoke::new`], and the GPU is done with every frame recorded so far.
+    pub unsafe fn resize(&mut self, host: &Host, allocator: &mut Allocator, size: [u32; 2]) -> Result<()> {
+        let desc = Desc { size, ..self.desc.clone() };
+        // SAFETY: the caller's.
+        unsafe {
+            let mut old = std::mem::replace(self, Smoke::new(host, allocator, desc)?);
+            old.destroy(host, allocator);
+        }
+        Ok(())
+    }
+
+    /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.recorder.set_mode(mode);
+    }
+
+    /// Records a frame. Allocates nothing, submits nothing, waits for nothing.
+    ///
+    /// # Errors
+    /// The frame does not fit what the effect was made for; nothing has been recorded then.
+    ///
+    /// # Safety
+    /// `host` is the one the effect was made with. `commands` is in recording state, outside of a render pass, of a queue
+    /// family with graphics and compute. Host images and buffers are in the states that they declare. The frame is
+    /// submitted after all frames recorded before it, to the same queue.
+    pub unsafe fn record(
+        &mut self,
+        host: &Host,
+        commands: vk::CommandBuffer,
+        frame: &Frame,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        frame.validate(&self.desc, !self.state.begun)?;
+        let (moment, state) = self.moment(frame);
+        self.check_search(&moment.shape)?;
+        let params = SmokeParams::new(&self.desc, &self.layout, frame, &moment.shape, state.frames);
+        let Smoke { desc, layout, passes, tables, plan, .. } = self;
+        passes.plan(plan, desc, layout, frame, &moment, &params, tables);
+        let volume = frame.volume;
+        self.resources.set_host_buffer(layout::HOST_DENSITY, volume.map(|v| v.density));
+        self.resources.set_host_buffer(layout::HOST_VELOCITY, volume.and_then(|v| v.velocity));
+        self.resources.set_host_image(layout::TARGET, frame.target);
+        let background = match frame.background {
+            Background::Copy(image) if frame.target.is_some() => Some(image),
+            _ => None,
+        };
+        self.resources.set_host_image(layout::BACKGROUND, background);
+        let mut recording = Recording {
+            host,
+            commands,
+            passes: &self.passes.list,
+            pipelines: &self.pipelines,
+            resources: &mut self.resources,
+        };
+        // SAFETY: the caller's.
+        unsafe { self.recorder.record(&self.plan, &mut recording, timing)? };
+        self.state = state;
+        Ok(())
+    }
+
+    /// The list of the frame recorded last.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The declared passes, which the plan's steps refer to.
+    pub fn passes(&self) -> &[crate::plan::Pass] {
+        &self.passes.list
+    }
+
+    /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in [`layout`].
+    /// The last access to it was a shader's or a transfer's write.
+    pub fn buffer(&self, id: crate::plan::BufferId) -> (vk::Buffer, u64, u64) {
+        self.resources.buffer(id)
+    }
+
+    /// What the effect was made for.
+    pub fn desc(&self) -> &Desc {
+        &self.desc
+    }
+
+    /// Destroys what celfx made.
+    ///
+    /// # Safety
+    /// The GPU is done with every recorded frame; `host` and `allocator` are those it was made with. Nothing else is
+    /// called afterwards.
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        unsafe {
+            self.pipelines.destroy(host);
+            self.resources.destroy(host, allocator);
+        }
+    }
+
+    /// What this frame is to the ones before, and the state after it.
+    fn moment(&self, frame: &Frame) -> (Moment, State) {
+        let restart = frame.sequence == Sequence::Restart;
+        let advance = frame.sequence == Sequence::Advance;
+        let new_volume = frame.volume.is_some();
+        let mut state = self.state;
+        state.begun = true;
+        state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
+        state.shape = frame.volume.map_or(state.shape, |v| v.shape());
+        let moving = self.desc.velocity || self.desc.settings.lifetime.is_some() || new_volume;
+        state.quiet = if restart || (moving && advance) { 0 } else { state.quiet + u32::from(advance) };
+        let still = match () {
+            _ if restart || !self.desc.skipping && advance => None,
+            _ if !advance => Some("the same moment again"),
+            _ if state.quiet > self.desc.settings.fade => Some("neither velocity nor density changes"),
+            _ => None,
+        };
+        let same_light = self.state.shadowed == Some(frame.light) && !new_volume;
+        let same_shadow =
+            (still.is_some() && same_light && self.desc.skipping).then_some("particles and light unchanged");
+        if frame.target.is_some() {
+            state.shadowed = Some(frame.light);
+        } else if still.is_none() {
+            state.shadowed = None;
+        }
+        let first = !self.state.begun;
+        (Moment { shape: state.shape, restart, new_volume, first, still, same_shadow }, state)
+    }
+
+    /// A search that was asked for by name must be able to serve this volume.
+    fn check_search(&self, shape: &Shape) -> Result<()> {
+        match chosen_grow(&self.desc.settings, shape) {
+            Grow::Field if !shape.is_cubic() => {
+                Err(Error::setting("smoke.grow", "field", "needs cubic voxels; \"chosen\" or \"pyramid\" serve all"))
+            }
+            Grow::Growth => {
+                let turns = layout::Pyramid::new(shape.dimensions).turns();
+                let needed = u64::from(layout::growth_rows(shape).div_ceil(turns));
+                let limit = u64::from(self.layout.search_parts);
+                let advice = "its voxels are too flat for grow = \"growth\"; use \"chosen\"";
+                match needed > limit {
+                    true => Err(Error::Limit { what: "the search of radii (dispatches)", needed, limit, advice }),
+                    false => Ok(()),
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn validate(desc: &Desc) -> Result<()> {
+    desc.settings.validate()?;
+    if desc.size.contains(&0) {
+        return Err(Error::setting("size", format!("{:?}", desc.size), "at least 1 pixel a side"));
+    }
+    if desc.dimensions.contains(&0) || desc.dimensions.iter().any(|n| *n > 1 << 16) {
+        let dimensions = format!("{:?}", desc.dimensions);
+        return Err(Error::setting("volume", dimensions, "1 to 65536 voxels a side"));
+    }
+    Ok(())
+}
+
+unsafe fn create_resources(
+    host: &Host,
+    allocator: &mut Allocator,
+    desc: &Desc,
+    layout: &Layout,
+    resources: &mut Resources,
+) -> Result<()> {
+    // SAFETY: the caller's.
+    unsafe {
+        for buffer in layout.buffers() {
+            resources.add_buffer(host, allocator, &buffer)?;
+        }
+        resources.add_host_buffer();
+        resources.add_host_buffer();
+        for image in layout.images(desc) {
+            resources.add_image(host, allocator, &image)?;
+        }
+        resources.add_host_image();
+        resources.add_host_image();
+    }
+    Ok(())
+}

@@ -1,0 +1,31 @@
+// Chessboard distance field, one more axis: d(x) = min over j of max(|j|, d'(x + j)). Exact, because the chessboard
+// distance is the maximum over axes. Four voxels a word.
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) readonly buffer FieldFrom { uint field_from[]; };
+layout(std430, binding = 2) writeonly buffer FieldTo { uint field_to[]; };
+
+ivec4 unpack(uint v) {
+    return ivec4(v & 255u, v >> 8 & 255u, v >> 16 & 255u, v >> 24);
+}
+
+void main() {
+    uint packed_row = (params.grid.x + 3u) / 4u;
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= packed_row * params.grid.y * params.grid.z) {
+        return;
+    }
+    uint stride = AXIS == 1 ? packed_row : packed_row * params.grid.y;
+    int count = int(AXIS == 1 ? params.grid.y : params.grid.z);
+    int at = int(AXIS == 1 ? index / packed_row % params.grid.y : index / packed_row / params.grid.y);
+    ivec4 best = unpack(field_from[index]);
+    int most = max(max(best.x, best.y), max(best.z, best.w));
+    for (int j = 1; j < most; ++j) {
+        ivec4 near = ivec4(0);
+        if (at - j >= 0 && at + j < count) {
+            near = min(unpack(field_from[index - uint(j) * stride]), unpack(field_from[index + uint(j) * stride]));
+        }
+        best = min(best, max(ivec4(j), near));
+        most = max(max(best.x, best.y), max(best.z, best.w));
+    }
+    field_to[index] = uint(best.x) | uint(best.y) << 8 | uint(best.z) << 16 | uint(best.w) << 24;
+}

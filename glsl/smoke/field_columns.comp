@@ -1,0 +1,6 @@
+// Chessboard distance field, pass along y.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#define AXIS 1
+#include "field_axis.glsl"

@@ -1,0 +1,59 @@
+// Chessboard distance field, first pass: for each voxel the distance along x to the nearest empty voxel, 0 in an empty
+// one, at most 255; four voxels a word.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) readonly buffer Occupancy { uint occupancy[]; };
+layout(std430, binding = 2) writeonly buffer FieldRows { uint field_rows[]; };
+
+int nearest_empty(uint row, int x) {
+    int words = int(params.grid.w);
+    int word = x / 32;
+    uint here = ~occupancy[row * params.grid.w + uint(word)];
+    int bit = x % 32;
+    if ((here >> uint(bit) & 1u) != 0u) {
+        return 0;
+    }
+    // Outside is empty: voxels -1 and n end the search.
+    int left = -1;
+    uint candidates = here & ((1u << uint(bit)) - 1u);
+    for (int w = word;;) {
+        if (candidates != 0u) {
+            left = w * 32 + findMSB(candidates);
+            break;
+        }
+        if (--w < 0 || x - (w * 32 + 31) > 255) {
+            break;
+        }
+        candidates = ~occupancy[row * params.grid.w + uint(w)];
+    }
+    int right = int(params.grid.x);
+    candidates = bit == 31 ? 0u : here & 0xffffffffu << uint(bit + 1);
+    for (int w = word;;) {
+        if (candidates != 0u) {
+            right = min(right, w * 32 + findLSB(candidates));
+            break;
+        }
+        if (++w >= words || w * 32 - x > 255) {
+            break;
+        }
+        candidates = ~occupancy[row * params.grid.w + uint(w)];
+    }
+    return min(min(x - left, right - x), 255);
+}
+
+void main() {
+    uint packed_row = (params.grid.x + 3u) / 4u;
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= packed_row * params.grid.y * params.grid.z) {
+        return;
+    }
+    uint row = index / packed_row;
+    int x = int(index % packed_row * 4u);
+    uint distances = 0u;
+    for (int i = 0; i < 4 && x + i < int(params.grid.x); ++i) {
+        distances |= uint(nearest_empty(row, x + i)) << uint(8 * i);
+    }
+    field_rows[index] = distances;
+}

@@ -1,0 +1,70 @@
+// Radius by the paper's loop (section 3.1): the box grows shell by shell from the particle until it holds an empty voxel.
+// A shell at k is at least k * side - offset away along the axis that reaches it, so the loop ends when the next shell
+// can hold nothing nearer. The cursor counts the rows (along x) of all shells so far: shell k has (2k + 1)^2 of them.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "../common/bits.glsl"
+layout(local_size_x = 64) in;
+#include "search.glsl"
+
+uint rows_before(uint shell) {
+    return shell * (4u * shell * shell - 1u) / 3u;
+}
+
+float shell_distance(vec3 p, ivec3 voxel, int k) {
+    float best = EMPTY;
+    for (int a = 0; a < 3; ++a) {
+        best = min(best, min(along(p, voxel[a] + k, a), along(p, voxel[a] - k, a)));
+    }
+    return best;
+}
+
+void main() {
+    uint slot = gl_GlobalInvocationID.x;
+    if (slot >= params.counts.x) {
+        return;
+    }
+    vec3 p = particles[slot].position_age.xyz;
+    ivec3 voxel = voxel_of(p);
+    uint cursor;
+    float best;
+    if (!resume_search(slot, p, voxel, cursor, best)) {
+        return;
+    }
+    int k = int(round(0.5 * pow(6.0 * float(cursor), 1.0 / 3.0)));
+    while (k > 0 && rows_before(uint(k)) > cursor) {
+        --k;
+    }
+    int row_of_shell = int(cursor - rows_before(uint(k)));
+    for (uint turn = 0u; turn < constants.turns && cursor < constants.last; ++turn) {
+        int side = 2 * k + 1;
+        if (row_of_shell == side * side) {
+            ++k;
+            row_of_shell = 0;
+            side += 2;
+        }
+        if (row_of_shell == 0 && shell_distance(p, voxel, k) >= best) {
+            cursor = constants.last;
+            break;
+        }
+        int y = voxel.y + row_of_shell % side - k;
+        int z = voxel.z + row_of_shell / side - k;
+        if (y >= 0 && y < int(params.grid.y) && z >= 0 && z < int(params.grid.z)) {
+            float dx = EMPTY;
+            if (abs(y - voxel.y) == k || abs(z - voxel.z) == k) {
+                uint row = params.levels[0].x + (uint(z) * params.grid.y + uint(y)) * params.grid.w;
+                dx = nearest_in_row(row, 0u, p, voxel.x, along(p, voxel.x + k, 0));
+            } else {
+                ivec3 left = ivec3(voxel.x - k, y, z);
+                ivec3 right = ivec3(voxel.x + k, y, z);
+                dx = is_inside(left) && !is_occupied(left) ? along(p, left.x, 0) : EMPTY;
+                dx = is_inside(right) && !is_occupied(right) ? min(dx, along(p, right.x, 0)) : dx;
+            }
+            best = min(best, combined(dx, along(p, y, 1), along(p, z, 2)));
+        }
+        ++cursor;
+        ++row_of_shell;
+    }
+    keep_search(slot, p, cursor, best);
+}

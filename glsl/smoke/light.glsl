@@ -1,0 +1,83 @@
+// Light-space tiles: square grids, one a level, level l with 2^l cells a side; a face for a directional light, six for a
+// point light. A sphere stands in the cells that it touches at the level where its diameter is two to four cells.
+const float FACE_MARGIN = 1.0001;
+
+uint first_cell(uint face, uint level) {
+    return face * params.shadow.y + ((1u << 2u * level) - 1u) / 3u;
+}
+
+bool is_point_light() {
+    return params.light.w != 0.0;
+}
+
+// A vector from a point light as a face sees it: x, y across, z ahead.
+vec3 on_face(vec3 v, uint face) {
+    vec3 turned = face / 2u == 0u ? v.yzx : face / 2u == 1u ? v.zxy : v;
+    return (face & 1u) == 0u ? turned : vec3(turned.y, turned.x, -turned.z);
+}
+
+uint face_of(vec3 v) {
+    vec3 size = abs(v);
+    uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+    return 2u * axis + (v[axis] < 0.0 ? 1u : 0u);
+}
+
+// Position on a face, 0 to 1.
+vec2 face_position(vec3 p, uint face) {
+    if (is_point_light()) {
+        vec3 v = on_face(p - params.light.xyz, face);
+        return 0.5 + 0.5 * v.xy / max(v.z, 1e-30);
+    }
+    vec2 across = vec2(dot(params.light_right.xyz, p), dot(params.light_up.xyz, p));
+    return (across - params.light_frame.xy) * params.light_frame.z;
+}
+
+// Bounds of x / z over a circle with centre (x, z) and radius r, z > r.
+vec2 tangent_range(float x, float z, float r) {
+    float t = sqrt(max((z - r) * (z + r) + x * x, 0.0));
+    return vec2((x * t - z * r) / (z * t + x * r), (x * t + z * r) / (z * t - x * r));
+}
+
+// Bounds of a sphere on a face, 0 to 1 (low xy, high xy); low > high where it does not touch the face.
+vec4 face_bounds(vec4 sphere, uint face) {
+    // A near miss at distance t counts within softness * t of the sphere.
+    if (!is_point_light()) {
+        float r = sphere.w + params.shade.y * params.light_frame.w;
+        vec2 at = face_position(sphere.xyz, face);
+        return vec4(at - r * params.light_frame.z, at + r * params.light_frame.z);
+    }
+    vec3 v = on_face(sphere.xyz - params.light.xyz, face);
+    // Seen from the pixel the sphere is `softness * t` larger, t at most the way to the light.
+    float r = sphere.w + params.shade.y * params.light_frame.w;
+    if (v.z <= r * FACE_MARGIN) {
+        // The light is inside, or the sphere reaches behind the face: all of the face, if any.
+        return v.z + r * FACE_MARGIN > 0.0 ? vec4(0.0, 0.0, 1.0, 1.0) : vec4(1.0, 1.0, 0.0, 0.0);
+    }
+    vec2 across = tangent_range(v.x, v.z, r);
+    vec2 down = tangent_range(v.y, v.z, r);
+    vec4 bounds = 0.5 + 0.5 * vec4(across.x, down.x, across.y, down.y);
+    bool outside = any(greaterThan(bounds.xy, vec2(1.0))) || any(lessThan(bounds.zw, vec2(0.0)));
+    return outside ? vec4(1.0, 1.0, 0.0, 0.0) : clamp(bounds, 0.0, 1.0);
+}
+
+// The cells that a sphere stands in: level and corners, both included. False if it does not touch the face.
+bool cells_of(vec4 sphere, uint face, out uint level, out uvec4 cells) {
+    vec4 bounds = face_bounds(sphere, face);
+    if (bounds.x > bounds.z || bounds.y > bounds.w) {
+        return false;
+    }
+    // Rounding in the look-up may differ from rounding here by a few units in the last place.
+    bounds += vec4(-1e-5, -1e-5, 1e-5, 1e-5);
+    float size = max(bounds.z - bounds.x, bounds.w - bounds.y);
+    float finest = floor(log2(CELLS_ACROSS / max(size, 1e-9)));
+    level = uint(clamp(finest, 0.0, float(params.shadow.x) - 1.0));
+    float side = float(1u << level);
+    cells = uvec4(clamp(floor(bounds * side), vec4(0.0), vec4(side - 1.0)));
+    return true;
+}
+
+uint cell_at(uint face, uint level, vec2 position) {
+    float side = float(1u << level);
+    uvec2 cell = uvec2(clamp(floor(position * side), vec2(0.0), vec2(side - 1.0)));
+    return first_cell(face, level) + cell.y * (1u << level) + cell.x;
+}

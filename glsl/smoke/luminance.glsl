@@ -1,0 +1,71 @@
+// Luminance, depth and group of the pixels that a sphere was seen at: Y = ambient + (1 - ambient) max(0, n.l) s. Works
+// on occupied tiles, so that only pixels that are seen ask for shadows.
+layout(constant_id = 1) const uint KEEP_SHADOW = 0u;  // 1: s is a layer, or several dispatches add to it
+layout(local_size_x = 32, local_size_y = 8) in;
+layout(binding = 1, r32ui) uniform readonly uimage2D seen;
+layout(std430, binding = 2) readonly buffer Spheres { vec4 spheres[]; };
+layout(std430, binding = 3) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
+layout(std430, binding = 4) writeonly buffer Pixels { uint pixels[]; };
+layout(std430, binding = 5) writeonly buffer Depth { float depth[]; };
+layout(std430, binding = 6) buffer Shadow { float shadow[]; };
+#include "view.glsl"
+#include "pixel.glsl"
+
+// What a shadow is asked for.
+struct Surface {
+    uint slot;
+    vec3 centre;  // of the pixel's sphere
+    vec3 offset;  // from the centre to the surface
+    vec3 normal;
+    vec3 to_light;
+    float light_distance;
+    float facing;
+};
+
+float lit_share(Surface surface, float before);
+
+void shade(uvec2 at) {
+    uint code = imageLoad(seen, ivec2(at)).x;
+    if (code == 0u) {
+        return;
+    }
+    Surface surface;
+    surface.slot = (code >> 8) - 1u;
+    vec4 sphere = spheres[surface.slot];
+    vec3 c = to_view(sphere.xyz);
+    vec3 ray = pixel_ray(vec2(at) + 0.5);
+    float view_depth = front_depth(ray, c, sphere.w);
+    surface.centre = sphere.xyz;
+    surface.normal = to_world_direction((view_depth * ray - c) / sphere.w);
+    surface.offset = surface.normal * sphere.w;
+    bool point = params.light.w != 0.0;
+    vec3 to_light = point ? (params.light.xyz - sphere.xyz) - surface.offset : params.light.xyz;
+    surface.light_distance = point ? length(to_light) : EMPTY;
+    surface.to_light = point ? to_light / max(surface.light_distance, 1e-30) : to_light;
+    surface.facing = dot(surface.normal, surface.to_light);
+    uint pixel = at.y * params.image.x + at.x;
+    float s = 1.0;
+    if (KEEP_SHADOW != 0u) {
+        if (!FIRST_PART) {
+            s = shadow[pixel];
+        }
+        s = lit_share(surface, s);
+        shadow[pixel] = s;
+    } else if (surface.facing > 0.0) {
+        s = lit_share(surface, s);
+    }
+    float luminance = params.shade.x + (1.0 - params.shade.x) * max(0.0, surface.facing) * s;
+    pixels[pixel] = pack_pixel(luminance, code & 255u);
+    depth[pixel] = view_depth;
+}
+
+void main() {
+    uint tile = occupied_tiles[gl_WorkGroupID.x];
+    uvec2 corner = uvec2(tile % params.image.z, tile / params.image.z) * TILE;
+    for (uint row = 0u; row < TILE; row += 8u) {
+        uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
+        if (all(lessThan(at, params.image.xy))) {
+            shade(at);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+// Luminance with a shadow map (paper, section 3.2): slope-scaled bias, percentage-closer filter.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+layout(push_constant) uniform MapConstants { uint texels; } constants;
+#define FIRST_PART true
+#include "params.glsl"
+#include "luminance.glsl"
+layout(binding = 7) uniform texture2DArray shadow_map;
+layout(std430, binding = 8) readonly buffer ControlBuffer { Control control; };
+layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
+#include "light.glsl"
+#include "light_map.glsl"
+
+float lit_share(Surface surface, float before) {
+    vec3 p = surface.centre + surface.offset;
+    float texels = float(constants.texels);
+    int taps = int(params.shadow.w);
+    float slope = min(sqrt(max(1.0 - surface.facing * surface.facing, 0.0)) / max(surface.facing, 0.05), 16.0);
+    // Half a texel along the slope, and the reach of the filter.
+    float reach = 0.5 * float(taps) * slope + 0.5;
+    uint face = 0u;
+    vec2 at;
+    float own;
+    if (is_point_light()) {
+        vec3 v = p - params.light.xyz;
+        face = face_of(v);
+        v = on_face(v, face);
+        at = 0.5 + 0.5 * v.xy / v.z;
+        own = v.z - reach * 2.0 * v.z / texels;
+    } else {
+        vec4 frame = map_frame();
+        vec3 c = vec3(dot(params.light_right.xyz, p), dot(params.light_up.xyz, p), dot(params.light.xyz, p));
+        c = (c - frame.xyz) / frame.w;
+        at = c.xy;
+        own = c.z + reach / texels;
+    }
+    ivec2 texel = ivec2(floor(at * texels)) - taps / 2;
+    int lit = 0;
+    for (int y = 0; y < taps; ++y) {
+        for (int x = 0; x < taps; ++x) {
+            ivec2 tap = clamp(texel + ivec2(x, y), ivec2(0), ivec2(constants.texels - 1u));
+            float stored = texelFetch(shadow_map, ivec3(tap, face), 0).x;
+            bool blocked = is_point_light() ? stored > 0.0 && map_near() / stored < own : stored > own;
+            lit += blocked ? 0 : 1;
+        }
+    }
+    return float(lit) / float(taps * taps);
+}

@@ -1,0 +1,46 @@
+// Strength of the ink line at each pixel, before its width: 1 - l with l = max(0, 1 - w l') (paper, section 3.5), from
+// view depth in units of max(smallest voxel side, eight pixel footprints).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+layout(constant_id = 0) const uint SECOND = 0u;  // 1: second differences
+#include "params.glsl"
+layout(local_size_x = 32, local_size_y = 8) in;
+layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
+layout(std430, binding = 2) readonly buffer Depth { float depth[]; };
+layout(std430, binding = 3) writeonly buffer Lines { float lines[]; };
+
+float depth_at(ivec2 at) {
+    ivec2 inside = clamp(at, ivec2(0), ivec2(params.image.xy) - 1);
+    return depth[uint(inside.y) * params.image.x + uint(inside.x)];
+}
+
+float line_at(ivec2 at) {
+    float centre = depth_at(at);
+    if (centre == EMPTY) {
+        return 0.0;
+    }
+    float a = depth_at(at + ivec2(-1, 1));
+    float b = depth_at(at + ivec2(1, -1));
+    float c = depth_at(at + ivec2(-1, -1));
+    float d = depth_at(at + ivec2(1, 1));
+    if (a == EMPTY || b == EMPTY || c == EMPTY || d == EMPTY) {
+        return 1.0;
+    }
+    float per_unit = 1.0 / max(params.ink.z, 8.0 * params.ink.w * centre);
+    float first = SECOND != 0u ? (a - centre) + (b - centre) : a - b;
+    float second = SECOND != 0u ? (c - centre) + (d - centre) : c - d;
+    first *= per_unit;
+    second *= per_unit;
+    return 1.0 - max(0.0, 1.0 - params.ink.x * (first * first + second * second));
+}
+
+void main() {
+    uint tile = occupied_tiles[gl_WorkGroupID.x];
+    uvec2 corner = uvec2(tile % params.image.z, tile / params.image.z) * TILE;
+    for (uint row = 0u; row < TILE; row += 8u) {
+        uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
+        if (all(lessThan(at, params.image.xy))) {
+            lines[at.y * params.image.x + at.x] = line_at(ivec2(at));
+        }
+    }
+}

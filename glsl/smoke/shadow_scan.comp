@@ -1,0 +1,48 @@
+// Running sum of the tiles' counts, in one workgroup. `cell_ends` becomes where each tile's list begins; filling moves it
+// to where the list ends.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 256) in;
+layout(std430, binding = 1) buffer Cells { uint cell_ends[]; };
+layout(std430, binding = 2) buffer HistoryBuffer { History history; };
+
+shared uint sums[256];
+shared uint longest[16];
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint count = params.shadow.y * params.shadow.z;
+    uint share = (count + 255u) / 256u;
+    uint first = min(lane * share, count);
+    uint last = min(first + share, count);
+    if (lane < 16u) {
+        longest[lane] = 0u;
+    }
+    barrier();
+    uint sum = 0u;
+    for (uint i = first; i < last; ++i) {
+        uint in_cell = cell_ends[i];
+        cell_ends[i] = sum;
+        sum += in_cell;
+        // The level of a cell, from its place among the levels of its face.
+        uint level = uint(findMSB(3u * (i % params.shadow.y) + 1u)) / 2u;
+        atomicMax(longest[level], in_cell);
+    }
+    sums[lane] = sum;
+    barrier();
+    uint before = 0u;
+    for (uint i = 0u; i < lane; ++i) {
+        before += sums[i];
+    }
+    for (uint i = first; i < last; ++i) {
+        cell_ends[i] += before;
+    }
+    if (lane == 0u) {
+        uint total = 0u;
+        for (uint level = 0u; level < params.shadow.x; ++level) {
+            total += longest[level];
+        }
+        history.longest = total;
+    }
+}

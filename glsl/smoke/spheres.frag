@@ -1,0 +1,18 @@
+// Exact ray-sphere intersection; the sphere's slot and group, and its exact depth.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "view.glsl"
+layout(location = 0) flat in vec4 view_sphere;
+layout(location = 1) flat in uint code;
+layout(location = 0) out uint seen;
+layout(depth_less) out float gl_FragDepth;
+
+void main() {
+    float depth = front_depth(pixel_ray(gl_FragCoord.xy), view_sphere.xyz, view_sphere.w);
+    if (!(depth >= params.lens.z && depth <= params.lens.w)) {
+        discard;
+    }
+    gl_FragDepth = params.lens.z / depth;
+    seen = code;
+}

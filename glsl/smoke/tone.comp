@@ -1,0 +1,97 @@
+// From smoothed luminance to tones (paper, section 3.4), with the ink line over them.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+layout(constant_id = 0) const uint FILTERED = 1u;  // 0: no Gaussian, the luminance itself is cut
+layout(constant_id = 1) const uint INKED = 1u;     // 0: no line
+layout(constant_id = 2) const uint LAYERS = 0u;    // 1: tone and line are kept
+layout(constant_id = 3) const int REACH = 1;       // pixels from which a line can reach a pixel
+#include "params.glsl"
+#include "pixel.glsl"
+layout(local_size_x = 32, local_size_y = 8) in;
+layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
+layout(std430, binding = 2) readonly buffer Pixels { uint pixels[]; };
+layout(std430, binding = 3) readonly buffer Smooth { float smooth_luminance[]; };
+layout(std430, binding = 4) readonly buffer Lines { float lines[]; };
+layout(std430, binding = 5) readonly buffer Tones { vec4 tones[]; };  // linear RGB, from
+layout(std430, binding = 6) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, binding = 7) writeonly buffer ToneLayer { vec4 tone_layer[]; };
+layout(std430, binding = 8) writeonly buffer OutlineLayer { float outline_layer[]; };
+
+uint pixel_at(ivec2 at) {
+    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
+    return inside ? pixels[uint(at.y) * params.image.x + uint(at.x)] : 0u;
+}
+
+float value_at(ivec2 at, uint pixel) {
+    return FILTERED != 0u ? smooth_luminance[uint(at.y) * params.image.x + uint(at.x)] : pixel_luminance(pixel);
+}
+
+// Difference per pixel along an axis within the same group: central, one-sided at a border, else 0.
+float slope(ivec2 at, ivec2 axis, uint id, float centre) {
+    uint next = pixel_at(at + axis);
+    uint previous = pixel_at(at - axis);
+    bool has_next = pixel_id(next) == id;
+    bool has_previous = pixel_id(previous) == id;
+    float high = has_next ? value_at(at + axis, next) : centre;
+    float low = has_previous ? value_at(at - axis, previous) : centre;
+    return (high - low) * (has_next && has_previous ? 0.5 : 1.0);
+}
+
+vec3 tone_of(ivec2 at, uint pixel) {
+    float s = value_at(at, pixel);
+    float softness = params.ink_colour.w;
+    float width = 0.0;
+    if (softness > 0.0) {
+        uint id = pixel_id(pixel);
+        width = 2.0 * softness * length(vec2(slope(at, ivec2(1, 0), id, s), slope(at, ivec2(0, 1), id, s)));
+    }
+    vec3 colour = tones[0].rgb;
+    for (uint i = 1u; i < params.filtering.z; ++i) {
+        float above = s - tones[i].w;
+        float share = width > 0.0 ? clamp(0.5 + above / width, 0.0, 1.0) : above >= 0.0 ? 1.0 : 0.0;
+        colour = mix(colour, tones[i].rgb, share);
+    }
+    return colour;
+}
+
+// The line, widened: the strongest of the pixels near enough, fading over the last pixel.
+float line_of(ivec2 at) {
+    float opacity = 0.0;
+    for (int y = -REACH; y <= REACH; ++y) {
+        for (int x = -REACH; x <= REACH; ++x) {
+            float share = clamp(params.ink.y - length(vec2(x, y)), 0.0, 1.0);
+            ivec2 from = at + ivec2(x, y);
+            if (share > 0.0 && pixel_id(pixel_at(from)) != 0u) {
+                opacity = max(opacity, lines[uint(from.y) * params.image.x + uint(from.x)] * share);
+            }
+        }
+    }
+    return opacity;
+}
+
+void finish(ivec2 at) {
+    uint index = uint(at.y) * params.image.x + uint(at.x);
+    uint pixel = pixels[index];
+    if (pixel_id(pixel) == 0u) {
+        picture[index] = vec4(0.0);
+        return;
+    }
+    vec3 tone = tone_of(at, pixel);
+    float line = INKED != 0u ? line_of(at) : 0.0;
+    picture[index] = vec4(mix(tone, params.ink_colour.rgb, line), 1.0);
+    if (LAYERS != 0u) {
+        tone_layer[index] = vec4(tone, 1.0);
+        outline_layer[index] = line;
+    }
+}
+
+void main() {
+    uint tile = occupied_tiles[gl_WorkGroupID.x];
+    uvec2 corner = uvec2(tile % params.image.z, tile / params.image.z) * TILE;
+    for (uint row = 0u; row < TILE; row += 8u) {
+        uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
+        if (all(lessThan(at, params.image.xy))) {
+            finish(ivec2(at));
+        }
+    }
+}

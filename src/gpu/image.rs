@@ -1,0 +1,151 @@
+//! Images with a name, memory and views of their own.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
+
+use crate::error::{Error, Result};
+use crate::gpu::debug;
+use crate::host::Host;
+
+/// What an image is to be: two-dimensional, one mip level, single-sampled, optimal tiling.
+#[derive(Clone, Copy, Debug)]
+pub struct ImageDesc {
+    /// Debug name.
+    pub name: &'static str,
+    /// Pixels.
+    pub extent: [u32; 2],
+    /// Array layers, at least 1.
+    pub layers: u32,
+    /// Whether shaders see the whole image as an array.
+    pub array_view: bool,
+    /// Format; `D32_SFLOAT` makes a depth image.
+    pub format: vk::Format,
+    /// What it is used for.
+    pub usage: vk::ImageUsageFlags,
+}
+
+/// An image that celfx made.
+#[derive(Debug)]
+pub struct Image {
+    /// The handle.
+    pub handle: vk::Image,
+    /// The whole image: what shaders bind.
+    pub view: vk::ImageView,
+    /// One view a layer: what render passes attach.
+    pub layer_views: Vec<vk::ImageView>,
+    /// Colour or depth.
+    pub aspect: vk::ImageAspectFlags,
+    allocation: Option<Allocation>,
+}
+
+impl Image {
+    /// Creates the image, its memory and views; leaves nothing behind on error.
+    ///
+    /// # Safety
+    /// `host` holds valid handles, and `allocator` belongs to its device.
+    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: &ImageDesc) -> Result<Image> {
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(desc.format)
+            .extent(vk::Extent3D { width: desc.extent[0], height: desc.extent[1], depth: 1 })
+            .mip_levels(1)
+            .array_layers(desc.layers)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(desc.usage);
+        // SAFETY: the caller's.
+        let handle = unsafe { host.device.create_image(&info, None) };
+        let handle = handle.map_err(Error::vulkan("vkCreateImage", desc.name))?;
+        let aspect = match desc.format {
+            vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
+            _ => vk::ImageAspectFlags::COLOR,
+        };
+        let mut image =
+            Image { handle, view: vk::ImageView::null(), layer_views: Vec::new(), aspect, allocation: None };
+        // SAFETY: `handle` was just made; on error everything made so far is destroyed unused.
+        unsafe {
+            if let Err(error) = image.complete(host, allocator, desc) {
+                image.destroy(host, allocator);
+                return Err(error);
+            }
+            debug::set_name(host, handle, desc.name);
+        }
+        Ok(image)
+    }
+
+    unsafe fn complete(&mut self, host: &Host, allocator: &mut Allocator, desc: &ImageDesc) -> Result<()> {
+        // SAFETY: `self.handle` is valid and unbound.
+        let requirements = unsafe { host.device.get_image_memory_requirements(self.handle) };
+        let request = AllocationCreateDesc {
+            name: desc.name,
+            requirements,
+            location: MemoryLocation::GpuOnly,
+            linear: false,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        };
+        let allocation = allocator.allocate(&request).map_err(|source| Error::Allocation {
+            name: desc.name.into(),
+            bytes: requirements.size,
+            source,
+        })?;
+        // SAFETY: fresh memory that fits the image's requirements.
+        let bound = unsafe { host.device.bind_image_memory(self.handle, allocation.memory(), allocation.offset()) };
+        self.allocation = Some(allocation);
+        bound.map_err(Error::vulkan("vkBindImageMemory", desc.name))?;
+        // SAFETY: the image is bound.
+        unsafe {
+            self.view = self.make_view(host, desc, 0, desc.layers, desc.array_view)?;
+            for layer in 0..desc.layers {
+                let view = self.make_view(host, desc, layer, 1, false)?;
+                self.layer_views.push(view);
+            }
+        }
+        Ok(())
+    }
+
+    unsafe fn make_view(
+        &self,
+        host: &Host,
+        desc: &ImageDesc,
+        layer: u32,
+        layers: u32,
+        array: bool,
+    ) -> Result<vk::ImageView> {
+        let view_type = if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        let info = vk::ImageViewCreateInfo::default()
+            .image(self.handle)
+            .view_type(view_type)
+            .format(desc.format)
+            .subresource_range(vk::ImageSubresourceRange {
+                aspect_mask: self.aspect,
+                base_mip_level: 0,
+                level_count: 1,
+                base_array_layer: layer,
+                layer_count: layers,
+            });
+        // SAFETY: the image is bound and has these layers.
+        unsafe { host.device.create_image_view(&info, None) }.map_err(Error::vulkan("vkCreateImageView", desc.name))
+    }
+
+    /// Destroys the image and its views, and gives its memory back.
+    ///
+    /// # Safety
+    /// The GPU is done with it; `host` and `allocator` are those it was made with.
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's; null handles are ignored.
+        unsafe {
+            for view in self.layer_views.drain(..) {
+                host.device.destroy_image_view(view, None);
+            }
+            host.device.destroy_image_view(self.view, None);
+            host.device.destroy_image(self.handle, None);
+        }
+        self.view = vk::ImageView::null();
+        self.handle = vk::Image::null();
+        if let Some(allocation) = self.allocation.take() {
+            // Freeing an allocation that the allocator made does not fail.
+            let _ = allocator.free(allocation);
+        }
+    }
+}

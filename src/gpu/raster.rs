@@ -1,0 +1,111 @@
+//! Render passes: pipelines for dynamic rendering, quads as triangle strips.
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::gpu::kernel::{create_module, specialisation_entries};
+use crate::host::Host;
+use crate::plan::{Pass, Raster};
+
+/// Creates the pipeline of a render pass.
+///
+/// # Safety
+/// `host` holds valid handles; `layout` was made for `pass`.
+pub(crate) unsafe fn create(
+    host: &Host,
+    pass: &Pass,
+    raster: &Raster,
+    layout: vk::PipelineLayout,
+) -> Result<vk::Pipeline> {
+    let entries = specialisation_entries(pass.specialisation.len());
+    let specialisation =
+        vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&pass.specialisation));
+    // SAFETY: the caller's; modules are only needed until the pipeline is made.
+    unsafe {
+        let vertex = create_module(host, raster.vertex)?;
+        let fragment = match create_module(host, raster.fragment) {
+            Ok(module) => module,
+            Err(error) => {
+                host.device.destroy_shader_module(vertex, None);
+                return Err(error);
+            }
+        };
+        let stage = |flags, module| {
+            vk::PipelineShaderStageCreateInfo::default()
+                .stage(flags)
+                .module(module)
+                .name(c"main")
+                .specialization_info(&specialisation)
+        };
+        let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
+        let result = create_pipeline(host, raster, layout, &stages);
+        host.device.destroy_shader_module(vertex, None);
+        host.device.destroy_shader_module(fragment, None);
+        result.map_err(Error::vulkan("vkCreateGraphicsPipelines", pass.name))
+    }
+}
+
+unsafe fn create_pipeline(
+    host: &Host,
+    raster: &Raster,
+    layout: vk::PipelineLayout,
+    stages: &[vk::PipelineShaderStageCreateInfo],
+) -> std::result::Result<vk::Pipeline, vk::Result> {
+    let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_STRIP);
+    let (viewports, scissors) = ([viewport(raster.extent)], [area(raster.extent)]);
+    let viewport_state = vk::PipelineViewportStateCreateInfo::default().viewports(&viewports).scissors(&scissors);
+    let rasterisation = vk::PipelineRasterizationStateCreateInfo::default()
+        .polygon_mode(vk::PolygonMode::FILL)
+        .cull_mode(vk::CullModeFlags::NONE)
+        .line_width(1.0);
+    let multisample =
+        vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let mut depth_state = vk::PipelineDepthStencilStateCreateInfo::default();
+    if let Some(depth) = &raster.depth {
+        depth_state = depth_state.depth_test_enable(true).depth_write_enable(true).depth_compare_op(depth.compare);
+    }
+    let blend_attachments: Vec<_> = raster.colour.iter().map(|colour| blend(colour.blend)).collect();
+    let blend_state = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend_attachments);
+    let formats: Vec<_> = raster.colour.iter().map(|colour| colour.format).collect();
+    let mut rendering = vk::PipelineRenderingCreateInfo::default()
+        .color_attachment_formats(&formats)
+        .depth_attachment_format(raster.depth.map_or(vk::Format::UNDEFINED, |depth| depth.format));
+    let info = vk::GraphicsPipelineCreateInfo::default()
+        .stages(stages)
+        .vertex_input_state(&vertex_input)
+        .input_assembly_state(&assembly)
+        .viewport_state(&viewport_state)
+        .rasterization_state(&rasterisation)
+        .multisample_state(&multisample)
+        .depth_stencil_state(&depth_state)
+        .color_blend_state(&blend_state)
+        .layout(layout)
+        .push_next(&mut rendering);
+    // SAFETY: the caller's.
+    let result = unsafe { host.device.create_graphics_pipelines(host.pipeline_cache, &[info], None) };
+    result.map(|pipelines| pipelines[0]).map_err(|(_, error)| error)
+}
+
+fn blend(over: bool) -> vk::PipelineColorBlendAttachmentState {
+    vk::PipelineColorBlendAttachmentState::default()
+        .color_write_mask(vk::ColorComponentFlags::RGBA)
+        .blend_enable(over)
+        .src_color_blend_factor(vk::BlendFactor::ONE)
+        .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+        .color_blend_op(vk::BlendOp::ADD)
+        .src_alpha_blend_factor(vk::BlendFactor::ONE)
+        .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+        .alpha_blend_op(vk::BlendOp::ADD)
+}
+
+fn viewport(extent: [u32; 2]) -> vk::Viewport {
+    let [width, height] = extent.map(|side| side as f32);
+    vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 }
+}
+
+/// The whole of an attachment.
+pub(crate) fn area(extent: [u32; 2]) -> vk::Rect2D {
+    let [width, height] = extent;
+    vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }
+}

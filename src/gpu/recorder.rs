@@ -1,0 +1,351 @@
+//! Walks a plan into a command buffer: barriers, labels, timestamps, commands. Allocates nothing.
+
+use ash::vk;
+
+use crate::barrier::{Barrier, Tracker};
+use crate::error::{Error, Result};
+use crate::gpu::debug;
+use crate::gpu::kernel::{Pipelines, push_range};
+use crate::gpu::profiler::{Mode, Timing};
+use crate::gpu::raster::area;
+use crate::gpu::resources::{BufferSlot, ImageSlot, Resources};
+use crate::host::{Host, ImageState};
+use crate::plan::{Command, Kernel, Pass, Plan, Raster, Resource, Step};
+
+/// Records plans of one effect.
+#[derive(Debug)]
+pub struct Recorder {
+    tracker: Tracker,
+    mode: Mode,
+}
+
+/// What a plan is recorded with.
+pub struct Recording<'a> {
+    /// The host's handles.
+    pub host: &'a Host<'a>,
+    /// In recording state, outside of a render pass.
+    pub commands: vk::CommandBuffer,
+    /// The effect's passes.
+    pub passes: &'a [Pass],
+    /// Their Vulkan side.
+    pub pipelines: &'a Pipelines,
+    /// What the ids stand for.
+    pub resources: &'a mut Resources,
+}
+
+impl Recorder {
+    /// A recorder for an effect with so many buffers and images.
+    pub fn new(resources: &Resources) -> Recorder {
+        let tracker = Tracker::new(resources.buffers.len(), resources.images.len());
+        Recorder { tracker, mode: Mode::Overlapping }
+    }
+
+    /// Whether steps may overlap on the device, or a full barrier isolates each (for comparing kernels).
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.mode = mode;
+    }
+
+    /// Records every step of `plan`.
+    ///
+    /// # Safety
+    /// All handles in `recording` are valid, the pipelines and resources were made for its passes, and host resources
+    /// that the plan names have been handed over and are in the states that they declare.
+    pub unsafe fn record(&mut self, plan: &Plan, recording: &mut Recording, timing: &mut Timing) -> Result<()> {
+        let Recording { host, commands, passes, .. } = *recording;
+        // SAFETY: the caller's, for all of it.
+        unsafe {
+            self.open(plan, recording);
+            let Recording { pipelines, resources, .. } = recording;
+            for step in &plan.steps {
+                let pass = &passes[usize::from(step.pass.0)];
+                let isolated = Barrier {
+                    src_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+                    src_access: vk::AccessFlags2::MEMORY_WRITE,
+                    dst_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+                    dst_access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
+                };
+                let derived = self.tracker.before(step, pass);
+                barrier(host, commands, if self.mode == Mode::Isolated { &isolated } else { &derived });
+                debug::begin_label(host, commands, pass.name);
+                timing.begin_scope(host, commands, pass.name);
+                let walk = Walk { host, commands, resources, plan };
+                walk.step(step, pass, &pipelines.pipelines[usize::from(step.pass.0)])?;
+                timing.end_scope(host, commands);
+                debug::end_label(host, commands);
+            }
+            for (name, reason) in &plan.skipped {
+                timing.skip(name, reason);
+            }
+            close(host, commands, resources);
+        }
+        Ok(())
+    }
+
+    /// Orders the frame after the one before it, and takes the host's resources over.
+    unsafe fn open(&mut self, plan: &Plan, recording: &mut Recording) {
+        let Recording { host, commands, passes, resources, .. } = recording;
+        let opening = self.tracker.begin(plan, passes);
+        // SAFETY: the caller's.
+        unsafe { barrier(host, *commands, &opening) };
+        for (index, slot) in resources.buffers.iter().enumerate() {
+            if let BufferSlot::Host(Some(buffer)) = slot {
+                let id = crate::plan::BufferId(index as u16);
+                self.tracker.written_before(Resource::Buffer(id), buffer.stage, buffer.access);
+            }
+        }
+        for slot in &resources.images {
+            let (image, aspect, from, layout) = match slot {
+                ImageSlot::Own(image) if !resources.initialised => {
+                    (image.handle, image.aspect, ImageState::default(), vk::ImageLayout::GENERAL)
+                }
+                ImageSlot::Host(Some(host)) => (host.image, aspect_of(host.format), host.state_in, host_layout()),
+                _ => continue,
+            };
+            let to = ImageState {
+                stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+                access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
+                layout,
+            };
+            // SAFETY: the caller's.
+            unsafe { transition(host, *commands, image, aspect, from, to) };
+        }
+        resources.initialised = true;
+    }
+}
+
+/// The layout of host images while an effect has them: they are cleared, copied and attached in one frame.
+fn host_layout() -> vk::ImageLayout {
+    vk::ImageLayout::GENERAL
+}
+
+fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
+    match format {
+        vk::Format::D16_UNORM | vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
+        vk::Format::D16_UNORM_S8_UINT | vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
+            vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
+        }
+        _ => vk::ImageAspectFlags::COLOR,
+    }
+}
+
+/// Hands the host's images back in the states that it asked for.
+unsafe fn close(host: &Host, commands: vk::CommandBuffer, resources: &Resources) {
+    for slot in &resources.images {
+        if let ImageSlot::Host(Some(image)) = slot {
+            let from = ImageState {
+                stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+                access: vk::AccessFlags2::MEMORY_WRITE,
+                layout: host_layout(),
+            };
+            // SAFETY: the caller's.
+            unsafe { transition(host, commands, image.image, aspect_of(image.format), from, image.state_out) };
+        }
+    }
+}
+
+unsafe fn transition(
+    host: &Host,
+    commands: vk::CommandBuffer,
+    image: vk::Image,
+    aspect: vk::ImageAspectFlags,
+    from: ImageState,
+    to: ImageState,
+) {
+    let barriers = [vk::ImageMemoryBarrier2::default()
+        .src_stage_mask(from.stage)
+        .src_access_mask(from.access)
+        .dst_stage_mask(to.stage)
+        .dst_access_mask(to.access)
+        .old_layout(from.layout)
+        .new_layout(to.layout)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .image(image)
+        .subresource_range(whole(aspect))];
+    let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+    // SAFETY: the caller's.
+    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
+}
+
+fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
+    vk::ImageSubresourceRange {
+        aspect_mask: aspect,
+        base_mip_level: 0,
+        level_count: vk::REMAINING_MIP_LEVELS,
+        base_array_layer: 0,
+        layer_count: vk::REMAINING_ARRAY_LAYERS,
+    }
+}
+
+unsafe fn barrier(host: &Host, commands: vk::CommandBuffer, barrier: &Barrier) {
+    if barrier.is_empty() {
+        return;
+    }
+    let barriers = [vk::MemoryBarrier2::default()
+        .src_stage_mask(barrier.src_stage)
+        .src_access_mask(barrier.src_access)
+        .dst_stage_mask(barrier.dst_stage)
+        .dst_access_mask(barrier.dst_access)];
+    let dependency = vk::DependencyInfo::default().memory_barriers(&barriers);
+    // SAFETY: the caller's.
+    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
+}
+
+/// What a step is recorded with.
+struct Walk<'a> {
+    host: &'a Host<'a>,
+    commands: vk::CommandBuffer,
+    resources: &'a Resources,
+    plan: &'a Plan,
+}
+
+impl Walk<'_> {
+    unsafe fn step(&self, step: &Step, pass: &Pass, pipeline: &crate::gpu::kernel::Pipeline) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe {
+            match &pass.kernel {
+                Kernel::Compute(shader) => {
+                    self.bind(step, pass, pipeline, vk::PipelineBindPoint::COMPUTE);
+                    self.dispatch(step, shader.local_size);
+                }
+                Kernel::Raster(raster) => {
+                    self.bind(step, pass, pipeline, vk::PipelineBindPoint::GRAPHICS);
+                    self.render(step, raster);
+                }
+                Kernel::Transfer => self.transfer(step, pass)?,
+            }
+        }
+        Ok(())
+    }
+
+    unsafe fn bind(
+        &self,
+        step: &Step,
+        pass: &Pass,
+        pipeline: &crate::gpu::kernel::Pipeline,
+        point: vk::PipelineBindPoint,
+    ) {
+        let device = self.host.device;
+        let (stages, size) = push_range(pass);
+        // SAFETY: the caller's.
+        unsafe {
+            device.cmd_bind_pipeline(self.commands, point, pipeline.handle);
+            device.cmd_bind_descriptor_sets(self.commands, point, pipeline.layout, 0, &[pipeline.set], &[]);
+            if size > 0 {
+                let bytes = &step.constants[..size as usize];
+                device.cmd_push_constants(self.commands, pipeline.layout, stages, 0, bytes);
+            }
+        }
+    }
+
+    unsafe fn dispatch(&self, step: &Step, local_size: [u32; 3]) {
+        let device = self.host.device;
+        // SAFETY: the caller's.
+        unsafe {
+            match step.command {
+                Command::Dispatch { threads } => {
+                    let [x, y, z] = [0, 1, 2].map(|axis| threads[axis].div_ceil(local_size[axis]));
+                    device.cmd_dispatch(self.commands, x, y, z);
+                }
+                Command::DispatchIndirect { arguments, offset } => {
+                    let (buffer, start, _) = self.resources.buffer(arguments);
+                    device.cmd_dispatch_indirect(self.commands, buffer, start + offset);
+                }
+                _ => debug_assert!(false, "a compute pass dispatches"),
+            }
+        }
+    }
+
+    unsafe fn render(&self, step: &Step, raster: &Raster) {
+        let device = self.host.device;
+        let general = vk::ImageLayout::GENERAL;
+        let load = |clears: bool| if clears { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+        let colour = raster.colour.map(|colour| {
+            let uint32 = colour.clear.unwrap_or_default();
+            vk::RenderingAttachmentInfo::default()
+                .image_view(self.resources.attachment_view(colour.image, 0))
+                .image_layout(general)
+                .load_op(load(colour.clear.is_some()))
+                .store_op(vk::AttachmentStoreOp::STORE)
+                .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32 } })
+        });
+        let depth = raster.depth.map(|depth| {
+            let depth_stencil = vk::ClearDepthStencilValue { depth: depth.clear.unwrap_or_default(), stencil: 0 };
+            vk::RenderingAttachmentInfo::default()
+                .image_view(self.resources.attachment_view(depth.image, depth.layer))
+                .image_layout(general)
+                .load_op(load(depth.clear.is_some()))
+                .store_op(vk::AttachmentStoreOp::STORE)
+                .clear_value(vk::ClearValue { depth_stencil })
+        });
+        let mut info = vk::RenderingInfo::default()
+            .render_area(area(raster.extent))
+            .layer_count(1)
+            .color_attachments(colour.as_slice());
+        if let Some(depth) = &depth {
+            info = info.depth_attachment(depth);
+        }
+        // SAFETY: the caller's.
+        unsafe {
+            device.cmd_begin_rendering(self.commands, &info);
+            match step.command {
+                Command::Draw { instances } => device.cmd_draw(self.commands, 4, instances, 0, 0),
+                Command::DrawIndirect { arguments, offset } => {
+                    let (buffer, start, _) = self.resources.buffer(arguments);
+                    device.cmd_draw_indirect(self.commands, buffer, start + offset, 1, 16);
+                }
+                _ => debug_assert!(false, "a render pass draws"),
+            }
+            device.cmd_end_rendering(self.commands);
+        }
+    }
+
+    unsafe fn transfer(&self, step: &Step, pass: &Pass) -> Result<()> {
+        let device = self.host.device;
+        let general = vk::ImageLayout::GENERAL;
+        // SAFETY: the caller's.
+        unsafe {
+            match step.command {
+                Command::Fill { buffer, word } => {
+                    let (buffer, offset, size) = self.resources.buffer(buffer);
+                    device.cmd_fill_buffer(self.commands, buffer, offset, size & !3, word);
+                }
+                Command::Update { buffer, from, bytes } => {
+                    let (buffer, offset, _) = self.resources.buffer(buffer);
+                    device.cmd_update_buffer(self.commands, buffer, offset, &self.plan.data[from..from + bytes]);
+                }
+                Command::Clear { image, value } => {
+                    let value = vk::ClearColorValue { uint32: value };
+                    let range = [whole(vk::ImageAspectFlags::COLOR)];
+                    device.cmd_clear_color_image(self.commands, self.resources.image(image), general, &value, &range);
+                }
+                Command::CopyBuffer { from, to, bytes } => {
+                    let (from, src_offset, available) = self.resources.buffer(from);
+                    if bytes > available {
+                        let why = format!("{available} bytes, {bytes} are read from it");
+                        return Err(Error::HostResource { name: pass.name, why });
+                    }
+                    let (to, dst_offset, _) = self.resources.buffer(to);
+                    let regions = [vk::BufferCopy { src_offset, dst_offset, size: bytes }];
+                    device.cmd_copy_buffer(self.commands, from, to, &regions);
+                }
+                Command::CopyImage { from, to, extent: [width, height] } => {
+                    let layers = vk::ImageSubresourceLayers {
+                        aspect_mask: vk::ImageAspectFlags::COLOR,
+                        mip_level: 0,
+                        base_array_layer: 0,
+                        layer_count: 1,
+                    };
+                    let regions = [vk::ImageCopy::default()
+                        .src_subresource(layers)
+                        .dst_subresource(layers)
+                        .extent(vk::Extent3D { width, height, depth: 1 })];
+                    let (from, to) = (self.resources.image(from), self.resources.image(to));
+                    device.cmd_copy_image(self.commands, from, general, to, general, &regions);
+                }
+                _ => debug_assert!(false, "a transfer pass copies, clears, fills or updates"),
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,138 @@
+//! What plans' ids stand for: the effect's own buffers and images, and those that the host hands over each frame.
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::error::Result;
+use crate::gpu::buffer::{Buffer, BufferDesc};
+use crate::gpu::image::{Image, ImageDesc};
+use crate::host::{Host, HostBuffer, HostImage};
+use crate::plan::{BufferId, ImageId};
+
+/// A buffer as the recorder sees it.
+#[derive(Debug)]
+pub enum BufferSlot {
+    /// Made by celfx.
+    Own(Buffer),
+    /// The host's, for the frame being recorded.
+    Host(Option<HostBuffer>),
+}
+
+/// An image as the recorder sees it.
+#[derive(Debug)]
+pub enum ImageSlot {
+    /// Made by celfx; always in layout GENERAL once initialised.
+    Own(Image),
+    /// The host's, for the frame being recorded.
+    Host(Option<HostImage>),
+}
+
+/// Everything that an effect's plans name.
+#[derive(Debug, Default)]
+pub struct Resources {
+    /// By [`BufferId`].
+    pub buffers: Vec<BufferSlot>,
+    /// By [`ImageId`].
+    pub images: Vec<ImageSlot>,
+    /// Whether the own images have left layout UNDEFINED.
+    pub(crate) initialised: bool,
+}
+
+impl Resources {
+    /// Makes a buffer; its id is the next.
+    ///
+    /// # Safety
+    /// As [`Buffer::new`].
+    pub unsafe fn add_buffer(&mut self, host: &Host, allocator: &mut Allocator, desc: &BufferDesc) -> Result<BufferId> {
+        // SAFETY: the caller's.
+        let buffer = unsafe { Buffer::new(host, allocator, desc)? };
+        self.buffers.push(BufferSlot::Own(buffer));
+        Ok(BufferId(self.buffers.len() as u16 - 1))
+    }
+
+    /// Makes an image; its id is the next.
+    ///
+    /// # Safety
+    /// As [`Image::new`].
+    pub unsafe fn add_image(&mut self, host: &Host, allocator: &mut Allocator, desc: &ImageDesc) -> Result<ImageId> {
+        // SAFETY: the caller's.
+        let image = unsafe { Image::new(host, allocator, desc)? };
+        self.images.push(ImageSlot::Own(image));
+        Ok(ImageId(self.images.len() as u16 - 1))
+    }
+
+    /// Room for a buffer of the host's.
+    pub fn add_host_buffer(&mut self) -> BufferId {
+        self.buffers.push(BufferSlot::Host(None));
+        BufferId(self.buffers.len() as u16 - 1)
+    }
+
+    /// Room for an image of the host's.
+    pub fn add_host_image(&mut self) -> ImageId {
+        self.images.push(ImageSlot::Host(None));
+        ImageId(self.images.len() as u16 - 1)
+    }
+
+    /// Hands over a buffer for the frame about to be recorded, or takes it back.
+    pub fn set_host_buffer(&mut self, id: BufferId, buffer: Option<HostBuffer>) {
+        self.buffers[usize::from(id.0)] = BufferSlot::Host(buffer);
+    }
+
+    /// Hands over an image for the frame about to be recorded, or takes it back.
+    pub fn set_host_image(&mut self, id: ImageId, image: Option<HostImage>) {
+        self.images[usize::from(id.0)] = ImageSlot::Host(image);
+    }
+
+    /// Handle, offset and size of a buffer; null if the host handed none over.
+    pub fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
+        match &self.buffers[usize::from(id.0)] {
+            BufferSlot::Own(buffer) => (buffer.handle, 0, buffer.size),
+            BufferSlot::Host(Some(buffer)) => (buffer.buffer, buffer.offset, buffer.size),
+            BufferSlot::Host(None) => (vk::Buffer::null(), 0, 0),
+        }
+    }
+
+    /// Handle of an image; null if the host handed none over.
+    pub fn image(&self, id: ImageId) -> vk::Image {
+        match &self.images[usize::from(id.0)] {
+            ImageSlot::Own(image) => image.handle,
+            ImageSlot::Host(image) => image.as_ref().map_or(vk::Image::null(), |i| i.image),
+        }
+    }
+
+    /// The view that a render pass attaches.
+    pub fn attachment_view(&self, id: ImageId, layer: u32) -> vk::ImageView {
+        match &self.images[usize::from(id.0)] {
+            ImageSlot::Own(image) => image.layer_views[layer as usize],
+            ImageSlot::Host(image) => image.as_ref().map_or(vk::ImageView::null(), |i| i.view),
+        }
+    }
+
+    /// The view that a descriptor holds; only own images are bound.
+    pub fn descriptor_view(&self, id: ImageId) -> vk::ImageView {
+        match &self.images[usize::from(id.0)] {
+            ImageSlot::Own(image) => image.view,
+            ImageSlot::Host(_) => vk::ImageView::null(),
+        }
+    }
+
+    /// Destroys what celfx made; the host's are only forgotten.
+    ///
+    /// # Safety
+    /// The GPU is done with all of it; `host` and `allocator` are those it was made with.
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        for slot in &mut self.buffers.drain(..) {
+            if let BufferSlot::Own(mut buffer) = slot {
+                // SAFETY: the caller's.
+                unsafe { buffer.destroy(host, allocator) };
+            }
+        }
+        for slot in &mut self.images.drain(..) {
+            if let ImageSlot::Own(mut image) = slot {
+                // SAFETY: the caller's.
+                unsafe { image.destroy(host, allocator) };
+            }
+        }
+        self.initialised = false;
+    }
+}

@@ -1,0 +1,3 @@
+//! The table of compiled shaders that `build.rs` writes.
+
+include!(concat!(env!("OUT_DIR"), "/shaders.rs"));

@@ -1,0 +1,181 @@
+//! What a host says of one frame.
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::host::{HostBuffer, HostImage};
+use crate::smoke::Settings;
+use crate::view::{Camera, Light};
+
+/// What a smoke effect is made for. All of it is fixed until `resize`.
+#[derive(Clone, Debug)]
+pub struct Desc {
+    /// Pixels of the picture, each at least 1.
+    pub size: [u32; 2],
+    /// Format of the target images; any that can be a colour attachment.
+    pub target_format: vk::Format,
+    /// The largest volume along each axis, in voxels.
+    pub dimensions: [u32; 3],
+    /// Whether volumes come with velocities.
+    pub velocity: bool,
+    /// Whether the light is a point light.
+    pub point_light: bool,
+    /// Same seed, same particles.
+    pub seed: u32,
+    /// The look.
+    pub settings: Settings,
+    /// Whether every buffer that is a layer is kept for reading after the frame.
+    pub layers: bool,
+    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
+    pub skipping: bool,
+}
+
+/// How a frame follows the one recorded before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sequence {
+    /// All particles are born anew.
+    #[default]
+    Restart,
+    /// One frame later: particles move on.
+    Advance,
+    /// The same moment again, seen or lit otherwise.
+    Hold,
+}
+
+/// A volume on the device, x fastest, then y, then z.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumeInput {
+    /// Voxels along x, y, z; at least 1 and at most what the effect was made for.
+    pub dimensions: [u32; 3],
+    /// Sides of a voxel in metres, above 0.
+    pub voxel_size: [f32; 3],
+    /// World position of the corner of voxel (0, 0, 0), in metres.
+    pub origin: [f32; 3],
+    /// `f32` a voxel. Usage: `TRANSFER_SRC`.
+    pub density: HostBuffer,
+    /// Three `f32` a voxel (x, y, z; m/s). Usage: `TRANSFER_SRC`. Given exactly if the effect was made for velocities.
+    pub velocity: Option<HostBuffer>,
+}
+
+/// What is under the smoke.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Background {
+    /// What the target holds.
+    #[default]
+    Keep,
+    /// Linear RGBA, premultiplied.
+    Clear([f32; 4]),
+    /// An image of the target's size and format. Usage: `TRANSFER_SRC`; target: `TRANSFER_DST`.
+    Copy(HostImage),
+}
+
+/// One frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// How it follows the one before.
+    pub sequence: Sequence,
+    /// Seconds until the next frame, above 0.
+    pub dt: f32,
+    /// What sees it.
+    pub camera: Camera,
+    /// What lights it.
+    pub light: Light,
+    /// This frame's volume; none if it is the last one recorded. The first frame needs one.
+    pub volume: Option<VolumeInput>,
+    /// Where it goes; none only moves the particles on. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background.
+    pub target: Option<HostImage>,
+    /// What is under it.
+    pub background: Background,
+}
+
+/// Shape and place of a volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// Voxels along x, y, z.
+    pub dimensions: [u32; 3],
+    /// Sides of a voxel in metres.
+    pub voxel_size: [f32; 3],
+    /// Corner of voxel (0, 0, 0) in metres.
+    pub origin: [f32; 3],
+}
+
+impl Shape {
+    /// Number of voxels.
+    pub fn voxels(&self) -> u64 {
+        self.dimensions.iter().map(|n| u64::from(*n)).product()
+    }
+
+    /// Whether voxels are cubes.
+    pub fn is_cubic(&self) -> bool {
+        self.voxel_size[1] == self.voxel_size[0] && self.voxel_size[2] == self.voxel_size[0]
+    }
+}
+
+impl VolumeInput {
+    /// Its shape.
+    pub fn shape(&self) -> Shape {
+        Shape { dimensions: self.dimensions, voxel_size: self.voxel_size, origin: self.origin }
+    }
+
+    pub(crate) fn validate(&self, desc: &Desc) -> Result<()> {
+        let refuse = |why: String| Err(Error::HostResource { name: "volume", why });
+        let Shape { dimensions, voxel_size, origin } = self.shape();
+        if (0..3).any(|a| dimensions[a] == 0 || dimensions[a] > desc.dimensions[a]) {
+            return refuse(format!("{dimensions:?} voxels; the effect was made for 1 to {:?}", desc.dimensions));
+        }
+        if !voxel_size.iter().all(|h| h.is_normal() && *h > 0.0) || !origin.iter().all(|o| o.is_finite()) {
+            return refuse(format!(
+                "voxel size {voxel_size:?} m, origin {origin:?} m; sizes must be above 0, all finite"
+            ));
+        }
+        if self.velocity.is_some() != desc.velocity {
+            let expected = if desc.velocity { "expected" } else { "not expected" };
+            return refuse(format!("velocities are {expected}: the effect was made so"));
+        }
+        let bytes = 4 * self.shape().voxels();
+        if self.density.size < bytes || self.velocity.is_some_and(|v| v.size < 3 * bytes) {
+            return refuse(format!("its buffers are smaller than {} voxels need", self.shape().voxels()));
+        }
+        Ok(())
+    }
+}
+
+impl Frame {
+    pub(crate) fn validate(&self, desc: &Desc, first: bool) -> Result<()> {
+        self.camera.validate()?;
+        self.light.validate()?;
+        let point = matches!(self.light.source, crate::view::LightSource::Position(_));
+        if point != desc.point_light {
+            let why = "the effect was made for the other kind of light".to_owned();
+            return Err(Error::HostResource { name: "light", why });
+        }
+        if !(self.dt > 0.0 && self.dt.is_finite()) {
+            return Err(Error::setting("frame.dt", self.dt, "seconds, above 0"));
+        }
+        match &self.volume {
+            Some(volume) => volume.validate(desc)?,
+            None if first => {
+                let why = "the first frame needs one".to_owned();
+                return Err(Error::HostResource { name: "volume", why });
+            }
+            None => {}
+        }
+        if first && self.sequence != Sequence::Restart {
+            return Err(Error::setting("frame.sequence", format!("{:?}", self.sequence), "Restart in the first frame"));
+        }
+        let background = match &self.background {
+            Background::Copy(image) => Some(("background", image)),
+            _ => None,
+        };
+        for (name, image) in self.target.iter().map(|image| ("target", image)).chain(background) {
+            if image.extent != desc.size || image.format != desc.target_format {
+                let why = format!(
+                    "{:?} pixels of {:?}; expected {:?} of {:?}",
+                    image.extent, image.format, desc.size, desc.target_format
+                );
+                return Err(Error::HostResource { name, why });
+            }
+        }
+        Ok(())
+    }
+}

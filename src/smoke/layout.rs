@@ -1,0 +1,348 @@
+//! Which buffers and images the effect has, and how large they are. Pure.
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::gpu::buffer::BufferDesc;
+use crate::gpu::image::ImageDesc;
+use crate::host::Memory;
+use crate::plan::{BufferId, ImageId};
+use crate::smoke::frame::{Desc, Shape};
+use crate::smoke::params::{
+    BIRTH_BLOCK, BLOCK, Control, History, LIST_BLOCK, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE, TILE_BLOCKS,
+};
+use crate::smoke::settings::{Grow, Shadow};
+
+/// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
+pub const LOOP_BUDGET: u32 = 48_000;
+/// Entries of light-space tiles that one dispatch works on.
+pub const LUMINANCE_TURNS: u32 = 40_000;
+/// Bytes of row sums in a batch of groups, unless a single group needs more.
+const ROW_SUM_BYTES: u64 = 64 << 20;
+
+macro_rules! buffers {
+    ($($id:ident = $name:literal),* $(,)?) => {
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        #[repr(u16)]
+        #[derive(Clone, Copy)]
+        enum Order { $($id),*, COUNT }
+        $(#[doc = concat!("`", $name, "`.")] pub const $id: BufferId = BufferId(Order::$id as u16);)*
+        /// Number of own buffers.
+        pub const BUFFERS: u16 = Order::COUNT as u16;
+        const NAMES: [&str; BUFFERS as usize] = [$($name),*];
+    };
+}
+
+buffers! {
+    PARAMS = "smoke params", DENSITY = "smoke density", VELOCITY = "smoke velocity", OCCUPANCY = "smoke occupancy",
+    BIRTH_COUNTS = "smoke birth counts", CONTROL = "smoke control", HISTORY = "smoke history",
+    PARTICLES = "smoke particles", DYING = "smoke dying", DYING_STEPS = "smoke dying steps", SPHERES = "smoke spheres",
+    GROUPS = "smoke groups", FIELD = "smoke field", FIELD_TO = "smoke field columns", SEARCHES = "smoke searches",
+    CONTINUATIONS = "smoke continuations", LIST_COUNTS = "smoke list counts", LIVE = "smoke live",
+    VISIBLE = "smoke visible", CELLS = "smoke light cells", CASTERS = "smoke casters", BLOCK_MASKS = "smoke block masks",
+    TILE_GROUPS = "smoke tile groups", OCCUPIED_TILES = "smoke occupied tiles", LUMINANCE_PARTS = "smoke luminance parts",
+    PIXELS = "smoke pixels", DEPTH = "smoke depth", SHADOW = "smoke shadow", REACHED = "smoke reached groups",
+    ROW_ITEMS = "smoke row items", COLUMN_ITEMS = "smoke column items", ROW_SLOTS = "smoke row slots",
+    ITEM_ARGUMENTS = "smoke item arguments", WEIGHTS = "smoke weights", ROW_SUMS = "smoke row sums",
+    SMOOTH = "smoke smooth", LINES = "smoke lines", TONES = "smoke tones", PICTURE = "smoke picture",
+    TONE_LAYER = "smoke tone", OUTLINE_LAYER = "smoke outline",
+}
+
+/// The host's density.
+pub const HOST_DENSITY: BufferId = BufferId(BUFFERS);
+/// The host's velocity.
+pub const HOST_VELOCITY: BufferId = BufferId(BUFFERS + 1);
+/// Sphere and group seen at each pixel.
+pub const SEEN: ImageId = ImageId(0);
+/// Its depth buffer.
+pub const SEEN_DEPTH: ImageId = ImageId(1);
+/// Shadow map.
+pub const SHADOW_MAP: ImageId = ImageId(2);
+/// The host's target.
+pub const TARGET: ImageId = ImageId(3);
+/// The host's background.
+pub const BACKGROUND: ImageId = ImageId(4);
+
+/// Sizes of everything, from what the effect is made for.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Sphere slots: particles and the ring of dying ones.
+    pub spheres: u32,
+    /// Screen tiles across and down.
+    pub tiles: [u32; 2],
+    /// Groups whose row sums are in memory at a time.
+    pub batch_groups: u32,
+    /// Batches of them.
+    pub batches: u32,
+    /// Row items of a batch.
+    pub batch_capacity: u32,
+    /// Window of the Gaussian in blocks.
+    pub window_blocks: u32,
+    /// Levels of light-space tiles.
+    pub light_levels: u32,
+    /// Light-space tiles of a face.
+    pub light_cells: u32,
+    /// Faces of the light: 1, or 6 for a point light.
+    pub light_faces: u32,
+    /// Cells across a sphere at its level.
+    pub cells_across: u32,
+    /// Dispatches over the lists of light-space tiles.
+    pub luminance_parts: u32,
+    /// Dispatches of the longest radius search.
+    pub search_parts: u32,
+    /// Bytes of each buffer.
+    pub bytes: [u64; BUFFERS as usize],
+}
+
+impl Layout {
+    /// Computes it; fails where a buffer is larger than `limit` bytes, the largest range that a shader can bind.
+    pub fn new(desc: &Desc, limit: u64) -> Result<Layout> {
+        let settings = &desc.settings;
+        let tiles = desc.size.map(|side| side.div_ceil(TILE));
+        let tile_count = u64::from(tiles[0]) * u64::from(tiles[1]);
+        let spheres = u64::from(settings.particles) * (1 + u64::from(settings.fade));
+        let per_group = tile_count * u64::from(SLOT_PIXELS) * 8;
+        let batch_groups = (ROW_SUM_BYTES / per_group).clamp(1, u64::from(settings.group_count())) as u32;
+        let faces = if desc.point_light { 6 } else { 1 };
+        let exact = settings.shadow == Shadow::Exact;
+        let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 2).min(8);
+        let light_levels = if exact { finest + 1 } else { 1 };
+        let casters = |across: u64| spheres * (across + 1) * (across + 1) * u64::from(faces) * 4;
+        let cells_across = if casters(4) <= limit { 4 } else { 1 };
+        let mut layout = Layout {
+            spheres: spheres as u32,
+            tiles,
+            batch_groups,
+            batches: settings.group_count().div_ceil(batch_groups),
+            batch_capacity: (tile_count * u64::from(batch_groups)) as u32,
+            window_blocks: settings.window().div_ceil(BLOCK),
+            light_levels,
+            light_cells: ((1_u64 << (2 * light_levels)) / 3) as u32,
+            light_faces: faces,
+            cells_across: cells_across as u32,
+            luminance_parts: if exact { (spheres as u32).div_ceil(LUMINANCE_TURNS).max(1) } else { 1 },
+            search_parts: 0,
+            bytes: [16; BUFFERS as usize],
+        };
+        layout.size_particles(desc);
+        layout.size_volume(desc)?;
+        layout.size_pictures(desc);
+        if exact {
+            layout.set(CELLS, u64::from(layout.light_cells) * u64::from(faces) * 4);
+            layout.set(CASTERS, casters(cells_across));
+        }
+        layout.check(limit)?;
+        Ok(layout)
+    }
+
+    fn set(&mut self, id: BufferId, bytes: u64) {
+        self.bytes[usize::from(id.0)] = bytes.max(16).next_multiple_of(16);
+    }
+
+    /// Bytes of a buffer.
+    pub fn size(&self, id: BufferId) -> u64 {
+        self.bytes[usize::from(id.0)]
+    }
+
+    fn size_particles(&mut self, desc: &Desc) {
+        let particles = u64::from(desc.settings.particles);
+        let spheres = u64::from(self.spheres);
+        let dying = spheres - particles;
+        self.set(PARAMS, size_of::<SmokeParams>() as u64);
+        self.set(CONTROL, size_of::<Control>() as u64);
+        self.set(HISTORY, size_of::<History>() as u64);
+        self.set(PARTICLES, particles * size_of::<Particle>() as u64);
+        self.set(DYING, dying * 16);
+        self.set(DYING_STEPS, dying * 16);
+        self.set(SPHERES, spheres * 16);
+        self.set(GROUPS, spheres * 4);
+        self.set(SEARCHES, particles * 8);
+        self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_BLOCK)) * 8);
+        self.set(LIVE, spheres * 4);
+        self.set(VISIBLE, spheres * 4);
+        self.set(LUMINANCE_PARTS, u64::from(self.luminance_parts) * 16);
+    }
+
+    fn size_volume(&mut self, desc: &Desc) -> Result<()> {
+        let shape = Shape { dimensions: desc.dimensions, ..Shape::default() };
+        let [nx, ny, nz] = desc.dimensions.map(u64::from);
+        let pyramid = Pyramid::new(desc.dimensions);
+        if pyramid.count as usize > MAX_LEVELS {
+            let (needed, limit) = (ny.max(nz), 1 << (MAX_LEVELS - 1));
+            return Err(Error::Limit {
+                what: "the volume's height or depth in voxels",
+                needed,
+                limit,
+                advice: "crop it",
+            });
+        }
+        let words = u64::from(pyramid.row_words) * ny * nz;
+        self.set(DENSITY, shape.voxels() * 4);
+        self.set(VELOCITY, if desc.velocity { shape.voxels() * 12 } else { 0 });
+        self.set(OCCUPANCY, pyramid.words * 4);
+        self.set(BIRTH_COUNTS, (words.div_ceil(u64::from(BIRTH_BLOCK)) + 1) * 4);
+        self.set(FIELD, nx.div_ceil(4) * ny * nz * 4);
+        self.set(FIELD_TO, nx.div_ceil(4) * ny * nz * 4);
+        // A walk of the pyramid also visits the inner nodes.
+        let visits = match desc.settings.grow {
+            Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
+            _ => pyramid.leaves().saturating_mul(4).div_ceil(3),
+        };
+        self.search_parts = visits.div_ceil(pyramid.turns()).max(1);
+        self.set(CONTINUATIONS, u64::from(self.search_parts) * 16);
+        Ok(())
+    }
+
+    fn size_pictures(&mut self, desc: &Desc) {
+        let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
+        let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]);
+        let blocks = tiles * u64::from(TILE_BLOCKS * TILE_BLOCKS);
+        let settings = &desc.settings;
+        let filtered = settings.sigma > 0.0;
+        let inked = settings.outline.strength > 0.0;
+        let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
+        let items = u64::from(self.batches) * u64::from(self.batch_capacity);
+        self.set(BLOCK_MASKS, blocks * 4);
+        self.set(TILE_GROUPS, tiles * 32);
+        self.set(OCCUPIED_TILES, tiles * 4);
+        self.set(PIXELS, pixels * 4);
+        self.set(DEPTH, pixels * 4);
+        self.set(SHADOW, kept(desc.layers || self.luminance_parts > 1, pixels * 4));
+        self.set(REACHED, kept(filtered, blocks * 8));
+        self.set(ROW_ITEMS, kept(filtered, items * 4));
+        self.set(COLUMN_ITEMS, kept(filtered, items * 4));
+        self.set(ROW_SLOTS, kept(filtered, items * 4));
+        self.set(ITEM_ARGUMENTS, u64::from(self.batches) * 32);
+        self.set(WEIGHTS, u64::from(self.window_blocks * BLOCK + BLOCK) * 4);
+        self.set(ROW_SUMS, kept(filtered, u64::from(self.batch_capacity) * u64::from(SLOT_PIXELS) * 8));
+        self.set(SMOOTH, kept(filtered, pixels * 4));
+        self.set(LINES, kept(inked, pixels * 4));
+        self.set(TONES, settings.tones.len() as u64 * 16);
+        self.set(PICTURE, pixels * 16);
+        self.set(TONE_LAYER, kept(desc.layers, pixels * 16));
+        self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 4));
+    }
+
+    fn check(&self, limit: u64) -> Result<()> {
+        let advice = |id: BufferId| match id {
+            DENSITY | VELOCITY | OCCUPANCY | FIELD | FIELD_TO => "use a smaller volume",
+            PICTURE | TONE_LAYER | ROW_SUMS => "render a smaller picture",
+            CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
+            _ => "use fewer particles or less fade",
+        };
+        for (index, needed) in self.bytes.iter().enumerate() {
+            if *needed > limit {
+                let what = NAMES[index];
+                return Err(Error::Limit { what, needed: *needed, limit, advice: advice(BufferId(index as u16)) });
+            }
+        }
+        Ok(())
+    }
+
+    /// Descriptions of the own buffers, in order.
+    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + '_ {
+        NAMES.iter().zip(self.bytes).enumerate().map(|(index, (name, bytes))| match BufferId(index as u16) {
+            PARAMS => BufferDesc::uniform(name, bytes),
+            _ => BufferDesc::storage(name, bytes),
+        })
+    }
+
+    /// Descriptions of the own images, in order.
+    pub fn images(&self, desc: &Desc) -> [ImageDesc; 3] {
+        let map = if desc.settings.shadow == Shadow::Map { desc.settings.shadow_map } else { 1 };
+        let depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let seen = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
+        let flat = ImageDesc {
+            name: "smoke seen",
+            extent: desc.size,
+            layers: 1,
+            array_view: false,
+            format: vk::Format::R32_UINT,
+            usage: seen,
+        };
+        [
+            flat,
+            ImageDesc { name: "smoke seen depth", format: vk::Format::D32_SFLOAT, usage: depth, ..flat },
+            ImageDesc {
+                name: "smoke shadow map",
+                extent: [map, map],
+                layers: self.light_faces,
+                array_view: true,
+                format: vk::Format::D32_SFLOAT,
+                usage: depth | vk::ImageUsageFlags::SAMPLED,
+            },
+        ]
+    }
+
+    /// Device memory, before alignment.
+    pub fn memory(&self, desc: &Desc) -> Memory {
+        let kept =
+            [DENSITY, VELOCITY, OCCUPANCY, BIRTH_COUNTS, HISTORY, PARTICLES, DYING, DYING_STEPS, SPHERES, GROUPS];
+        let mut memory = Memory::default();
+        for (index, bytes) in self.bytes.iter().enumerate() {
+            match kept.contains(&BufferId(index as u16)) {
+                true => memory.history += bytes,
+                false => memory.scratch += bytes,
+            }
+        }
+        for image in self.images(desc) {
+            memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * u64::from(image.layers) * 4;
+        }
+        memory
+    }
+}
+
+/// The occupancy pyramid of a volume: level 0 is a bit a voxel, each further level joins 2 x 2 rows along y and z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pyramid {
+    /// First word, rows along y, rows along z of each level.
+    pub levels: [[u32; 4]; MAX_LEVELS],
+    /// Number of levels; more than there is room for if the volume is too high or too deep.
+    pub count: u32,
+    /// Words of a row.
+    pub row_words: u32,
+    /// Words of all levels.
+    pub words: u64,
+}
+
+impl Pyramid {
+    /// For a volume of so many voxels.
+    pub fn new(dimensions: [u32; 3]) -> Pyramid {
+        let row_words = dimensions[0].div_ceil(32);
+        let mut pyramid = Pyramid { levels: [[0; 4]; MAX_LEVELS], count: 0, row_words, words: 0 };
+        let (mut y, mut z) = (dimensions[1], dimensions[2]);
+        loop {
+            if let Some(level) = pyramid.levels.get_mut(pyramid.count as usize) {
+                *level = [pyramid.words as u32, y, z, 0];
+            }
+            pyramid.count += 1;
+            pyramid.words += u64::from(row_words) * u64::from(y) * u64::from(z);
+            if y <= 1 && z <= 1 {
+                return pyramid;
+            }
+            (y, z) = (y.div_ceil(2), z.div_ceil(2));
+        }
+    }
+
+    /// Rows of level 0 in the square that the walk in Morton order covers.
+    pub fn leaves(&self) -> u32 {
+        1 << (2 * (self.count - 1))
+    }
+
+    /// Turns of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
+    /// of a row, to both sides.
+    pub fn turns(&self) -> u32 {
+        (LOOP_BUDGET / (2 * self.row_words + 6)).max(1)
+    }
+}
+
+/// Rows that the paper's loop may have to look at in a volume of this shape: the shells up to where the outside is
+/// certain to be nearest.
+pub fn growth_rows(shape: &Shape) -> u32 {
+    let side = |a: usize| f64::from(shape.voxel_size[a]);
+    let (smallest, largest) = (side(0).min(side(1)).min(side(2)), side(0).max(side(1)).max(side(2)));
+    let reach = (0..3).map(|a| (f64::from(shape.dimensions[a]) + 1.0) / 2.0 * side(a)).fold(f64::MAX, f64::min);
+    // The nearest outside voxel is at most this far (its other axes add at most a voxel each, also as Euclid counts).
+    let shells = ((reach + 2.0 * largest) / smallest).ceil() + 1.0;
+    ((shells + 1.0) * (4.0 * (shells + 1.0).powi(2) - 1.0) / 3.0).min(f64::from(u32::MAX)) as u32
+}

@@ -1,0 +1,259 @@
+//! The structures of `glsl/smoke/params.glsl` and the kernels' push constants. Offsets and sizes are compared with the
+//! shaders' when the crate is built; what the fields mean stands there.
+#![allow(missing_docs)] // the shader's declarations document the fields
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec2, DVec3};
+
+use crate::smoke::frame::{Desc, Frame, Shape};
+use crate::smoke::layout::{Layout, Pyramid};
+use crate::smoke::settings::{Emitter, Settings};
+use crate::view::{Camera, Light, LightSource};
+
+/// Side of a screen tile in pixels.
+pub const TILE: u32 = 32;
+/// Blocks along a tile's side.
+pub const TILE_BLOCKS: u32 = 4;
+/// Side of a block in pixels.
+pub const BLOCK: u32 = 8;
+/// Pixels of a tile.
+pub const SLOT_PIXELS: u32 = TILE * TILE;
+/// Words of occupancy whose births are counted together.
+pub const BIRTH_BLOCK: u32 = 256;
+/// Spheres whose live and visible ones are counted together.
+pub const LIST_BLOCK: u32 = 256;
+/// Levels that the occupancy pyramid can have.
+pub const MAX_LEVELS: usize = 12;
+
+/// `SmokeParams`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SmokeParams {
+    pub eye: [f32; 4],
+    pub eye_low: [f32; 4],
+    pub right: [f32; 4],
+    pub up: [f32; 4],
+    pub forward: [f32; 4],
+    pub lens: [f32; 4],
+    pub image: [u32; 4],
+    pub grid: [u32; 4],
+    pub voxel: [f32; 4],
+    pub origin: [f32; 4],
+    pub emitter_first: [i32; 4],
+    pub emitter_last: [i32; 4],
+    pub emitter_low: [f32; 4],
+    pub emitter_high: [f32; 4],
+    pub light: [f32; 4],
+    pub light_right: [f32; 4],
+    pub light_up: [f32; 4],
+    pub light_frame: [f32; 4],
+    pub shade: [f32; 4],
+    pub motion: [f32; 4],
+    pub counts: [u32; 4],
+    pub frame: [u32; 4],
+    pub shadow: [u32; 4],
+    pub filtering: [u32; 4],
+    pub ink: [f32; 4],
+    pub ink_colour: [f32; 4],
+    pub levels: [[u32; 4]; MAX_LEVELS],
+}
+
+/// `Control`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Control {
+    pub live: u32,
+    pub visible: u32,
+    pub unused_a: u32,
+    pub unused_b: u32,
+    pub live_groups: [u32; 4],
+    pub draw: [u32; 4],
+    pub light_draw: [u32; 4],
+    pub tile_groups: [u32; 4],
+    pub tile_draw: [u32; 4],
+    pub depth_low: u32,
+    pub depth_high: u32,
+    pub light_low_x: u32,
+    pub light_low_y: u32,
+    pub light_low_z: u32,
+    pub light_high_x: u32,
+    pub light_high_y: u32,
+    pub light_high_z: u32,
+}
+
+/// `History`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct History {
+    pub range_low: f32,
+    pub range_high: f32,
+    pub started: u32,
+    pub births: u32,
+    pub longest: u32,
+    pub unused_a: u32,
+    pub unused_b: u32,
+    pub unused_c: u32,
+}
+
+/// `Particle`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Particle {
+    pub position_age: [f32; 4],
+    pub step_generation: [f32; 4],
+}
+
+macro_rules! push_constants {
+    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? })*) => {$(
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Pod, Zeroable)]
+        pub struct $name { $(pub $field: $type),* }
+    )*};
+}
+
+push_constants! {
+    /// Of `births`.
+    BirthsConstants { blocks: u32 }
+    /// Of `pyramid`.
+    PyramidConstants { level: u32 }
+    /// Of `grow_pyramid` and `grow_growth`.
+    SearchConstants { part: u32, turns: u32, ball: u32, last: u32 }
+    /// Of `occupied`.
+    OccupiedConstants { parts: u32, part_turns: u32 }
+    /// Of `luminance_exact`.
+    LuminanceConstants { part: u32, turns: u32 }
+    /// Of `luminance_map`.
+    MapConstants { texels: u32 }
+    /// Of the shadow map's shaders.
+    ShadowConstants { face: u32, texels: f32 }
+    /// Of `items`.
+    ItemsConstants { batch: u32, first_group: u32, group_count: u32, capacity: u32 }
+    /// Of `rows` and `columns`.
+    GaussianConstants { base: u32, first_group: u32 }
+}
+
+impl Control {
+    /// What a frame starts with.
+    pub fn reset() -> Control {
+        let groups = [0, 1, 1, 0];
+        let draw = [4, 0, 0, 0];
+        Control {
+            live_groups: groups,
+            draw,
+            light_draw: draw,
+            tile_groups: groups,
+            tile_draw: draw,
+            depth_low: u32::MAX,
+            light_low_x: u32::MAX,
+            light_low_y: u32::MAX,
+            light_low_z: u32::MAX,
+            ..Control::zeroed()
+        }
+    }
+}
+
+impl SmokeParams {
+    /// What a frame's kernels are told. `frames` counts from the last restart.
+    pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, shape: &Shape, frames: u32) -> SmokeParams {
+        let settings = &desc.settings;
+        let mut params = SmokeParams::zeroed();
+        params.set_camera(desc, layout, &frame.camera);
+        params.set_volume(settings, shape);
+        params.set_light(desc, layout, &frame.light, shape);
+        let smallest = shape.voxel_size.iter().copied().fold(f32::MAX, f32::min);
+        params.shade[1] = settings.softness;
+        params.shade[2] = settings.scale;
+        params.shade[3] = frame.dt;
+        params.motion = [
+            settings.still * smallest / frame.dt,
+            settings.range_smoothing,
+            settings.hysteresis,
+            settings.group_depth.unwrap_or(0.0),
+        ];
+        params.counts = [settings.particles, settings.fade, layout.spheres, desc.seed];
+        params.frame = [frames, u32::from(desc.velocity), settings.lifetime.unwrap_or(0), settings.group_count()];
+        let ring = if settings.fade == 0 { 0 } else { frames % settings.fade };
+        params.filtering = [settings.window(), layout.window_blocks, settings.tones.len() as u32, ring];
+        let outline = &settings.outline;
+        let footprint = 2.0 * frame.camera.half_extent(desc.size).y / f64::from(desc.size[1]);
+        params.ink = [outline.strength, outline.width, smallest, footprint as f32];
+        let [r, g, b] = outline.colour;
+        params.ink_colour = [r, g, b, settings.tone_softness];
+        params
+    }
+
+    fn set_camera(&mut self, desc: &Desc, layout: &Layout, camera: &Camera) {
+        let high = camera.eye.as_vec3();
+        self.eye = high.extend(0.0).to_array();
+        self.eye_low = (camera.eye - high.as_dvec3()).as_vec3().extend(0.0).to_array();
+        let rotation = camera.rotation();
+        let row = |axis| rotation.row(axis).as_vec3().extend(0.0).to_array();
+        (self.right, self.up, self.forward) = (row(0), row(1), row(2));
+        let half = camera.half_extent(desc.size).as_vec2();
+        self.lens = [half.x, half.y, camera.near as f32, camera.far as f32];
+        self.image = [desc.size[0], desc.size[1], layout.tiles[0], layout.tiles[1]];
+    }
+
+    fn set_volume(&mut self, settings: &Settings, shape: &Shape) {
+        let Shape { dimensions: [nx, ny, nz], voxel_size: [hx, hy, hz], origin: [ox, oy, oz] } = *shape;
+        let pyramid = Pyramid::new(shape.dimensions);
+        self.grid = [nx, ny, nz, pyramid.row_words];
+        self.voxel = [hx, hy, hz, hx.min(hy).min(hz)];
+        self.origin = [ox, oy, oz, settings.threshold];
+        self.levels = pyramid.levels;
+        self.emitter_last = [nx as i32 - 1, ny as i32 - 1, nz as i32 - 1, 0];
+        if let Some(Emitter { min, max }) = settings.emitter {
+            for axis in 0..3 {
+                let (first, last) = overlapped(shape, axis, min[axis], max[axis]);
+                self.emitter_first[axis] = first;
+                self.emitter_last[axis] = last;
+            }
+            self.emitter_first[3] = 1;
+            self.emitter_low = [min[0], min[1], min[2], 0.0];
+            self.emitter_high = [max[0], max[1], max[2], 0.0];
+        }
+    }
+
+    fn set_light(&mut self, desc: &Desc, layout: &Layout, light: &Light, shape: &Shape) {
+        let corner = DVec3::from(shape.origin.map(f64::from));
+        let extent =
+            DVec3::from_array([0, 1, 2].map(|a| f64::from(shape.voxel_size[a]) * f64::from(shape.dimensions[a])));
+        let corners = (0..8_u32)
+            .map(|i| corner + extent * DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)));
+        let vector = |v: DVec3, w: f32| v.as_vec3().extend(w).to_array();
+        match light.source {
+            LightSource::Direction(direction) => {
+                let towards = -direction.normalize();
+                let (right, up) = towards.any_orthonormal_pair();
+                self.light = vector(towards, 0.0);
+                (self.light_right, self.light_up) = (vector(right, 0.0), vector(up, 0.0));
+                let across = corners.map(|c| DVec2::new(c.dot(right), c.dot(up)));
+                let (low, high) = across.fold((DVec2::MAX, DVec2::MIN), |(low, high), at| (low.min(at), high.max(at)));
+                let side = (high - low).max_element().max(1e-30);
+                self.light_frame = [low.x as f32, low.y as f32, (1.0 / side) as f32, 2.0 * extent.length() as f32];
+            }
+            LightSource::Position(position) => {
+                self.light = vector(position, 1.0);
+                let farthest = corners.map(|c| c.distance(position)).fold(0.0, f64::max);
+                self.light_frame = [0.0, 0.0, 1.0, (farthest + extent.length()) as f32];
+            }
+        }
+        self.shade[0] = light.ambient as f32;
+        self.shadow = [layout.light_levels, layout.light_cells, layout.light_faces, desc.settings.shadow_filter];
+    }
+}
+
+/// First and last voxel along an axis that overlap an interval; first > last if none does. A flat interval lies in the
+/// voxel that holds it.
+fn overlapped(shape: &Shape, axis: usize, min: f32, max: f32) -> (i32, i32) {
+    let face = |index: i32| shape.origin[axis] + index as f32 * shape.voxel_size[axis];
+    let count = shape.dimensions[axis] as i32;
+    let overlaps = |index: &i32| {
+        let (low, high) = (face(*index), face(index + 1));
+        min < high && (low < max || low <= min)
+    };
+    let first = (0..count).find(overlaps).unwrap_or(count);
+    let last = (0..count).rev().find(overlaps).unwrap_or(-1);
+    (first, last)
+}
