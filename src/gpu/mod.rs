@@ -2,4 +2,6 @@
 
 pub mod capabilities;
 pub mod debug;
+#[cfg(feature = "cli")]
+pub mod headless;
 pub mod profiler;
