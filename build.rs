@@ -104,6 +104,8 @@ fn compile(compiler: &Compiler, path: &Path, kind: ShaderKind, stage: &'static s
     let run = |level| {
         let mut options = CompileOptions::new().map_err(|e| format!("shaderc: {e}"))?;
         options.set_target_env(TargetEnv::Vulkan, EnvVersion::Vulkan1_3 as u32);
+        // SPIR-V 1.6 states local sizes by id, which a device takes only with maintenance4 enabled.
+        options.set_target_spirv(shaderc::SpirvVersion::V1_5);
         options.set_warnings_as_errors();
         options.set_optimization_level(level);
         options.set_include_callback(|requested, _, requesting, depth| {
