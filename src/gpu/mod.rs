@@ -1,8 +1,10 @@
-//! The only place that calls Vulkan. Knows no effect.
+//! The only place that calls Vulkan, and the only one with unsafe bodies. It knows no effect.
 
 pub mod buffer;
 pub mod capabilities;
 pub mod debug;
+#[cfg(feature = "cli")]
+pub mod headless;
 pub mod image;
 pub mod kernel;
 pub mod profiler;

@@ -232,10 +232,11 @@ impl Profiler {
 
     /// Keeps to the room that was reserved: a frame that skips more than it has steps loses reasons, not time.
     fn skip(&mut self, name: &'static str, reason: &'static str) {
-        if let Some(slot) = self.slots.get_mut(self.current) {
-            if slot.pending && slot.skipped.len() < slot.skipped.capacity() {
-                slot.skipped.push((name, reason));
-            }
+        if let Some(slot) = self.slots.get_mut(self.current)
+            && slot.pending
+            && slot.skipped.len() < slot.skipped.capacity()
+        {
+            slot.skipped.push((name, reason));
         }
     }
 
