@@ -1,3 +1,180 @@
 //! Readers and writers of the files that users have.
+//!
+//! Every writer is atomic: a file appears whole or not at all (see [`write_atomic`]).
 
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+pub mod array;
+pub mod image;
+mod palette;
+pub mod pattern;
 pub mod volume;
+
+/// A file that could not be read (exit code 3).
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {}{why}; expected {expected}", path.display(), if place.is_empty() { String::new() } else { format!("{place}: ") })]
+pub struct ReadError {
+    /// The file.
+    pub path: PathBuf,
+    /// Where in it: the array, byte or row; empty where it is the file as a whole.
+    pub place: String,
+    /// What is wrong.
+    pub why: String,
+    /// What would have been right.
+    pub expected: String,
+}
+
+impl ReadError {
+    /// A fault of the file as a whole.
+    pub fn file(path: &Path, why: impl ToString, expected: impl Into<String>) -> ReadError {
+        ReadError { path: path.into(), place: String::new(), why: why.to_string(), expected: expected.into() }
+    }
+
+    /// A fault at one place (array, byte or row) of the file.
+    pub fn at(path: &Path, place: impl Into<String>, why: impl ToString, expected: impl Into<String>) -> ReadError {
+        ReadError { path: path.into(), place: place.into(), why: why.to_string(), expected: expected.into() }
+    }
+}
+
+/// A file that could not be written (exit code 6). Nothing of it is left.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub struct WriteError {
+    /// The file that was to be written.
+    pub path: PathBuf,
+    /// What went wrong.
+    pub source: io::Error,
+}
+
+/// Writes `path` so that it appears whole or not at all: into a hidden file `.NAME.PID.part` beside it, synced, then
+/// renamed. Folders that are missing are made, a file of that name is replaced, and a `.part` that a killed run left
+/// behind does not disturb. On an error the `.part` is removed and what was at `path` stays.
+pub fn write_atomic(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    write_atomic_io(path, write).map_err(|source| WriteError { path: path.into(), source })
+}
+
+fn write_atomic_io(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    let Some(name) = path.file_name() else {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path does not end in a file name"));
+    };
+    // A rename would put a plain file in the place of a device or pipe such as /dev/null.
+    if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, "there is something of that name that is not a file"));
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let mut part_name = std::ffi::OsString::from(".");
+    part_name.push(name);
+    part_name.push(format!(".{}.part", std::process::id()));
+    let part = folder.join(part_name);
+    let result = fill(&part, write).and_then(|()| fs::rename(&part, path));
+    if result.is_err() {
+        // The first error is the one to report, whether or not there was anything to remove.
+        let _ = fs::remove_file(&part);
+        return result;
+    }
+    // Makes the rename durable too; not every file system can sync a folder, and the file itself is safe by now.
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+fn fill(part: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    match fs::remove_file(part) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let mut writer = BufWriter::with_capacity(1 << 18, File::create_new(part)?);
+    write(&mut writer)?;
+    writer.flush()?;
+    writer.get_ref().sync_all()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    /// An empty folder of a test's own, removed at its end.
+    pub(crate) struct Folder(pub PathBuf);
+
+    impl Folder {
+        pub(crate) fn new() -> Folder {
+            static COUNT: AtomicU32 = AtomicU32::new(0);
+            let name = format!("celfx-test-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+            let path = std::env::temp_dir().join(name);
+            fs::create_dir_all(&path).unwrap();
+            Folder(path)
+        }
+
+        pub(crate) fn names(&self) -> Vec<String> {
+            let mut names: Vec<_> =
+                fs::read_dir(&self.0).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn a_written_file_is_whole_and_alone() {
+        let folder = Folder::new();
+        let path = folder.0.join("a/b/frame.bin");
+        write_atomic(&path, |w| w.write_all(b"one")).unwrap();
+        write_atomic(&path, |w| w.write_all(b"two")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_failing_write_leaves_what_was_there() {
+        let folder = Folder::new();
+        let path = folder.0.join("frame.bin");
+        let fails = |w: &mut BufWriter<File>| {
+            w.write_all(&[7; 1 << 20])?;
+            Err(io::Error::other("disk on fire"))
+        };
+        let error = write_atomic(&path, fails).unwrap_err();
+        assert_eq!(error.to_string(), format!("cannot write {}: disk on fire", path.display()));
+        assert!(folder.names().is_empty(), "{:?}", folder.names());
+        fs::write(&path, b"old").unwrap();
+        write_atomic(&path, fails).unwrap_err();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(folder.names(), ["frame.bin"]);
+    }
+
+    #[test]
+    fn stale_parts_do_not_disturb() {
+        let folder = Folder::new();
+        let own = format!(".frame.bin.{}.part", std::process::id());
+        for stale in [".frame.bin.1.part", &own] {
+            fs::write(folder.0.join(stale), b"half a frame, longer than the new one").unwrap();
+        }
+        write_atomic(&folder.0.join("frame.bin"), |w| w.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(folder.0.join("frame.bin")).unwrap(), b"new");
+        assert_eq!(folder.names(), [".frame.bin.1.part", "frame.bin"]);
+    }
+
+    #[test]
+    fn impossible_targets_are_named() {
+        let folder = Folder::new();
+        let target = folder.0.join("taken");
+        fs::create_dir(&target).unwrap();
+        let error = write_atomic(&target, |w| w.write_all(b"x")).unwrap_err();
+        assert!(error.to_string().contains("taken"), "{error}");
+        fs::write(folder.0.join("file"), b"").unwrap();
+        let error = write_atomic(&folder.0.join("file/inside.png"), |w| w.write_all(b"x")).unwrap_err();
+        assert!(error.to_string().contains("inside.png"), "{error}");
+        assert!(write_atomic(Path::new("/"), |w| w.write_all(b"x")).is_err());
+        assert_eq!(folder.names(), ["file", "taken"]);
+    }
+}

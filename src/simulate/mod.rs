@@ -1,1 +1,3 @@
 //! Makes input where the user has none.
+
+pub mod smoke;

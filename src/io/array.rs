@@ -1,0 +1,421 @@
+//! NumPy arrays: reading them from `.npz` archives, writing `.npy` files.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use exr::prelude::f16;
+use npyz::WriterBuilder;
+use npyz::npz::NpzArchive;
+
+use super::{ReadError, WriteError, write_atomic};
+
+/// Header text longer than this is refused; that of a plain array has about 100 bytes.
+const MAX_HEADER: usize = 1 << 16;
+
+/// What an array consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// 16-bit float.
+    F16,
+    /// 32-bit float.
+    F32,
+    /// 64-bit float.
+    F64,
+    /// Signed integer of 1, 2, 4 or 8 bytes.
+    Int(usize),
+    /// Unsigned integer of 1, 2, 4 or 8 bytes.
+    Uint(usize),
+}
+
+impl Element {
+    /// Bytes of one element.
+    pub fn bytes(self) -> usize {
+        match self {
+            Element::F16 => 2,
+            Element::F32 => 4,
+            Element::F64 => 8,
+            Element::Int(bytes) | Element::Uint(bytes) => bytes,
+        }
+    }
+
+    /// Whether it is one of the floating-point types.
+    pub fn is_float(self) -> bool {
+        matches!(self, Element::F16 | Element::F32 | Element::F64)
+    }
+
+    fn decode(self, bytes: &[u8], little: bool) -> f64 {
+        let mut wide = [0; 8];
+        let count = bytes.len().min(8);
+        wide[..count].copy_from_slice(&bytes[..count]);
+        if !little {
+            wide[..count].reverse();
+        }
+        let bits = u64::from_le_bytes(wide);
+        let unused = 64 - 8 * count as u32;
+        match self {
+            Element::F16 => f16::from_bits(bits as u16).to_f64(),
+            Element::F32 => f64::from(f32::from_bits(bits as u32)),
+            Element::F64 => f64::from_bits(bits),
+            Element::Int(_) => (((bits << unused) as i64) >> unused) as f64,
+            Element::Uint(_) => bits as f64,
+        }
+    }
+}
+
+/// What the header of an array says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Type of the elements.
+    pub element: Element,
+    /// Length of each axis, as NumPy shows it.
+    pub shape: Vec<u64>,
+    /// Whether the bytes are little-endian.
+    pub little_endian: bool,
+    /// Whether the first axis runs fastest in the file.
+    pub fortran_order: bool,
+}
+
+/// An array in memory, the last axis running fastest whatever the order in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Array<T> {
+    /// Length of each axis, as NumPy shows it.
+    pub shape: Vec<u64>,
+    /// The elements, as many as the product of `shape`.
+    pub values: Vec<T>,
+}
+
+/// The number types that arrays are read into.
+pub trait Number: Copy + Default {
+    /// The nearest value.
+    fn from_f64(value: f64) -> Self;
+}
+
+impl Number for f32 {
+    fn from_f64(value: f64) -> f32 {
+        value as f32
+    }
+}
+
+impl Number for f64 {
+    fn from_f64(value: f64) -> f64 {
+        value
+    }
+}
+
+/// A `.npz` file, open for reading. Nothing in the file is trusted: memory grows with what is really there.
+pub struct Archive {
+    path: PathBuf,
+    zip: NpzArchive<BufReader<File>>,
+}
+
+impl Archive {
+    /// Opens the file and reads the list of its arrays.
+    pub fn open(path: &Path) -> Result<Archive, ReadError> {
+        let whole = "a whole .npz file as numpy.savez writes it";
+        let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
+        let zip = NpzArchive::new(BufReader::new(file)).map_err(|error| {
+            ReadError::file(path, format!("no zip archive, or one that is cut short ({error})"), whole)
+        })?;
+        Ok(Archive { path: path.into(), zip })
+    }
+
+    /// Names of the arrays, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.zip.array_names().map(String::from).collect();
+        names.sort();
+        names
+    }
+
+    /// Header of the array `name`; `None` if there is no such array.
+    pub fn header(&mut self, name: &str) -> Result<Option<Header>, ReadError> {
+        if !self.zip.array_names().any(|n| n == name) {
+            return Ok(None);
+        }
+        let fault = Fault { path: &self.path, name };
+        let file = npyz::npz::file_name_from_array_name(name);
+        let mut entry = self.zip.zip_archive().by_name(&file).map_err(|e| fault.error(e, "a readable zip entry"))?;
+        read_header(&mut entry, &fault).map(|(header, _)| Some(header))
+    }
+
+    /// Reads the array `name`, of at most `limit` elements; `None` if there is no such array.
+    pub fn read<T: Number>(&mut self, name: &str, limit: u64) -> Result<Option<Array<T>>, ReadError> {
+        if !self.zip.array_names().any(|n| n == name) {
+            return Ok(None);
+        }
+        let fault = Fault { path: &self.path, name };
+        let file = npyz::npz::file_name_from_array_name(name);
+        let mut entry = self.zip.zip_archive().by_name(&file).map_err(|e| fault.error(e, "a readable zip entry"))?;
+        let (header, header_bytes) = read_header(&mut entry, &fault)?;
+        let count = header.shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)).filter(|&n| n <= limit);
+        let Some(count) = count else {
+            return Err(fault.error(format!("shape {:?} is too large", header.shape), format!("{limit} values at most")));
+        };
+        // No overflow: count <= limit, which is far below 2^60.
+        let expected = count.saturating_mul(header.element.bytes() as u64);
+        let present = entry.size().saturating_sub(header_bytes);
+        if present != expected {
+            let why = format!("{present} bytes of data for shape {:?}", header.shape);
+            return Err(fault.error(why, format!("{expected} bytes")));
+        }
+        let values = read_values(&mut entry, &header, count, &fault)?;
+        Ok(Some(in_c_order(Array { shape: header.shape, values }, header.fortran_order)))
+    }
+}
+
+/// Names file and array in errors.
+struct Fault<'a> {
+    path: &'a Path,
+    name: &'a str,
+}
+
+impl Fault<'_> {
+    fn error(&self, why: impl ToString, expected: impl Into<String>) -> ReadError {
+        ReadError::at(self.path, format!("array `{}`", self.name), why, expected)
+    }
+
+    fn at_byte(&self, byte: u64, why: impl ToString, expected: impl Into<String>) -> ReadError {
+        ReadError::at(self.path, format!("array `{}`, byte {byte}", self.name), why, expected)
+    }
+}
+
+/// Reads what `buffer` can hold, less only at the end of the input.
+fn read_full(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match input.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(n) => filled += n,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}
+
+/// The header and the number of bytes that it takes.
+fn read_header(input: &mut impl Read, fault: &Fault) -> Result<(Header, u64), ReadError> {
+    let npy = "an array as numpy.save writes it (format 1, 2 or 3)";
+    let mut read = |buffer: &mut [u8]| match read_full(input, buffer) {
+        Ok(n) if n == buffer.len() => Ok(()),
+        Ok(_) => Err(fault.at_byte(0, "ends within the header", npy)),
+        Err(error) => Err(fault.at_byte(0, error, npy)),
+    };
+    let mut start = [0; 8];
+    read(&mut start)?;
+    let length_bytes = match (&start[..6], start[6]) {
+        (b"\x93NUMPY", 1) => 2,
+        (b"\x93NUMPY", 2 | 3) => 4,
+        _ => return Err(fault.at_byte(0, "is not a NumPy array of a known version", npy)),
+    };
+    let mut length = [0; 4];
+    read(&mut length[..length_bytes])?;
+    let length = u32::from_le_bytes(length) as usize;
+    if length > MAX_HEADER {
+        return Err(fault.at_byte(8, format!("a header of {length} bytes"), format!("{MAX_HEADER} bytes at most")));
+    }
+    let mut text = vec![0; length];
+    read(&mut text)?;
+    let bytes = 8 + length_bytes + length;
+    let header = header::parse(&text).map_err(|(why, expected)| fault.error(why, expected))?;
+    Ok((header, bytes as u64))
+}
+
+/// Reads `count` elements in the order of the file, to the end of the entry so that its checksum is looked at.
+fn read_values<T: Number>(
+    input: &mut impl Read,
+    header: &Header,
+    count: u64,
+    fault: &Fault,
+) -> Result<Vec<T>, ReadError> {
+    let size = header.element.bytes();
+    let total = count * size as u64;
+    let mut buffer = vec![0; 1 << 16];
+    let mut values: Vec<T> = Vec::new();
+    let mut done = 0;
+    loop {
+        let wanted = (total - done).min(buffer.len() as u64) as usize;
+        // One byte more than is wanted at the end: it must not be there, and the checksum is verified on the way.
+        let chunk = &mut buffer[..wanted.max(1)];
+        let got = read_full(input, chunk).map_err(|e| fault.at_byte(done, e, format!("{total} bytes of data")))?;
+        if got != wanted {
+            let why = if got < wanted { "the data end here" } else { "the data go on" };
+            return Err(fault.at_byte(done + got as u64, why, format!("{total} bytes of data")));
+        }
+        if wanted == 0 {
+            return Ok(values);
+        }
+        let chunk = &chunk[..wanted];
+        values.try_reserve(chunk.len() / size).map_err(|e| fault.error(e, "a volume that fits into memory"))?;
+        match (header.element, header.little_endian) {
+            // The usual case without the generic decoder, which is several times slower.
+            (Element::F32, true) => values.extend(
+                chunk.chunks_exact(4).map(|b| T::from_f64(f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))),
+            ),
+            (element, little) => {
+                values.extend(chunk.chunks_exact(size).map(|bytes| T::from_f64(element.decode(bytes, little))))
+            }
+        }
+        done += wanted as u64;
+    }
+}
+
+/// Reorders an array whose first axis runs fastest.
+fn in_c_order<T: Number>(array: Array<T>, fortran_order: bool) -> Array<T> {
+    if !fortran_order || array.shape.len() < 2 {
+        return array;
+    }
+    let Array { shape, values } = array;
+    let mut strides = vec![1usize; shape.len()];
+    for axis in 1..shape.len() {
+        strides[axis] = strides[axis - 1] * shape[axis - 1] as usize;
+    }
+    let mut index = vec![0u64; shape.len()];
+    let mut source = 0usize;
+    let mut ordered = Vec::with_capacity(values.len());
+    for _ in 0..values.len() {
+        ordered.push(values[source]);
+        for axis in (0..shape.len()).rev() {
+            index[axis] += 1;
+            source += strides[axis];
+            if index[axis] < shape[axis] {
+                break;
+            }
+            source -= strides[axis] * shape[axis] as usize;
+            index[axis] = 0;
+        }
+    }
+    Array { shape, values: ordered }
+}
+
+/// Writes a `.npy` file of 32-bit floats, the last axis of `shape` running fastest. Atomic.
+pub fn write_npy(path: &Path, shape: &[u64], values: &[f32]) -> Result<(), WriteError> {
+    write_atomic(path, |file| {
+        check_count(shape, values.len())?;
+        let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(file).begin_nd()?;
+        writer.extend(values.iter().copied())?;
+        writer.finish()
+    })
+}
+
+/// Refuses a shape that does not hold `count` values.
+pub(super) fn check_count(shape: &[u64], count: usize) -> io::Result<()> {
+    if shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)) == Some(count as u64) {
+        return Ok(());
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{count} values do not fill shape {shape:?}")))
+}
+
+mod header {
+    //! The header's text: a Python dictionary of three entries.
+
+    use super::{Element, Header};
+
+    /// What is wrong, and what was expected.
+    type Fault = (String, String);
+
+    fn malformed(what: &str) -> Fault {
+        (format!("the header {what}"), "{'descr': '<f4', 'fortran_order': False, 'shape': (..), }".into())
+    }
+
+    /// Reads the text; keys in any order.
+    pub(super) fn parse(text: &[u8]) -> Result<Header, Fault> {
+        let text = std::str::from_utf8(text).map_err(|_| malformed("is not text"))?;
+        let (mut descr, mut order, mut shape) = (None, None, None);
+        let mut rest = text.trim().strip_prefix('{').ok_or_else(|| malformed("is no dictionary"))?;
+        loop {
+            rest = rest.trim_start();
+            if let Some(after) = rest.strip_prefix('}') {
+                if !after.trim().is_empty() {
+                    return Err(malformed("goes on after the dictionary"));
+                }
+                break;
+            }
+            let (key, after) = string(rest).ok_or_else(|| malformed("has a key that is no string"))?;
+            let value = after.trim_start().strip_prefix(':').ok_or_else(|| malformed("has a key without value"))?;
+            let value = value.trim_start();
+            rest = match key {
+                "descr" => {
+                    let (found, after) = string(value).ok_or_else(|| not_a_number("of several fields"))?;
+                    descr = Some(found);
+                    after
+                }
+                "fortran_order" => {
+                    let found = value.strip_prefix("True").map(|r| (true, r));
+                    let found = found.or_else(|| value.strip_prefix("False").map(|r| (false, r)));
+                    let (found, after) = found.ok_or_else(|| malformed("has a fortran_order that is no bool"))?;
+                    order = Some(found);
+                    after
+                }
+                "shape" => {
+                    let (found, after) = tuple(value).ok_or_else(|| malformed("has a shape that is no tuple"))?;
+                    shape = Some(found);
+                    after
+                }
+                _ => return Err(malformed("has an unknown key")),
+            };
+            rest = rest.trim_start();
+            rest = match rest.strip_prefix(',') {
+                Some(after) => after,
+                None if rest.starts_with('}') => rest,
+                None => return Err(malformed("lacks a comma")),
+            };
+        }
+        match (descr, order, shape) {
+            (Some(descr), Some(fortran_order), Some(shape)) => {
+                let (element, little_endian) = element(descr)?;
+                Ok(Header { element, shape, little_endian, fortran_order })
+            }
+            _ => Err(malformed("lacks descr, fortran_order or shape")),
+        }
+    }
+
+    fn not_a_number(kind: &str) -> Fault {
+        (format!("elements {kind}"), "f16, f32 or f64".into())
+    }
+
+    fn element(descr: &str) -> Result<(Element, bool), Fault> {
+        let unsupported = || not_a_number(&format!("of type `{descr}`"));
+        let mut letters = descr.chars();
+        let little = match letters.next() {
+            Some('<' | '|') => true,
+            Some('>') => false,
+            Some('=') => cfg!(target_endian = "little"),
+            _ => return Err(unsupported()),
+        };
+        let kind = letters.next().ok_or_else(unsupported)?;
+        let bytes = match letters.as_str() {
+            "1" => 1,
+            "2" => 2,
+            "4" => 4,
+            "8" => 8,
+            _ => return Err(unsupported()),
+        };
+        let element = match (kind, bytes) {
+            ('f', 2) => Element::F16,
+            ('f', 4) => Element::F32,
+            ('f', 8) => Element::F64,
+            ('i', _) => Element::Int(bytes),
+            ('u', _) => Element::Uint(bytes),
+            _ => return Err(unsupported()),
+        };
+        Ok((element, little))
+    }
+
+    /// A quoted string at the start of `text`, and what follows. NumPy escapes nothing in these.
+    fn string(text: &str) -> Option<(&str, &str)> {
+        let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
+        text[1..].split_once(quote)
+    }
+
+    /// A tuple of whole numbers (an `L` after them as in Python 2), and what follows.
+    fn tuple(text: &str) -> Option<(Vec<u64>, &str)> {
+        let (inside, rest) = text.strip_prefix('(')?.split_once(')')?;
+        let mut parts: Vec<&str> = inside.split(',').map(str::trim).collect();
+        if parts.last() == Some(&"") {
+            parts.pop();
+        }
+        let numbers = parts.iter().map(|p| p.strip_suffix('L').unwrap_or(p).parse().ok());
+        Some((numbers.collect::<Option<Vec<u64>>>()?, rest))
+    }
+}
