@@ -5,6 +5,8 @@ pub mod error;
 pub mod gpu;
 pub mod host;
 pub mod profile;
+#[doc(hidden)]
+pub mod reference;
 pub mod smoke;
 pub mod view;
 

@@ -1,0 +1,10 @@
+//! The smoke effect in f64 on the CPU, written from its definition and not from the shaders: what tests and the
+//! benchmark compare the GPU with. Clear before fast.
+
+pub mod birth;
+pub mod grid;
+pub mod groups;
+pub mod grow;
+pub mod particles;
+
+pub use grid::Grid;
