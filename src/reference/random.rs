@@ -27,7 +27,7 @@ mod tests {
     /// The same permutation in unbounded integers: remainders for wrapping, quotients for shifts, sums for exclusive or.
     fn pcg_by_arithmetic(v: u32) -> u32 {
         let modulus = 1_u128 << 32;
-        let xor = |a: u128, b: u128| a + b - 2 * (0..32).map(|i| ((a >> i) % 2) * ((b >> i) % 2) << i).sum::<u128>();
+        let xor = |a: u128, b: u128| a + b - 2 * (0..32).map(|i| (((a >> i) % 2) * ((b >> i) % 2)) << i).sum::<u128>();
         let state = (u128::from(v) * 747_796_405 + 2_891_336_453) % modulus;
         let shift = state / (1 << 28) + 4;
         let word = xor(state / (1 << shift), state) * 277_803_737 % modulus;

@@ -95,6 +95,21 @@ mod tests {
     }
 
     #[test]
+    fn a_birth_draws_dimension_0_for_its_voxel_and_1_to_3_for_its_place() {
+        let grid = full(&[1.0; 8]);
+        let voxels = candidates(&grid, 0.5, None);
+        for slot in 0..100 {
+            // Eight candidates: the top three bits choose; x in the lowest two, y in the next.
+            let voxel = hash(5, slot, 6, 0) >> 29;
+            // Sides and origin are powers of two, so scaling is exact and only the last sum rounds.
+            let place = |dimension| 0.5 * f64::from(unit(hash(5, slot, 6, dimension)));
+            let low = [-1.0 + 0.5 * f64::from(voxel % 4), 0.5 * f64::from(voxel / 4), 2.0];
+            let expected = [0, 1, 2].map(|axis| (low[axis] + place(1 + axis as u32)) as f32);
+            assert_eq!(birth(&grid, None, &voxels, 5, slot, 6), Some(expected));
+        }
+    }
+
+    #[test]
     fn a_birth_is_a_function_of_seed_slot_and_generation_alone() {
         let grid = full(&[1.0; 8]);
         let voxels = candidates(&grid, 0.5, None);

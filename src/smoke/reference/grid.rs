@@ -91,13 +91,13 @@ impl Grid<'_> {
 }
 
 /// Is `a + b + c` below 0, without rounding? The expansion of the sum (Shewchuk 1997, grow-expansion) has the sign of
-/// its largest term. The products that [`Grid::cell`] passes are exact: 24 bits times an index below 2^29.
+/// its largest term; a sum that rounds to 0 is 0, which leaves the smallest. The products that [`Grid::cell`] passes are
+/// exact: 24 bits times an index below 2^29.
 fn sum_is_negative(a: f64, b: f64, c: f64) -> bool {
     let (high, low) = two_sum(a, b);
     let (carry, smallest) = two_sum(c, low);
-    let (largest, middle) = two_sum(carry, high);
-    let sign = if largest != 0.0 { largest } else { middle };
-    if sign != 0.0 { sign < 0.0 } else { smallest < 0.0 }
+    let largest = carry + high;
+    if largest != 0.0 { largest < 0.0 } else { smallest < 0.0 }
 }
 
 /// The rounded sum and what rounding took off (Knuth's two-sum).

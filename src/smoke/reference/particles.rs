@@ -357,6 +357,10 @@ mod tests {
         assert_eq!(particles.ages(), [None; 3]);
         assert_eq!(particles.ghosts().iter().flatten().count(), 3);
         assert_eq!(particles.slots()[0].births, 1);
+        for remaining in [3, 3, 0] {
+            particles.step(&empty, &settings(3), 0.04, 5);
+            assert_eq!(particles.ghosts().iter().flatten().count(), remaining);
+        }
     }
 
     #[test]
