@@ -8,6 +8,8 @@ pub mod host;
 pub mod plan;
 pub mod profile;
 pub mod shaders;
+#[doc(hidden)]
+pub mod reference;
 pub mod smoke;
 pub mod view;
 

@@ -8,6 +8,8 @@ pub mod frame;
 pub mod layout;
 pub mod params;
 pub mod passes;
+#[doc(hidden)]
+pub mod reference;
 pub mod settings;
 
 use ash::vk;

@@ -1,0 +1,3 @@
+//! What the CPU references of the effects share. For tests and the benchmark, not for hosts.
+
+pub mod random;

@@ -1,0 +1,157 @@
+//! Depth groups of spheres, the ID mask of the paper (section 3.3): equal ranges of centre depth.
+
+use glam::DVec3;
+
+use super::particles::Origin;
+use crate::smoke::settings::Settings;
+use crate::view::Camera;
+
+/// Remembers the range and the groups of the last frame. A new one starts afresh.
+#[derive(Clone, Debug, Default)]
+pub struct Groups {
+    range: Option<[f64; 2]>,
+    groups: Vec<u32>,
+}
+
+impl Groups {
+    /// Group of every sphere of this frame, 1 to [`Settings::group_count`]; 0 where the radius is 0.
+    ///
+    /// `spheres` are centre and displayed radius in metres, `origins` what each was in the frame before.
+    pub fn step(&mut self, settings: &Settings, camera: &Camera, spheres: &[[f64; 4]], origins: &[Origin]) -> Vec<u32> {
+        let forward = camera.rotation().row(2);
+        let depth = |[x, y, z, _]: &[f64; 4]| forward.dot(DVec3::new(*x, *y, *z) - camera.eye);
+        let ahead = spheres.iter().filter(|s| s[3] > 0.0).map(depth).filter(|z| *z >= camera.near);
+        let fresh_range = ahead.map(|z| [z, z]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        self.range = smoothed(self.range, fresh_range, f64::from(settings.range_smoothing));
+        let (start, width) = match (settings.group_depth, self.range) {
+            (Some(depth), _) => (0.0, f64::from(depth)),
+            (None, Some([z0, z1])) => (z0, (z1 - z0) / f64::from(settings.groups)),
+            (None, None) => (0.0, 0.0),
+        };
+        let previous = std::mem::take(&mut self.groups);
+        let group = |(place, (sphere, origin)): (usize, (&[f64; 4], &Origin))| {
+            if sphere[3] <= 0.0 {
+                return 0;
+            }
+            let previous = match origin {
+                Origin::Fresh => None,
+                Origin::Kept => previous.get(place),
+                Origin::Ghost(slot) => previous.get(*slot),
+            };
+            let position = (depth(sphere) - start) / width;
+            group_at(position, previous.copied(), f64::from(settings.hysteresis), settings.group_count())
+        };
+        self.groups = spheres.iter().zip(origins).enumerate().map(group).collect();
+        self.groups.clone()
+    }
+
+    /// The smoothed range of centre depth in metres; none while nothing is ahead of the near plane.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        self.range
+    }
+}
+
+/// The next smoothed range: the share `kept` of the old one, unless there is none or they do not overlap.
+fn smoothed(old: Option<[f64; 2]>, fresh: Option<[f64; 2]>, kept: f64) -> Option<[f64; 2]> {
+    match (old, fresh) {
+        (Some(old), Some(fresh)) if old[0] <= fresh[1] && fresh[0] <= old[1] => {
+            Some([0, 1].map(|i| kept * old[i] + (1.0 - kept) * fresh[i]))
+        }
+        (_, fresh) => fresh,
+    }
+}
+
+/// Group at `position`, in widths of a group from the start of the first; not finite where groups have no width.
+fn group_at(position: f64, previous: Option<u32>, hysteresis: f64, count: u32) -> u32 {
+    if !position.is_finite() {
+        return 1;
+    }
+    if let Some(group @ 1..) = previous {
+        let group_end = f64::from(group);
+        if group_end - 1.0 - hysteresis <= position && position <= group_end + hysteresis {
+            return group;
+        }
+    }
+    (1.0 + position.floor()).clamp(1.0, f64::from(count)) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Looks along -z from the origin: a sphere at z = -d has depth d.
+    fn camera() -> Camera {
+        Camera { eye: DVec3::ZERO, target: -DVec3::Z, near: 0.5, ..Camera::default() }
+    }
+
+    fn at_depths(depths: &[f64]) -> Vec<[f64; 4]> {
+        depths.iter().map(|d| [0.3, -0.2, -d, 1.0]).collect()
+    }
+
+    fn step(groups: &mut Groups, settings: &Settings, depths: &[f64], origin: Origin) -> Vec<u32> {
+        groups.step(settings, &camera(), &at_depths(depths), &vec![origin; depths.len()])
+    }
+
+    #[test]
+    fn groups_are_equal_ranges_of_the_depths_ahead_of_the_near_plane() {
+        let settings = Settings { groups: 4, ..Settings::default() };
+        let mut groups = Groups::default();
+        let mut spheres = at_depths(&[2.0, 3.0, 3.5, 4.0, 9.0, 10.0, 0.4, -7.0, 50.0]);
+        spheres[8][3] = 0.0;
+        let ids = groups.step(&settings, &camera(), &spheres, &[Origin::Fresh; 9]);
+        assert_eq!(groups.range(), Some([2.0, 10.0]));
+        // Width 2; the two behind the near plane clamp to the first group; radius 0 has none.
+        assert_eq!(ids, [1, 1, 1, 2, 4, 4, 1, 1, 0]);
+    }
+
+    #[test]
+    fn one_depth_is_group_one_and_fixed_depths_count_from_the_camera() {
+        let settings = Settings { groups: 5, ..Settings::default() };
+        assert_eq!(step(&mut Groups::default(), &settings, &[3.0, 3.0], Origin::Fresh), [1, 1]);
+        assert_eq!(step(&mut Groups::default(), &settings, &[-3.0, -2.0], Origin::Fresh), [1, 1]);
+        let settings = Settings { group_depth: Some(0.5), ..settings };
+        let ids = step(&mut Groups::default(), &settings, &[0.0, 0.6, 3.0, 1e6], Origin::Fresh);
+        assert_eq!(ids, [1, 2, 7, 254]);
+    }
+
+    #[test]
+    fn a_sphere_keeps_its_group_until_it_is_past_the_hysteresis() {
+        // Spheres at 0.5 and 10.5 pin the range; width 1, hysteresis 0.2; group 3 is 2.5 to 3.5.
+        let settings = Settings { groups: 10, ..Settings::default() };
+        let mut groups = Groups::default();
+        let mut third = |depth, origin| step(&mut groups, &settings, &[0.5, 10.5, depth], origin)[2];
+        assert_eq!(third(3.0, Origin::Fresh), 3);
+        assert_eq!(third(3.65, Origin::Kept), 3);
+        assert_eq!(third(2.35, Origin::Kept), 3);
+        assert_eq!(third(3.75, Origin::Kept), 4);
+        assert_eq!(third(3.35, Origin::Kept), 4);
+        assert_eq!(third(3.35, Origin::Fresh), 3);
+        assert_eq!(third(8.6, Origin::Kept), 9);
+    }
+
+    #[test]
+    fn a_ghost_inherits_the_group_that_its_particle_had() {
+        let settings = Settings { groups: 10, ..Settings::default() };
+        let mut groups = Groups::default();
+        assert_eq!(step(&mut groups, &settings, &[0.5, 10.5, 3.0, 9.0], Origin::Fresh), [1, 10, 3, 9]);
+        // Slot 2 died at 3.6 and was reborn at 3.6; its ghost takes the last place.
+        let origins = [Origin::Kept, Origin::Kept, Origin::Fresh, Origin::Ghost(2)];
+        let ids = groups.step(&settings, &camera(), &at_depths(&[0.5, 10.5, 3.6, 3.6]), &origins);
+        assert_eq!(ids, [1, 10, 4, 3]);
+    }
+
+    #[test]
+    fn the_range_follows_slowly_and_restarts_where_it_does_not_overlap() {
+        let settings = Settings { range_smoothing: 0.75, ..Settings::default() };
+        let mut groups = Groups::default();
+        step(&mut groups, &settings, &[2.0, 6.0], Origin::Fresh);
+        step(&mut groups, &settings, &[4.0, 6.0], Origin::Kept);
+        assert_eq!(groups.range(), Some([2.5, 6.0]));
+        step(&mut groups, &settings, &[7.0, 9.0], Origin::Kept);
+        assert_eq!(groups.range(), Some([7.0, 9.0]));
+        step(&mut groups, &settings, &[], Origin::Kept);
+        assert_eq!(groups.range(), None);
+        step(&mut groups, &settings, &[1.0, 8.0], Origin::Kept);
+        assert_eq!(groups.range(), Some([1.0, 8.0]));
+    }
+}

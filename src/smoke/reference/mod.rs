@@ -1,0 +1,129 @@
+//! The smoke effect in f64 on the CPU, written from its definition and not from the shaders: what tests and the
+//! benchmark compare the GPU with. Clear before fast.
+
+pub mod birth;
+pub mod gaussian;
+pub mod grid;
+pub mod groups;
+pub mod grow;
+pub mod particles;
+pub mod render;
+pub mod shadow;
+pub mod tone;
+
+pub use grid::Grid;
+
+use super::settings::{Settings, Shadow};
+use crate::view::{Camera, Light};
+use render::Hit;
+
+/// One rendered frame, every layer row by row from the top.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Which sphere each pixel sees, and where.
+    pub hits: Vec<Option<Hit>>,
+    /// Share of the light that arrives, 0 to 1; 1 where nothing is seen.
+    pub shadow: Vec<f64>,
+    /// Luminance, 0 to 1; 0 where nothing is seen.
+    pub luminance: Vec<f64>,
+    /// Linear view depth in metres; infinite where nothing is seen.
+    pub depth: Vec<f64>,
+    /// Depth group; 0 where nothing is seen.
+    pub id: Vec<u32>,
+    /// Smoothed luminance; 0 where nothing is seen.
+    pub smooth: Vec<f64>,
+    /// Tone colour before the line, linear RGB; black where nothing is seen.
+    pub tone: Vec<[f64; 3]>,
+    /// Opacity of the line, 0 to 1.
+    pub outline: Vec<f64>,
+    /// The effect alone, linear RGBA, premultiplied; alpha is 0 or 1.
+    pub image: Vec<[f64; 4]>,
+}
+
+/// Renders one frame of `size` pixels from spheres (centre and displayed radius in metres) and their depth groups.
+/// `voxel` is the smallest side of a voxel in metres. A shadow map is an approximation of hard exact shadows.
+pub fn frame(
+    settings: &Settings,
+    camera: &Camera,
+    light: &Light,
+    size: [u32; 2],
+    voxel: f64,
+    spheres: &[[f64; 4]],
+    groups: &[u32],
+) -> Frame {
+    let hits = render::raycast(camera, size, spheres);
+    let soft = |softness| shadow::shadow(camera, size, spheres, &hits, light.source, softness);
+    let shadow = match settings.shadow {
+        Shadow::Exact => soft(f64::from(settings.softness)),
+        Shadow::Map => soft(0.0),
+        Shadow::None => vec![1.0; hits.len()],
+    };
+    let luminance = render::luminance(camera, size, spheres, &hits, light, &shadow);
+    let depth = render::depth(&hits);
+    let id = render::id(&hits, groups);
+    let [width, height] = size.map(|n| n as usize);
+    let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
+    let tone = tone::tones(size, &smooth, &id, &settings.tones, settings.tone_softness.into());
+    let outline = tone::outline(size, &depth, camera, voxel, &settings.outline);
+    let image = tone::composite(&tone, &outline, &id, settings.outline.colour);
+    Frame { hits, shadow, luminance, depth, id, smooth, tone, outline, image }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::smoke::settings;
+
+    /// A small plume in motion, over some frames; the last one rendered.
+    #[test]
+    fn a_whole_frame_is_finite_and_consistent() {
+        let density: Vec<f32> = (0..15 * 15 * 20).map(|i| if (i % 15_i32 - 7).abs() < 5 { 1.0 } else { 0.0 }).collect();
+        let velocity = vec![[0.1, 1.0, -0.2]; density.len()];
+        let grid = Grid {
+            dimensions: [15, 15, 20],
+            voxel_size: [0.1, 0.1, 0.12],
+            origin: [-0.75, 0.25, -1.2],
+            density: &density,
+            velocity: Some(&velocity),
+        };
+        let settings = Settings { particles: 100, ..Settings::default() };
+        let (camera, light, size) = (Camera::default(), Light::default(), [128, 96]);
+        let mut particles = particles::Particles::default();
+        let mut depth_groups = groups::Groups::default();
+        let mut ids = Vec::new();
+        for _ in 0..10 {
+            particles.step(&grid, &settings, 0.04, 1);
+            ids = depth_groups.step(&settings, &camera, &particles.spheres(), &particles.origins());
+        }
+        let frame = frame(&settings, &camera, &light, size, grid.smallest_side(), &particles.spheres(), &ids);
+        let seen = frame.hits.iter().flatten().count();
+        assert!(seen > 1000, "{seen} pixels");
+        assert!(frame.hits.iter().flatten().any(|hit| hit.sphere >= 100), "no ghost is seen");
+        for (pixel, hit) in frame.hits.iter().enumerate() {
+            assert_eq!(frame.id[pixel] > 0, hit.is_some());
+            assert_eq!(frame.image[pixel][3], if hit.is_some() { 1.0 } else { 0.0 });
+            assert_eq!(frame.depth[pixel].is_finite(), hit.is_some());
+            assert!((0.0..=1.0).contains(&frame.smooth[pixel]) && (0.0..=1.0).contains(&frame.outline[pixel]));
+            assert!(frame.image[pixel].iter().all(|c| (0.0..=1.0).contains(c)));
+        }
+        let ink = frame.image.iter().filter(|c| **c == [0.0, 0.0, 0.0, 1.0]).count();
+        assert!(ink > 50 && ink < seen, "{ink} pixels of ink");
+    }
+
+    #[test]
+    fn one_sphere_lit_from_the_eye() {
+        let camera = Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, ..Camera::default() };
+        let light = Light { source: crate::view::LightSource::Direction(-DVec3::Z), ambient: 0.0 };
+        let no_line = settings::Outline { strength: 0.0, ..Default::default() };
+        let settings = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
+        let frame = frame(&settings, &camera, &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &[5]);
+        let middle = 16 * 33 + 16;
+        assert_eq!((frame.depth[middle], frame.id[middle], frame.shadow[middle]), (2.0, 5, 1.0));
+        assert!((frame.luminance[middle] - 1.0).abs() < 1e-15 && frame.smooth == frame.luminance);
+        assert_eq!(frame.image[middle], [0.95_f32, 0.95, 0.93, 1.0].map(f64::from));
+        let none = super::frame(&settings, &camera, &light, [33, 33], 0.1, &[], &[]);
+        assert!(none.image.iter().all(|c| *c == [0.0; 4]));
+    }
+}
