@@ -7,13 +7,15 @@ pub mod gpu;
 pub mod host;
 pub mod plan;
 pub mod profile;
-pub mod shaders;
 #[doc(hidden)]
 pub mod reference;
+pub mod shaders;
 pub mod smoke;
 pub mod view;
 
 #[cfg(feature = "cli")]
 pub mod io;
+#[cfg(feature = "cli")]
+pub mod offline;
 #[cfg(feature = "cli")]
 pub mod simulate;

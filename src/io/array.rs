@@ -149,7 +149,9 @@ impl Archive {
         let (header, header_bytes) = read_header(&mut entry, &fault)?;
         let count = header.shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)).filter(|&n| n <= limit);
         let Some(count) = count else {
-            return Err(fault.error(format!("shape {:?} is too large", header.shape), format!("{limit} values at most")));
+            return Err(
+                fault.error(format!("shape {:?} is too large", header.shape), format!("{limit} values at most"))
+            );
         };
         // No overflow: count <= limit, which is far below 2^60.
         let expected = count.saturating_mul(header.element.bytes() as u64);

@@ -199,12 +199,7 @@ pub fn read_exr(path: &Path) -> Result<Channels, ReadError> {
 
 /// One picture of many of equal size: `columns` in a row (as many rows as it takes), `gap` transparent pixels between.
 /// None if `frames` is empty or one of them has not the pixels of `size`.
-pub fn contact_sheet(
-    size: [u32; 2],
-    frames: &[Vec<[u8; 4]>],
-    columns: u32,
-    gap: u32,
-) -> Option<Picture<[u8; 4]>> {
+pub fn contact_sheet(size: [u32; 2], frames: &[Vec<[u8; 4]>], columns: u32, gap: u32) -> Option<Picture<[u8; 4]>> {
     let pixels = size[0] as usize * size[1] as usize;
     if frames.is_empty() || pixels == 0 || frames.iter().any(|f| f.len() != pixels) {
         return None;

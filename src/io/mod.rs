@@ -51,10 +51,7 @@ pub struct WriteError {
 /// Writes `path` so that it appears whole or not at all: into a hidden file `.NAME.PID.part` beside it, synced, then
 /// renamed. Folders that are missing are made, a file of that name is replaced, and a `.part` that a killed run left
 /// behind does not disturb. On an error the `.part` is removed and what was at `path` stays.
-pub fn write_atomic(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), WriteError> {
+pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
     write_atomic_io(path, write).map_err(|source| WriteError { path: path.into(), source })
 }
 

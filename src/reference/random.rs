@@ -13,11 +13,9 @@ pub fn hash(seed: u32, slot: u32, generation: u32, dimension: u32) -> u32 {
     pcg(dimension.wrapping_add(pcg(generation.wrapping_add(word))))
 }
 
-/// A random word as f32 above 0 and at most 1: `((h >> 8) + 0.5) * 2^-24`, the sum rounded to nearest even.
-///
-/// The sum is exact below one half. From there on floats have no room for the 0.5, and the largest word gives 1.
+/// A random word as f32 in (0, 1): `((h >> 9) + 0.5) * 2^-23`, exact.
 pub fn unit(h: u32) -> f32 {
-    ((h >> 8) as f32 + 0.5) * (1.0 / 16_777_216.0)
+    ((h >> 9) as f32 + 0.5) * (1.0 / 8_388_608.0)
 }
 
 #[cfg(test)]
@@ -53,14 +51,11 @@ mod tests {
     }
 
     #[test]
-    fn unit_is_exact_below_one_half_and_never_zero() {
-        assert_eq!(f64::from(unit(0)), 0.5 / 16_777_216.0);
-        for h in [0x7FFF_FFFF_u32, 0x1234_5678, 0x0000_0100] {
-            assert_eq!(f64::from(unit(h)), (f64::from(h >> 8) + 0.5) / 16_777_216.0);
+    fn unit_is_exact_and_neither_zero_nor_one() {
+        for h in [0, 0x1234_5678, 0x7FFF_FFFF, 0x8000_0000, u32::MAX] {
+            assert_eq!(f64::from(unit(h)), (f64::from(h >> 9) + 0.5) / 8_388_608.0);
+            assert!(unit(h) > 0.0 && unit(h) < 1.0);
         }
-        // 8388608.5 lies half-way between floats: to even, downwards; 16777215.5 upwards, to 2^24.
-        assert_eq!(unit(0x8000_0000), 0.5);
-        assert_eq!(unit(u32::MAX), 1.0);
     }
 
     #[test]

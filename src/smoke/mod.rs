@@ -183,6 +183,11 @@ impl Smoke {
         &self.plan
     }
 
+    /// The most steps that a frame can have, and the most bytes of its updates.
+    pub fn plan_capacity(&self) -> (usize, usize) {
+        Passes::capacity(&self.layout, &self.tables)
+    }
+
     /// The declared passes, which the plan's steps refer to.
     pub fn passes(&self) -> &[crate::plan::Pass] {
         &self.passes.list
