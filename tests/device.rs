@@ -1,0 +1,432 @@
+//! The device under the other tests: that validation reports what it must report, that the profiler tells the truth,
+//! and that the comparison of images can fail.
+#![cfg(feature = "cli")]
+
+mod common;
+
+use ash::vk;
+use celfx::gpu::buffer::{Buffer, BufferDesc};
+use celfx::gpu::profiler::{Profiler, Timing, queries};
+use celfx::gpu::{debug, headless};
+use celfx::host::Host;
+use celfx::profile::Clock;
+use common::picture::{Picture, Tolerance, compare};
+use common::{TestDevice, device};
+
+const BYTES: u64 = 1 << 20;
+
+fn buffers<const N: usize>(device: &mut TestDevice) -> [Buffer; N] {
+    let (host, allocator) = device.parts();
+    // SAFETY: the handles are the device's own.
+    [(); N].map(|()| unsafe { Buffer::new(&host, allocator, &BufferDesc::storage("test", BYTES)) }.expect("a buffer"))
+}
+
+fn destroy(device: &mut TestDevice, buffers: impl IntoIterator<Item = Buffer>) {
+    let (host, allocator) = device.parts();
+    for mut buffer in buffers {
+        // SAFETY: every submission has been waited for.
+        unsafe { buffer.destroy(&host, allocator) };
+    }
+}
+
+unsafe fn copy(host: &Host, commands: vk::CommandBuffer, from: &Buffer, to: &Buffer) {
+    let region = [vk::BufferCopy::default().size(BYTES)];
+    // SAFETY: the caller's.
+    unsafe { host.device.cmd_copy_buffer(commands, from.handle, to.handle, &region) };
+}
+
+unsafe fn fill(host: &Host, commands: vk::CommandBuffer, buffer: &Buffer, word: u32) {
+    // SAFETY: the caller's.
+    unsafe { host.device.cmd_fill_buffer(commands, buffer.handle, 0, BYTES, word) };
+}
+
+unsafe fn transfer_barrier(host: &Host, commands: vk::CommandBuffer) {
+    let barrier = [vk::MemoryBarrier2::default()
+        .src_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
+        .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+        .dst_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
+        .dst_access_mask(vk::AccessFlags2::TRANSFER_READ | vk::AccessFlags2::TRANSFER_WRITE)];
+    // SAFETY: the caller's.
+    unsafe { host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier)) };
+}
+
+fn assert_said(said: &[String], what: &str) {
+    assert!(said.iter().any(|message| message.contains(what)), "no {what} in {said:#?}");
+}
+
+#[test]
+fn a_clean_program_says_nothing() {
+    let Some(mut device) = device() else { return };
+    let buffers = buffers::<2>(&mut device);
+    let recorded = device.one_time("fill and copy", |host, commands| {
+        // SAFETY: valid handles, and a barrier between write and read.
+        unsafe {
+            debug::begin_label(host, commands, "fill and copy");
+            fill(host, commands, &buffers[0], 1);
+            transfer_barrier(host, commands);
+            copy(host, commands, &buffers[0], &buffers[1]);
+            debug::end_label(host, commands);
+        }
+        Ok(())
+    });
+    recorded.expect("it runs");
+    destroy(&mut device, buffers);
+    assert_eq!(device.into_messages(), Vec::<String>::new());
+}
+
+#[test]
+fn validation_reports_missing_barriers_between_transfers() {
+    for (name, hazard) in [
+        ("read after write", "SYNC-HAZARD-READ-AFTER-WRITE"),
+        ("write after read", "SYNC-HAZARD-WRITE-AFTER-READ"),
+        ("write after write", "SYNC-HAZARD-WRITE-AFTER-WRITE"),
+    ] {
+        let Some(mut device) = device() else { return };
+        let buffers = buffers::<2>(&mut device);
+        let recorded = device.one_time(name, |host, commands| {
+            // SAFETY: valid handles; the missing barrier makes contents undefined that nobody looks at.
+            unsafe {
+                match name {
+                    "read after write" => {
+                        fill(host, commands, &buffers[0], 1);
+                        copy(host, commands, &buffers[0], &buffers[1]);
+                    }
+                    "write after read" => {
+                        copy(host, commands, &buffers[0], &buffers[1]);
+                        fill(host, commands, &buffers[0], 1);
+                    }
+                    _ => {
+                        fill(host, commands, &buffers[0], 1);
+                        fill(host, commands, &buffers[0], 2);
+                    }
+                }
+            }
+            Ok(())
+        });
+        recorded.expect("it runs");
+        destroy(&mut device, buffers);
+        assert_said(&device.into_messages(), hazard);
+    }
+}
+
+/// `glslangValidator --target-env vulkan1.3 --target-env spirv1.5` of `layout(local_size_x = 8) in;
+/// layout(binding = 0) readonly buffer A { uint a[]; }; layout(binding = 1) writeonly buffer B { uint b[]; };
+/// void main() { b[gl_GlobalInvocationID.x] = a[gl_GlobalInvocationID.x]; }`
+#[rustfmt::skip]
+const COPY: &[u32] = &[
+    0x7230203, 0x10500, 0x8000b, 0x21, 0x0, 0x20011, 0x1, 0x6000b, 0x1, 0x4c534c47, 0x6474732e, 0x3035342e, 0x0,
+    0x3000e, 0x0, 0x1, 0x8000f, 0x5, 0x4, 0x6e69616d, 0x0, 0xa, 0xf, 0x17, 0x60010, 0x4, 0x11, 0x8, 0x1, 0x1,
+    0x40047, 0x7, 0x6, 0x4, 0x40048, 0x8, 0x0, 0x19, 0x50048, 0x8, 0x0, 0x23, 0x0, 0x30047, 0x8, 0x2, 0x40047, 0xa,
+    0x22, 0x0, 0x40047, 0xa, 0x21, 0x1, 0x40047, 0xf, 0xb, 0x1c, 0x40047, 0x14, 0x6, 0x4, 0x40048, 0x15, 0x0, 0x18,
+    0x50048, 0x15, 0x0, 0x23, 0x0, 0x30047, 0x15, 0x2, 0x40047, 0x17, 0x22, 0x0, 0x40047, 0x17, 0x21, 0x0, 0x40047,
+    0x20, 0xb, 0x19, 0x20013, 0x2, 0x30021, 0x3, 0x2, 0x40015, 0x6, 0x20, 0x0, 0x3001d, 0x7, 0x6, 0x3001e, 0x8, 0x7,
+    0x40020, 0x9, 0xc, 0x8, 0x4003b, 0x9, 0xa, 0xc, 0x40015, 0xb, 0x20, 0x1, 0x4002b, 0xb, 0xc, 0x0, 0x40017, 0xd,
+    0x6, 0x3, 0x40020, 0xe, 0x1, 0xd, 0x4003b, 0xe, 0xf, 0x1, 0x4002b, 0x6, 0x10, 0x0, 0x40020, 0x11, 0x1, 0x6,
+    0x3001d, 0x14, 0x6, 0x3001e, 0x15, 0x14, 0x40020, 0x16, 0xc, 0x15, 0x4003b, 0x16, 0x17, 0xc, 0x40020, 0x1a, 0xc,
+    0x6, 0x4002b, 0x6, 0x1e, 0x8, 0x4002b, 0x6, 0x1f, 0x1, 0x6002c, 0xd, 0x20, 0x1e, 0x1f, 0x1f, 0x50036, 0x2, 0x4,
+    0x0, 0x3, 0x200f8, 0x5, 0x50041, 0x11, 0x12, 0xf, 0x10, 0x4003d, 0x6, 0x13, 0x12, 0x60041, 0x1a, 0x1b, 0x17,
+    0xc, 0x13, 0x4003d, 0x6, 0x1c, 0x1b, 0x60041, 0x1a, 0x1d, 0xa, 0xc, 0x13, 0x3003e, 0x1d, 0x1c, 0x100fd, 0x10038
+];
+
+/// The pipeline of [`COPY`] with two buffers bound to it.
+struct CopyKernel {
+    module: vk::ShaderModule,
+    set_layout: vk::DescriptorSetLayout,
+    layout: vk::PipelineLayout,
+    pipeline: vk::Pipeline,
+    pool: vk::DescriptorPool,
+    set: vk::DescriptorSet,
+}
+
+impl CopyKernel {
+    unsafe fn new(host: &Host, from: &Buffer, to: &Buffer) -> CopyKernel {
+        let kind = vk::DescriptorType::STORAGE_BUFFER;
+        let binding = vk::DescriptorSetLayoutBinding::default()
+            .descriptor_type(kind)
+            .descriptor_count(1)
+            .stage_flags(vk::ShaderStageFlags::COMPUTE);
+        let bindings = [binding.binding(0), binding.binding(1)];
+        let size = [vk::DescriptorPoolSize { ty: kind, descriptor_count: 2 }];
+        let ranges = [from, to].map(|b| vk::DescriptorBufferInfo { buffer: b.handle, offset: 0, range: BYTES });
+        // SAFETY: the caller's.
+        unsafe {
+            let info = vk::ShaderModuleCreateInfo::default().code(COPY);
+            let module = host.device.create_shader_module(&info, None).expect("a module");
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+            let set_layout = host.device.create_descriptor_set_layout(&info, None).expect("a set layout");
+            let layouts = [set_layout];
+            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
+            let layout = host.device.create_pipeline_layout(&info, None).expect("a layout");
+            let stage = vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::COMPUTE)
+                .module(module)
+                .name(c"main");
+            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout)];
+            let pipelines = host.device.create_compute_pipelines(host.pipeline_cache, &info, None);
+            let pipeline = pipelines.expect("a pipeline")[0];
+            let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&size);
+            let pool = host.device.create_descriptor_pool(&info, None).expect("a pool");
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+            let set = host.device.allocate_descriptor_sets(&info).expect("a set")[0];
+            let write = vk::WriteDescriptorSet::default().dst_set(set).descriptor_type(kind).buffer_info(&ranges);
+            host.device.update_descriptor_sets(&[write], &[]);
+            CopyKernel { module, set_layout, layout, pipeline, pool, set }
+        }
+    }
+
+    unsafe fn dispatch(&self, host: &Host, commands: vk::CommandBuffer) {
+        let point = vk::PipelineBindPoint::COMPUTE;
+        // SAFETY: the caller's; the buffer holds more than the 64 words that are touched.
+        unsafe {
+            host.device.cmd_bind_pipeline(commands, point, self.pipeline);
+            host.device.cmd_bind_descriptor_sets(commands, point, self.layout, 0, &[self.set], &[]);
+            host.device.cmd_dispatch(commands, 8, 1, 1);
+        }
+    }
+
+    unsafe fn destroy(&self, host: &Host) {
+        // SAFETY: the caller's.
+        unsafe {
+            host.device.destroy_descriptor_pool(self.pool, None);
+            host.device.destroy_pipeline(self.pipeline, None);
+            host.device.destroy_pipeline_layout(self.layout, None);
+            host.device.destroy_descriptor_set_layout(self.set_layout, None);
+            host.device.destroy_shader_module(self.module, None);
+        }
+    }
+}
+
+#[test]
+fn validation_reports_a_missing_barrier_between_dispatches() {
+    for with_barrier in [true, false] {
+        let Some(mut device) = device() else { return };
+        let buffers = buffers::<3>(&mut device);
+        // SAFETY: valid handles, and each dispatch is waited for before anything is destroyed. Without the barrier the
+        // contents are undefined; nobody looks at them.
+        unsafe {
+            let [first, second] = [0, 1].map(|i| CopyKernel::new(&device.host(), &buffers[i], &buffers[i + 1]));
+            let recorded = device.one_time("dispatch twice", |host, commands| {
+                first.dispatch(host, commands);
+                let barrier = [vk::MemoryBarrier2::default()
+                    .src_stage_mask(vk::PipelineStageFlags2::COMPUTE_SHADER)
+                    .src_access_mask(vk::AccessFlags2::SHADER_STORAGE_WRITE)
+                    .dst_stage_mask(vk::PipelineStageFlags2::COMPUTE_SHADER)
+                    .dst_access_mask(vk::AccessFlags2::SHADER_STORAGE_READ)];
+                if with_barrier {
+                    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+                    host.device.cmd_pipeline_barrier2(commands, &dependency);
+                }
+                second.dispatch(host, commands);
+                Ok(())
+            });
+            recorded.expect("it runs");
+            first.destroy(&device.host());
+            second.destroy(&device.host());
+        }
+        destroy(&mut device, buffers);
+        let said = device.into_messages();
+        match with_barrier {
+            true => assert_eq!(said, Vec::<String>::new()),
+            false => assert_said(&said, "SYNC-HAZARD-READ-AFTER-WRITE"),
+        }
+    }
+}
+
+#[test]
+fn validation_reports_a_missing_barrier_between_submissions() {
+    let Some(mut device) = device() else { return };
+    let buffers = buffers::<2>(&mut device);
+    let mut submissions = Vec::new();
+    for second in [false, true] {
+        let commands = device.begin().expect("commands");
+        // SAFETY: valid handles; the missing barrier makes contents undefined that nobody looks at.
+        unsafe {
+            match second {
+                false => fill(&device.host(), commands.raw(), &buffers[0], 1),
+                true => copy(&device.host(), commands.raw(), &buffers[0], &buffers[1]),
+            }
+        }
+        submissions.push(device.start(commands, "one of two").expect("submitted"));
+    }
+    for submission in submissions {
+        device.wait(submission).expect("it runs");
+    }
+    destroy(&mut device, buffers);
+    assert_said(&device.into_messages(), "SYNC-HAZARD-READ-AFTER-WRITE");
+}
+
+#[test]
+fn validation_reports_wrong_use_and_leaks() {
+    let Some(mut device) = device() else { return };
+    let [buffer] = buffers::<1>(&mut device);
+    let recorded = device.one_time("a fill that is not aligned", |host, commands| {
+        // SAFETY: wrong on purpose (the offset is no multiple of 4), and within the buffer.
+        unsafe { host.device.cmd_fill_buffer(commands, buffer.handle, 2, 4, 0) };
+        Ok(())
+    });
+    recorded.expect("it runs");
+    destroy(&mut device, [buffer]);
+    // SAFETY: valid handles. The fence is leaked on purpose.
+    unsafe { device.host().device.create_fence(&vk::FenceCreateInfo::default(), None) }.expect("a fence");
+    let said = device.into_messages();
+    assert_said(&said, "VUID-vkCmdFillBuffer-dstOffset-00025");
+    assert_said(&said, "VUID-vkDestroyDevice-device");
+}
+
+#[test]
+fn nothing_is_submitted_if_recording_fails() {
+    let Some(mut device) = device() else { return };
+    for _ in 0..2 {
+        let failed: celfx::error::Result<()> = device.one_time("never", |_, _| {
+            Err(celfx::error::Error::HostResource { name: "test", why: "on purpose".into() })
+        });
+        assert!(failed.is_err());
+        device.one_time("empty", |_, _| Ok(())).expect("the commands can be used again");
+    }
+}
+
+/// Records `names` as steps of one fill each, and one that is skipped.
+fn record(
+    device: &mut TestDevice,
+    buffer: &Buffer,
+    names: &[&'static str],
+    timing: &mut Timing,
+    frame: Option<(usize, u32)>,
+) {
+    let recorded = device.one_time("steps", |host, commands| {
+        // SAFETY: valid handles; nothing of the slot is in flight.
+        unsafe {
+            if let (Timing::Profiler(profiler), Some((slot, frame))) = (&mut *timing, frame) {
+                profiler.begin_frame(host, commands, slot, frame)?;
+            }
+            for name in names {
+                transfer_barrier(host, commands);
+                timing.begin_scope(host, commands, name);
+                fill(host, commands, buffer, 0);
+                timing.end_scope(host, commands);
+            }
+            timing.skip("test.skipped", "nothing to do");
+        }
+        Ok(())
+    });
+    recorded.expect("it runs");
+}
+
+#[test]
+fn profiled_steps_are_in_order_merged_and_cover_the_work() {
+    let Some(mut device) = device() else { return };
+    let [buffer] = buffers::<1>(&mut device);
+    let family = device.queue_family();
+    // SAFETY: the device's own handles.
+    let mut profiler = unsafe { Profiler::new(&device.host(), family, 2, 4) }.expect("a profiler");
+    assert!(profiler.is_supported(), "lavapipe, SwiftShader and all GPUs of note have timestamps");
+    let mut last = 0;
+    for frame in 0..4 {
+        let slot = frame as usize % 2;
+        // SAFETY: as above; nothing is in flight.
+        assert_eq!(unsafe { profiler.collect(&device.host(), slot) }, None, "nothing is there yet");
+        let names = ["test.fill", "test.fill", "test.other", "test.fill", "test.fifth"];
+        record(&mut device, &buffer, &names, &mut Timing::Profiler(&mut profiler), Some((slot, frame)));
+        // SAFETY: as above.
+        let times = unsafe { profiler.collect(&device.host(), slot) }.expect("the frame is done");
+        let rows: Vec<_> = times.passes.iter().map(|p| p.name).collect();
+        assert_eq!((times.frame, rows), (frame, vec!["test.fill", "test.other", "test.fill"]));
+        assert_eq!(times.skipped[0].0, "test.fifth", "it was made for four steps");
+        assert_eq!(times.skipped[1], ("test.skipped", "nothing to do"));
+        for pass in &times.passes {
+            assert!(last <= pass.begin_ns && pass.begin_ns < pass.end_ns, "{times:?} after {last}");
+            last = pass.end_ns;
+        }
+        assert_eq!(times.total_ns(), times.passes[2].end_ns - times.passes[0].begin_ns);
+    }
+    // SAFETY: as above.
+    unsafe {
+        record(&mut device, &buffer, &["test.fill"], &mut Timing::Profiler(&mut profiler), Some((0, 4)));
+        record(&mut device, &buffer, &["test.fill"], &mut Timing::Profiler(&mut profiler), Some((0, 5)));
+        assert_eq!(profiler.dropped(), 1);
+        assert_eq!(profiler.collect(&device.host(), 0).map(|times| times.frame), Some(5));
+        let commands = device.begin().expect("commands");
+        assert!(profiler.begin_frame(&device.host(), commands.raw(), 2, 6).is_err(), "there are two slots");
+        device.submit(commands, "empty").expect("it runs");
+        profiler.destroy(&device.host());
+    }
+    destroy(&mut device, [buffer]);
+}
+
+#[test]
+fn the_hosts_own_queries_are_filled_two_a_step() {
+    let Some(mut device) = device() else { return };
+    let [buffer] = buffers::<1>(&mut device);
+    const FIRST: u32 = 3;
+    let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(FIRST + queries(2));
+    // SAFETY: the device's own handles; the pool is reset before it is written, and read when all is done.
+    unsafe {
+        let pool = device.host().device.create_query_pool(&info, None).expect("a query pool");
+        let reset = device.one_time("reset", |host, commands| {
+            host.device.cmd_reset_query_pool(commands, pool, 0, FIRST + queries(2));
+            Ok(())
+        });
+        reset.expect("it runs");
+        let mut timing = Timing::Queries { pool, first: FIRST };
+        record(&mut device, &buffer, &["test.a", "test.b"], &mut timing, None);
+        assert!(matches!(timing, Timing::Queries { first, .. } if first == FIRST + queries(2)));
+        let mut ticks = [[0_u64; 2]; 2];
+        let flags = vk::QueryResultFlags::TYPE_64;
+        let mut flat = [0_u64; 4];
+        device.host().device.get_query_pool_results(pool, FIRST, &mut flat, flags).expect("all are written");
+        ticks.iter_mut().zip(flat.chunks(2)).for_each(|(pair, two)| pair.copy_from_slice(two));
+        let times = Clock::new(64, 1.0).expect("64 bits").frame(0, ["test.a", "test.b"], &ticks);
+        assert_eq!(times.passes.len(), 2);
+        assert!(times.passes.iter().all(|p| p.begin_ns < p.end_ns), "{times:?}");
+        assert!(times.passes[0].end_ns <= times.passes[1].begin_ns, "{times:?}");
+        device.host().device.destroy_query_pool(pool, None);
+    }
+    destroy(&mut device, [buffer]);
+}
+
+#[test]
+fn the_report_lists_the_device_that_is_used() {
+    let Some(device) = device() else { return };
+    let wanted = std::env::var("CELFX_DEVICE").ok();
+    let report = headless::report(wanted.as_deref()).expect("devices");
+    let used: Vec<_> = report.devices.iter().filter(|d| d.used).collect();
+    assert_eq!(used.len(), 1);
+    assert_eq!((&used[0].name, used[0].index), (&device.info().name, device.info().index));
+    assert!(used[0].lacks.is_empty() && report.to_string().contains(&used[0].name));
+}
+
+/// A picture of 16 x 8 pixels without symmetry.
+fn picture() -> Picture {
+    let value = |i: usize| (i * 37 % 101) as f32 / 101.0;
+    Picture { size: [16, 8], channels: 4, values: (0..16 * 8 * 4).map(value).collect() }
+}
+
+#[test]
+fn the_comparison_of_images_passes_what_is_equal_and_nothing_else() {
+    let expected = picture();
+    let exact = |actual: &Picture| compare(actual, &expected, Tolerance::EXACT);
+    let close = |actual: &Picture| compare(actual, &expected, Tolerance { value: 1.0 / 255.0, pixels: 2 });
+    let changed = |change: &dyn Fn(&mut Picture)| {
+        let mut actual = picture();
+        change(&mut actual);
+        actual
+    };
+    assert_eq!(exact(&picture()), Ok(()));
+    assert!(exact(&changed(&|p| p.values[77] = p.values[77].next_up())).is_err(), "one bit");
+    assert_eq!(close(&changed(&|p| p.values.iter_mut().for_each(|v| *v += 0.003))), Ok(()));
+    assert!(close(&changed(&|p| p.values.iter_mut().for_each(|v| *v += 0.005))).is_err(), "a little brighter");
+    assert_eq!(close(&changed(&|p| p.values[..8].fill(9.0))), Ok(()), "two pixels may differ");
+    assert!(close(&changed(&|p| p.values[..9].fill(9.0))).is_err(), "three may not");
+    assert!(close(&changed(&|p| p.values.rotate_right(4))).is_err(), "moved by a pixel");
+    assert!(close(&changed(&|p| p.values.chunks_mut(4).for_each(|c| c.swap(0, 2)))).is_err(), "channels swapped");
+    assert!(close(&changed(&|p| p.values.fill(0.0))).is_err(), "black");
+    assert!(close(&changed(&|p| p.size = [8, 16])).is_err(), "another shape");
+    assert!(close(&changed(&|p| p.values.truncate(508))).is_err(), "a pixel is missing");
+    for bad in [f32::NAN, f32::INFINITY] {
+        let actual = changed(&|p| p.values[5] = bad);
+        assert!(
+            close(&actual).is_err() && compare(&actual, &actual, Tolerance::EXACT).is_err(),
+            "{bad} equals nothing"
+        );
+    }
+}
