@@ -1,0 +1,38 @@
+# celfx: make build, make demo, make test, make bench. Each first runs .ci/setup, which installs what is missing.
+
+export PATH := $(or $(CARGO_HOME),$(HOME)/.cargo)/bin:$(PATH)
+
+CELFX = $(or $(CARGO_TARGET_DIR),target)/release/celfx
+
+# Tests run on lavapipe even where there is a GPU, so that they see the same driver everywhere.
+# On another driver: make test DRIVER=/path/to/its_icd.json; on whatever the loader finds: make test DRIVER=
+DRIVER = $(firstword $(wildcard $(addsuffix /vulkan/icd.d/lvp_icd*.json,/usr/share /usr/local/share /etc)))
+ON_DRIVER = $(if $(DRIVER),VK_DRIVER_FILES=$(DRIVER) VK_ICD_FILENAMES=$(DRIVER))
+
+.PHONY: build demo test bench clean setup
+
+build: setup
+	cargo build --release --locked
+
+demo: build
+	mkdir -p demo
+	$(CELFX) render builtin:smoke -o demo/%04d.png --sheet demo/sheet.png --animation demo/smoke.gif
+	@echo "The frames are demo/0001.png and on, side by side in demo/sheet.png, moving in demo/smoke.gif."
+
+# The dev profile and not release: it checks integer overflow and debug assertions. Its opt-level is 1 (Cargo.toml),
+# fast enough for the references.
+test: setup
+	cargo fmt --check
+	cargo clippy --locked --all-targets -- -D warnings
+	cargo clippy --locked --no-default-features -- -D warnings
+	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked
+
+bench: build
+	$(CELFX) bench all -o bench
+
+clean:
+	cargo clean
+	rm -rf .shaderc demo bench
+
+setup:
+	@.ci/setup
