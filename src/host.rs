@@ -22,6 +22,7 @@ pub struct Host<'a> {
     /// Created with the features that [`requirements()`] names.
     pub device: &'a ash::Device,
     /// If `VK_EXT_debug_utils` is enabled: passes get labels and objects get names. Works without.
+    /// [`crate::gpu::debug::table`] makes one that has all that is called.
     pub debug: Option<&'a ash::ext::debug_utils::Device>,
     /// Used for every pipeline that celfx creates; may be `vk::PipelineCache::null()`.
     pub pipeline_cache: vk::PipelineCache,

@@ -4,10 +4,14 @@
 
 mod common;
 
+use std::time::Duration;
+
 use ash::vk;
+use celfx::error::{Error, Result};
 use celfx::gpu::buffer::{Buffer, BufferDesc};
+use celfx::gpu::debug;
+use celfx::gpu::headless::{self, Headless, Options};
 use celfx::gpu::profiler::{Profiler, Timing, queries};
-use celfx::gpu::{debug, headless};
 use celfx::host::Host;
 use celfx::profile::Clock;
 use common::picture::{Picture, Tolerance, compare};
@@ -277,9 +281,8 @@ fn validation_reports_wrong_use_and_leaks() {
 fn nothing_is_submitted_if_recording_fails() {
     let Some(mut device) = device() else { return };
     for _ in 0..2 {
-        let failed: celfx::error::Result<()> = device.one_time("never", |_, _| {
-            Err(celfx::error::Error::HostResource { name: "test", why: "on purpose".into() })
-        });
+        let failed: Result<()> =
+            device.one_time("never", |_, _| Err(Error::HostResource { name: "test", why: "on purpose".into() }));
         assert!(failed.is_err());
         device.one_time("empty", |_, _| Ok(())).expect("the commands can be used again");
     }
@@ -382,6 +385,78 @@ fn the_hosts_own_queries_are_filled_two_a_step() {
         device.host().device.destroy_query_pool(pool, None);
     }
     destroy(&mut device, [buffer]);
+}
+
+#[test]
+fn a_hang_is_an_error_that_names_the_work_and_leaves_it_alone() {
+    let Some(device) = device() else { return };
+    let index = device.info().index.to_string();
+    drop(device);
+    // So short that the work is still running: 256 MiB are filled, which takes milliseconds anywhere.
+    let timeout = Duration::from_nanos(1);
+    let options = Options { validate: true, device: Some(index), timeout };
+    let mut headless = Headless::new(&options).expect("the same device");
+    let messages = headless.messages();
+    let (host, allocator) = headless.parts();
+    // SAFETY: the handles are the device's own. The buffer is never destroyed: the device may still be using it.
+    let buffer = unsafe { Buffer::new(&host, allocator, &BufferDesc::storage("test", BYTES)) }.expect("a buffer");
+    let waited = headless.one_time("frame 12", |host, commands| {
+        for word in 0..256 {
+            // SAFETY: valid handles, and a barrier between the fills.
+            unsafe {
+                transfer_barrier(host, commands);
+                fill(host, commands, &buffer, word);
+            }
+        }
+        Ok(())
+    });
+    let error = waited.expect_err("a nanosecond is too short");
+    assert!(
+        matches!(&error, Error::Vulkan { call: "vkWaitForFences", object: Some(what), result: vk::Result::TIMEOUT } if what == "frame 12"),
+        "{error:?}"
+    );
+    // Neither waits nor destroys what is in use, which validation would report.
+    drop(headless);
+    assert_eq!(*messages.lock().expect("nobody panicked"), Vec::<String>::new());
+}
+
+/// Not a test of its own: what [`without_a_device_the_error_says_what_to_do`] runs in other environments.
+#[test]
+fn open_and_say() {
+    if std::env::var_os("CELFX_OPEN_AND_SAY").is_some() {
+        match Headless::new(&Options { validate: true, ..Options::default() }) {
+            Ok(headless) => println!("opened {}", headless.info()),
+            Err(error) => println!("{error}"),
+        }
+    }
+}
+
+#[test]
+fn without_a_device_the_error_says_what_to_do() {
+    let Some(device) = device() else { return };
+    drop(device);
+    let broken = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("broken_icd.json");
+    std::fs::write(&broken, "no JSON").expect("the temporary folder can be written");
+    let broken = broken.to_str().expect("a path in UTF-8");
+    let said = |variables: &[&str], value: &str| {
+        let mut command = std::process::Command::new(std::env::current_exe().expect("this test"));
+        command.args(["--exact", "open_and_say", "--nocapture"]).env("CELFX_OPEN_AND_SAY", "1");
+        variables.iter().for_each(|variable| _ = command.env(variable, value));
+        let output = command.output().expect("this test runs");
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let drivers = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
+    for (variables, value, expected) in [
+        (&drivers[..], "/nonexistent", ["no Vulkan driver", "apt install libvulkan1 mesa-vulkan-drivers"]),
+        // Older loaders call this OUT_OF_HOST_MEMORY, newer ones pass over the file.
+        (&drivers[..], broken, ["Vulkan driver", "apt install libvulkan1 mesa-vulkan-drivers"]),
+        (&["VK_LAYER_PATH"], "/nonexistent", ["VK_LAYER_KHRONOS_validation", "apt install vulkan-validationlayers"]),
+        (&["CELFX_NOTHING"], "", ["opened", "Vulkan 1."]),
+    ] {
+        let text = said(variables, value);
+        assert!(expected.iter().all(|part| text.contains(part)), "{value}: {text}");
+    }
 }
 
 #[test]

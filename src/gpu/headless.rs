@@ -51,7 +51,7 @@ pub enum NoDevice {
     #[error("the Vulkan loader is too old: it knows Vulkan {0}, 1.3 is needed; {INSTALL}")]
     OldLoader(String),
     /// The loader found no driver.
-    #[error("no Vulkan driver: {0}; {INSTALL}")]
+    #[error("no Vulkan driver: {0} (VK_DRIVER_FILES or VK_ICD_FILENAMES, if set, say where it looks); {INSTALL}")]
     NoDriver(String),
     /// A driver is installed, but something about it is broken.
     #[error(
