@@ -152,8 +152,7 @@ impl Profiler {
         let clock = Clock::new(family.timestamp_valid_bits, properties.limits.timestamp_period);
         let steps = steps.max(1);
         let software = properties.device_type == vk::PhysicalDeviceType::CPU;
-        let mut profiler =
-            Profiler { slots: Vec::new(), clock, steps, software, current: 0, open: false, dropped: 0 };
+        let mut profiler = Profiler { slots: Vec::new(), clock, steps, software, current: 0, open: false, dropped: 0 };
         for _ in 0..frames_in_flight.max(1) {
             // SAFETY: the caller's; on error the pools made so far are destroyed unused.
             unsafe {
