@@ -536,7 +536,10 @@ pub(super) mod tests {
     fn no_damage_to_an_archive_panics() {
         let folder = Folder::new();
         let path = folder.0.join("damaged.npz");
-        write_archive(&path, &[("a", npy("'<f4'", true, "(2, 2)", &[1; 16])), ("b", npy("'<i8'", false, "()", &[2; 8]))]);
+        write_archive(
+            &path,
+            &[("a", npy("'<f4'", true, "(2, 2)", &[1; 16])), ("b", npy("'<i8'", false, "()", &[2; 8]))],
+        );
         let whole = fs::read(&path).unwrap();
         let read = |bytes: &[u8]| {
             fs::write(&path, bytes).unwrap();
@@ -552,7 +555,7 @@ pub(super) mod tests {
             assert!(read(&whole[..cut]).is_err(), "cut at {cut}");
         }
         for at in 0..whole.len() {
-            for value in [0, 1, 0x7f, 0xff, whole[at] ^ 0x10] {
+            for value in [0, 0xff, whole[at] ^ 0x10] {
                 let mut damaged = whole.clone();
                 damaged[at] = value;
                 // Not every byte of an archive matters (dates, for one); what counts is that it returns.
@@ -570,10 +573,8 @@ pub(super) mod tests {
         let bytes = fs::read(&path).unwrap();
         let (header, start) = read_header(&mut &bytes[..], &Fault { path: &path, name: "" }).unwrap();
         assert_eq!((header.element, &header.shape[..], header.fortran_order), (Element::F32, &[2, 3][..], false));
-        let stored: Vec<u32> = bytes[start as usize..]
-            .chunks_exact(4)
-            .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-            .collect();
+        let stored: Vec<u32> =
+            bytes[start as usize..].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         assert_eq!(stored, values.map(f32::to_bits));
         // NumPy maps files whose data begin at a multiple of 64.
         assert_eq!(start % 16, 0);

@@ -468,7 +468,7 @@ mod tests {
         let pattern = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/smoke64/plume.####.npz");
         let mut sequence =
             VolumeSequence::new(pattern.to_str().unwrap(), Path::new(""), Grids::default(), false, 24.0).unwrap();
-        if !sequence.source(20).is_ok() {
+        if sequence.source(20).is_err() {
             eprintln!("skipped: no {}", pattern.display());
             return;
         }
