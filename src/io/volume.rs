@@ -475,7 +475,9 @@ mod tests {
         let volume = sequence.frame(20).unwrap();
         assert_eq!((volume.dimensions, volume.voxel_size), ([38, 64, 38], [0.03125; 3]));
         assert_eq!(volume.origin, [-0.59375, 0.0, -0.59375]);
-        assert_eq!(volume.density.iter().copied().fold(0.0, f32::max), 0.943_359_4);
-        assert_eq!(volume.velocity.as_ref().unwrap().len(), 38 * 64 * 38);
+        // As NumPy reads them.
+        assert_eq!(volume.density.iter().copied().fold(0.0, f32::max), 0.942_871_1);
+        assert_eq!(volume.density[(20 * 64 + 30) * 38 + 18], 0.015_625);
+        assert_eq!(volume.velocity.as_ref().unwrap()[(20 * 64 + 30) * 38 + 18][1], 0.165_283_2);
     }
 }
