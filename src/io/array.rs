@@ -554,6 +554,12 @@ pub(super) mod tests {
         for cut in 0..whole.len() {
             assert!(read(&whole[..cut]).is_err(), "cut at {cut}");
         }
+        // The packed data of the first array follow a local header of 30 bytes and the name: the checksum tells.
+        for at in 35..75 {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 0x10;
+            assert!(read(&damaged).is_err(), "byte {at}");
+        }
         for at in 0..whole.len() {
             for value in [0, 0xff, whole[at] ^ 0x10] {
                 let mut damaged = whole.clone();

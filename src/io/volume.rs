@@ -203,10 +203,10 @@ impl VolumeSequence {
     /// The volume of a frame. The last one is kept, so that a frame with the same volume costs nothing.
     pub fn frame(&mut self, frame: u32) -> Result<Arc<Volume>, ReadError> {
         let source = self.source(frame)?;
-        if let Some((last, volume)) = &self.last {
-            if *last == source {
-                return Ok(volume.clone());
-            }
+        if let Some((last, volume)) = &self.last
+            && *last == source
+        {
+            return Ok(volume.clone());
         }
         let volume = Arc::new(match &source {
             Source::File(path) => read(path, &self.grids)?,
