@@ -36,7 +36,10 @@ fn built_in_shots_name_every_key_and_say_its_default() {
     let defaults = load("[smoke]", &[]).expect("a shot");
     for (name, text) in BUILTIN {
         let shot = Shot::load(name, &[]).expect("a built-in shot");
-        assert_eq!(shot.smoke.settings, defaults.smoke.settings, "{name}: the values that it shows are the defaults");
+        // What each shot sets for itself; all else that it shows is the default.
+        let Settings { particles, still, radius, scale, .. } = shot.smoke.settings;
+        let expected = Settings { particles, still, radius, scale, ..defaults.smoke.settings.clone() };
+        assert_eq!(shot.smoke.settings, expected, "{name}");
         assert_eq!((shot.light(1), shot.fps, shot.frames), (defaults.light(1), 24.0, [1, 48]), "{name}");
         for (key, _) in keys::KEYS.iter().filter(|(key, _)| *key != "camera.file" && !key.starts_with("smoke.emitter."))
         {
