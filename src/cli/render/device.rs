@@ -120,7 +120,10 @@ impl Renderer {
 
     fn upload_background(&mut self, picture: &Picture<[f32; 4]>) -> Result<()> {
         let extent = picture.size;
-        let usage = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC;
+        // Only copied, but every image has a view, and a view needs a usage of its own.
+        let usage = vk::ImageUsageFlags::TRANSFER_DST
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let desc = ImageDesc { name: "background", extent, layers: 1, array_view: false, format: FORMAT, usage };
         // SAFETY: the headless device's own handles and allocator; the upload is waited for before the buffer is used
         // again.
