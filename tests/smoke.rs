@@ -1,0 +1,10 @@
+//! The smoke effect on a device, against the references in f64 (`src/smoke/reference`) and against itself. Every device
+//! is under core and synchronisation validation, and a single message fails the test.
+#![cfg(feature = "cli")]
+
+mod common;
+
+#[path = "smoke/gaussian.rs"]
+mod gaussian;
+#[path = "smoke/radius.rs"]
+mod radius;
