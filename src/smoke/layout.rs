@@ -6,10 +6,11 @@ use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::plan::{BufferId, ImageId};
+use crate::plan::{BufferId, ImageId, Resource, Slot};
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
-    BIRTH_BLOCK, BLOCK, Control, History, LIST_BLOCK, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE, TILE_BLOCKS,
+    BIRTH_BLOCK, BLOCK, BUCKETS, Control, History, LIST_RUN, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE,
+    TILE_BLOCKS,
 };
 use crate::smoke::settings::{Grow, Shadow};
 
@@ -26,26 +27,69 @@ macro_rules! buffers {
         #[repr(u16)]
         #[derive(Clone, Copy)]
         enum Order { $($id),*, COUNT }
-        $(#[doc = concat!("`", $name, "`.")] pub const $id: BufferId = BufferId(Order::$id as u16);)*
+        $(#[doc = concat!("`", $name, "` in the shaders.")] pub const $id: BufferId = BufferId(Order::$id as u16);)*
         /// Number of own buffers.
         pub const BUFFERS: u16 = Order::COUNT as u16;
-        const NAMES: [&str; BUFFERS as usize] = [$($name),*];
+        /// What shaders call them.
+        const BLOCKS: [&str; BUFFERS as usize] = [$($name),*];
+        /// What debuggers and errors call them.
+        const NAMES: [&str; BUFFERS as usize] = [$(concat!("smoke ", $name)),*];
     };
 }
 
 buffers! {
-    PARAMS = "smoke params", DENSITY = "smoke density", VELOCITY = "smoke velocity", OCCUPANCY = "smoke occupancy",
-    BIRTH_COUNTS = "smoke birth counts", CONTROL = "smoke control", HISTORY = "smoke history",
-    PARTICLES = "smoke particles", DYING = "smoke dying", DYING_STEPS = "smoke dying steps", SPHERES = "smoke spheres",
-    GROUPS = "smoke groups", FIELD = "smoke field", FIELD_TO = "smoke field columns", SEARCHES = "smoke searches",
-    CONTINUATIONS = "smoke continuations", LIST_COUNTS = "smoke list counts", LIVE = "smoke live",
-    VISIBLE = "smoke visible", CELLS = "smoke light cells", CASTERS = "smoke casters", BLOCK_MASKS = "smoke block masks",
-    TILE_GROUPS = "smoke tile groups", OCCUPIED_TILES = "smoke occupied tiles", LUMINANCE_PARTS = "smoke luminance parts",
-    PIXELS = "smoke pixels", DEPTH = "smoke depth", SHADOW = "smoke shadow", REACHED = "smoke reached groups",
-    ROW_ITEMS = "smoke row items", COLUMN_ITEMS = "smoke column items", ROW_SLOTS = "smoke row slots",
-    ITEM_ARGUMENTS = "smoke item arguments", WEIGHTS = "smoke weights", ROW_SUMS = "smoke row sums",
-    SMOOTH = "smoke smooth", LINES = "smoke lines", TONES = "smoke tones", PICTURE = "smoke picture",
-    TONE_LAYER = "smoke tone", OUTLINE_LAYER = "smoke outline",
+    PARAMS = "SmokeParams",
+    DENSITY = "Density",
+    VELOCITY = "Velocity",
+    OCCUPANCY = "Occupancy",
+    BIRTH_COUNTS = "BirthCounts",
+    CONTROL = "ControlBuffer",
+    HISTORY = "HistoryBuffer",
+    PARTICLES = "Particles",
+    DYING = "Dying",
+    DYING_STEPS = "DyingSteps",
+    SPHERES = "Spheres",
+    GROUPS = "Groups",
+    FIELD = "Field",
+    FIELD_COLUMNS = "FieldColumns",
+    SEARCHES = "Searches",
+    CONTINUATIONS = "Continuations",
+    LIST_COUNTS = "ListCounts",
+    LIVE = "Live",
+    VISIBLE = "Visible",
+    CELLS = "Cells",
+    CASTERS = "Casters",
+    BLOCK_MASKS = "BlockMasks",
+    TILE_GROUPS = "TileGroups",
+    OCCUPIED_TILES = "OccupiedTiles",
+    LUMINANCE_PARTS = "LuminanceParts",
+    PIXELS = "Pixels",
+    DEPTH = "Depth",
+    SHADOW = "Shadow",
+    REACHED = "Reached",
+    ROW_ITEMS = "RowItems",
+    COLUMN_ITEMS = "ColumnItems",
+    ROW_SLOTS = "RowSlots",
+    ITEM_ARGUMENTS = "ItemArguments",
+    WEIGHTS = "Weights",
+    ROW_SUMS = "RowSums",
+    SMOOTH = "Smooth",
+    LINES = "Lines",
+    TONES = "Tones",
+    PICTURE = "Picture",
+    TONE_LAYER = "ToneLayer",
+    OUTLINE_LAYER = "OutlineLayer",
+}
+
+/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
+pub fn resource(slot: &Slot) -> Option<Resource> {
+    let image = match slot.name {
+        "seen" => Some(SEEN),
+        "shadow_map" => Some(SHADOW_MAP),
+        _ => None,
+    };
+    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
 /// The host's density.
@@ -105,7 +149,7 @@ impl Layout {
         let batch_groups = (ROW_SUM_BYTES / per_group).clamp(1, u64::from(settings.group_count())) as u32;
         let faces = if desc.point_light { 6 } else { 1 };
         let exact = settings.shadow == Shadow::Exact;
-        let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 2).min(8);
+        let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 1).min(8);
         let light_levels = if exact { finest + 1 } else { 1 };
         let casters = |across: u64| spheres * (across + 1) * (across + 1) * u64::from(faces) * 4;
         let cells_across = if casters(4) <= limit { 4 } else { 1 };
@@ -128,7 +172,7 @@ impl Layout {
         layout.size_volume(desc)?;
         layout.size_pictures(desc);
         if exact {
-            layout.set(CELLS, u64::from(layout.light_cells) * u64::from(faces) * 4);
+            layout.set(CELLS, u64::from(layout.light_cells) * u64::from(faces) * u64::from(BUCKETS) * 4);
             layout.set(CASTERS, casters(cells_across));
         }
         layout.check(limit)?;
@@ -157,7 +201,7 @@ impl Layout {
         self.set(SPHERES, spheres * 16);
         self.set(GROUPS, spheres * 4);
         self.set(SEARCHES, particles * 8);
-        self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_BLOCK)) * 8);
+        self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_RUN)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
         self.set(LUMINANCE_PARTS, u64::from(self.luminance_parts) * 16);
@@ -182,7 +226,7 @@ impl Layout {
         self.set(OCCUPANCY, pyramid.words * 4);
         self.set(BIRTH_COUNTS, (words.div_ceil(u64::from(BIRTH_BLOCK)) + 1) * 4);
         self.set(FIELD, nx.div_ceil(4) * ny * nz * 4);
-        self.set(FIELD_TO, nx.div_ceil(4) * ny * nz * 4);
+        self.set(FIELD_COLUMNS, nx.div_ceil(4) * ny * nz * 4);
         // A walk of the pyramid also visits the inner nodes.
         let visits = match desc.settings.grow {
             Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
@@ -225,7 +269,7 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            DENSITY | VELOCITY | OCCUPANCY | FIELD | FIELD_TO => "use a smaller volume",
+            DENSITY | VELOCITY | OCCUPANCY | FIELD | FIELD_COLUMNS => "use a smaller volume",
             PICTURE | TONE_LAYER | ROW_SUMS => "render a smaller picture",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "use fewer particles or less fade",

@@ -235,14 +235,14 @@ impl Settings {
         if self.placement == Placement::Cover {
             return Err(Error::setting("smoke.placement", "cover", "\"random\" (\"cover\" is not built yet)"));
         }
-        if let Some(Emitter { min, max }) = self.emitter {
-            if !(0..3).all(|a| min[a].is_finite() && max[a].is_finite() && min[a] <= max[a]) {
-                return Err(Error::setting(
-                    "smoke.emitter",
-                    format!("{min:?} to {max:?}"),
-                    "min not above max, finite, in metres",
-                ));
-            }
+        if let Some(Emitter { min, max }) = self.emitter
+            && !(0..3).all(|a| min[a].is_finite() && max[a].is_finite() && min[a] <= max[a])
+        {
+            return Err(Error::setting(
+                "smoke.emitter",
+                format!("{min:?} to {max:?}"),
+                "min not above max, finite, in metres",
+            ));
         }
         number("smoke.still", self.still, 0.0, f32::MAX, "voxels per frame, 0 or above")?;
         if let Some(lifetime) = self.lifetime {
