@@ -6,5 +6,13 @@ mod common;
 
 #[path = "smoke/gaussian.rs"]
 mod gaussian;
+#[path = "smoke/groups.rs"]
+mod groups;
+#[path = "smoke/particles.rs"]
+mod particles;
 #[path = "smoke/radius.rs"]
 mod radius;
+#[path = "smoke/shadow.rs"]
+mod shadow;
+#[path = "smoke/spheres.rs"]
+mod spheres;

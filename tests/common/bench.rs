@@ -15,7 +15,8 @@ use celfx::offline::TARGET_FORMAT;
 use celfx::plan::{BufferId, Plan};
 use celfx::smoke::layout::{self, Layout};
 use celfx::smoke::params::SmokeParams;
-use celfx::smoke::passes::{Moment, Passes, Tables};
+use celfx::smoke::passes::Passes;
+use celfx::smoke::steps::{Moment, Steps, Tables};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Shape, VolumeInput};
 use celfx::view::{Camera, Light};
 use gpu_allocator::MemoryLocation;
@@ -166,6 +167,9 @@ impl Bench {
         let (from, _, available) = self.resources.buffer(id);
         let size = (count * size_of::<T>()) as u64;
         assert!(size <= available, "{id:?} holds {available} bytes");
+        if size == 0 {
+            return Vec::new();
+        }
         let to = self.staging(size, MemoryLocation::GpuToCpu);
         let regions = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size }];
         let done = self.device.one_time("bench read", |host, commands| {
@@ -209,7 +213,8 @@ impl Bench {
         let moment = Moment { shape, restart, new_volume: true, first: true, still: None, same_shadow: None };
         let params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);
         let tables = Tables::new(&self.desc.settings, &self.layout);
-        self.passes.plan(&mut self.plan, &self.desc, &self.layout, &frame, &moment, &params, &tables);
+        let Bench { plan, passes, desc, layout, .. } = self;
+        Steps { plan, passes, desc, layout, moment: &moment }.fill(&frame, &params, &tables);
         let list = &self.passes.list;
         self.plan.steps.retain(|step| !given.omit.contains(&list[usize::from(step.pass.0)].name));
         self.resources.set_host_buffer(layout::HOST_DENSITY, Some(density));
