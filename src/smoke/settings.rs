@@ -136,7 +136,7 @@ pub struct Settings {
     pub integrator: Integrator,
     /// A particle this slow dies; voxels (smallest side) per frame, >= 0; default 1e-4.
     pub still: f32,
-    /// A particle this old dies; frames, >= 1; default none.
+    /// A particle this old dies; frames, >= 1; default none. Those of the first frame begin at ages of their own.
     pub lifetime: Option<u32>,
     /// Frames over which newborn spheres grow and dying ones shrink, 0 to 64; default 6 (0: the paper's popping).
     pub fade: u32,
