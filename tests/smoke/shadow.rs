@@ -94,9 +94,7 @@ fn lists_longer_than_the_loop_budget_go_on() {
     let apart = pixels().filter(|(pixel, _)| (f64::from(actual[*pixel]) - expected[*pixel]).abs() > 0.5).count();
     let dark = pixels().filter(|(pixel, _)| expected[*pixel] == 0.0).count();
     assert!(dark > 20 && apart <= 1, "{apart} of {} differ, {dark} dark", pixels().count());
-    // On the many: every point of one is on the others, too, within rounding; half of the directions say nothing.
-    assert!(bench.layout.luminance_parts > 1);
-    // All in one cell, with a wide cone: every list is as long as it gets.
+    // With a cone as wide as this, every sphere is in the one tile of level 0: no list is longer.
     drop(bench);
     let Some(mut bench) = Bench::new(effect(45_000, Shadow::Exact, 1.0, false)) else { return };
     let mut spheres = cluster(5, 45_000, 0.004);
@@ -112,8 +110,6 @@ fn lists_longer_than_the_loop_budget_go_on() {
     let seen = some.iter().flatten().count();
     let close = |pixel: &usize| (f64::from(actual[*pixel]) - expected[*pixel]).abs() <= 1e-3;
     let apart = (0..some.len()).filter(|pixel| some[*pixel].is_some() && !close(pixel)).count();
-    for i in 0..some.len() { if some[i].is_some() && !close(&i) { println!("{i} {} {} {:?}", actual[i], expected[i], some[i]); } }
-    println!("{:?} parts {}", bench.read::<celfx::smoke::params::History>(layout::HISTORY, 1), bench.layout.luminance_parts);
     // As in `assert_exact`, of few pixels.
     assert!(seen > 100 && apart <= 1, "{apart} of {seen} differ");
 }
@@ -122,7 +118,7 @@ fn lists_longer_than_the_loop_budget_go_on() {
 fn a_shadow_map_roughly_agrees() {
     for (point_light, light) in [(false, direction(-1.0, -1.5, -1.0)), (true, point(2.0, 2.5, 1.0))] {
         let spheres = cluster(2, 300, 0.2);
-        let mut image = |kind| {
+        let image = |kind| {
             let mut bench = Bench::new(effect(300, kind, 0.0, point_light))?;
             render(&mut bench, camera(40.0), light, &spheres);
             Some((shadows(&mut bench), crate::spheres::pixels(&mut bench).0))
@@ -147,7 +143,8 @@ fn a_lit_sphere_has_no_acne() {
             // The other one only widens what the map covers.
             render(&mut bench, camera(0.0), light, &[[0.1, -0.2, 0.0, 0.6], [-0.95, -0.95, -0.95, 0.02]]);
             let luminance = crate::spheres::pixels(&mut bench).0;
-            let hits = render::raycast(&camera(0.0), SIZE, &[[0.1, -0.2, 0.0, 0.6]].map(|s: [f32; 4]| s.map(f64::from)));
+            let hits =
+                render::raycast(&camera(0.0), SIZE, &[[0.1, -0.2, 0.0, 0.6]].map(|s: [f32; 4]| s.map(f64::from)));
             let lit = vec![1.0; hits.len()];
             let spheres = [[0.1_f32, -0.2, 0.0, 0.6].map(f64::from)];
             let expected = render::luminance(&camera(0.0), SIZE, &spheres, &hits, &light, &lit);

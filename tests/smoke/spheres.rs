@@ -148,7 +148,8 @@ fn assert_seen(name: &str, bench: &mut Bench, camera: Camera, spheres: &[[f32; 4
 fn groups_and_depth_are_those_of_ray_casting() {
     let settings = Settings { particles: 900, fade: 0, sigma: 0.0, shadow: Shadow::None, ..Settings::default() };
     let Some(mut bench) = Bench::new(desc([199, 150], [4; 3], settings)) else { return };
-    let inside = Camera { eye: DVec3::new(0.1, 0.0, 0.2), target: DVec3::X, near: 0.01, vertical_fov: 80.0, ..camera(0.0) };
+    let inside =
+        Camera { eye: DVec3::new(0.1, 0.0, 0.2), target: DVec3::X, near: 0.01, vertical_fov: 80.0, ..camera(0.0) };
     let behind = Camera { eye: DVec3::new(0.0, 0.0, 4.0), target: DVec3::new(0.0, 0.0, 9.0), ..camera(0.0) };
     let wide = Camera { eye: DVec3::new(0.0, 0.0, 1.4), vertical_fov: 150.0, near: 1e-3, ..camera(0.0) };
     let sliced = Camera { near: 3.6, far: 4.2, ..camera(30.0) };
