@@ -16,8 +16,9 @@ use crate::smoke::settings::{Grow, Shadow};
 
 /// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
 pub const LOOP_BUDGET: u32 = 48_000;
-/// Entries of light-space tiles that one dispatch works on.
-pub const LUMINANCE_TURNS: u32 = 40_000;
+/// Entries of light-space tiles that one dispatch works on for a pixel. An invocation of `luminance` shades four pixels,
+/// one after the other, and each also walks the levels of tiles.
+pub const LUMINANCE_TURNS: u32 = LOOP_BUDGET / 4 - 16;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
 const ROW_SUM_BYTES: u64 = 64 << 20;
 
