@@ -10,6 +10,8 @@ pub mod array;
 pub mod image;
 mod palette;
 pub mod pattern;
+pub mod picture;
+pub mod shot;
 pub mod volume;
 
 /// A file that could not be read (exit code 3).

@@ -1,0 +1,88 @@
+//! Pictures by file name: PNG (8-bit sRGB, straight alpha) or EXR (linear 32-bit float, premultiplied).
+
+use std::path::Path;
+
+use super::image::{Picture, read_exr, read_png, write_exr, write_png};
+use super::{ReadError, WriteError};
+
+/// The formats of pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 8-bit sRGB with straight alpha.
+    Png,
+    /// Linear 32-bit float, premultiplied.
+    Exr,
+}
+
+impl Format {
+    /// The format that the file's name ends in; `None` if it is another one.
+    pub fn of(path: &Path) -> Option<Format> {
+        let extension = path.extension()?.to_str()?;
+        match extension.to_ascii_lowercase().as_str() {
+            "png" => Some(Format::Png),
+            "exr" => Some(Format::Exr),
+            _ => None,
+        }
+    }
+}
+
+/// Reads a PNG or EXR file into linear premultiplied pixels. An EXR file needs channels R, G and B; without A it is
+/// opaque.
+pub fn read(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
+    match Format::of(path) {
+        Some(Format::Png) => read_png(path),
+        Some(Format::Exr) => read_exr_pixels(path),
+        None => Err(ReadError::file(path, "not a known kind of picture", "a name that ends in .png or .exr")),
+    }
+}
+
+fn read_exr_pixels(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
+    let picture = read_exr(path)?;
+    let channel = |name: &str| picture.channels.iter().find(|(channel, _)| channel == name).map(|(_, values)| values);
+    let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) else {
+        let names: Vec<&str> = picture.channels.iter().map(|(name, _)| name.as_str()).collect();
+        return Err(ReadError::file(
+            path,
+            format!("has channels {}", names.join(", ")),
+            "channels R, G, B and maybe A",
+        ));
+    };
+    let colours = r.iter().zip(g).zip(b);
+    let pixels = match channel("A") {
+        Some(a) => colours.zip(a).map(|(((r, g), b), a)| [*r, *g, *b, *a]).collect(),
+        None => colours.map(|((r, g), b)| [*r, *g, *b, 1.0]).collect(),
+    };
+    Ok(Picture { size: picture.size, pixels })
+}
+
+/// Writes linear premultiplied pixels in the given format. Atomic.
+pub fn write(path: &Path, format: Format, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<(), WriteError> {
+    match format {
+        Format::Png => write_png(path, size, pixels),
+        Format::Exr => write_exr(path, size, pixels),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::tests::Folder;
+
+    #[test]
+    fn a_picture_comes_back_by_its_name() {
+        let folder = Folder::new();
+        let pixels = [[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 1.0]];
+        for name in ["a.png", "a.EXR"] {
+            let path = folder.0.join(name);
+            write(&path, Format::of(&path).expect("known"), [2, 1], &pixels).expect("written");
+            assert_eq!(read(&path).expect("readable"), Picture { size: [2, 1], pixels: pixels.to_vec() }, "{name}");
+        }
+        let opaque = folder.0.join("rgb.exr");
+        write_exr(&opaque, [1, 1], &[[0.25f32, 0.5, 2.0]]).expect("written");
+        assert_eq!(read(&opaque).expect("readable").pixels, [[0.25, 0.5, 2.0, 1.0]]);
+        let grey = folder.0.join("y.exr");
+        write_exr(&grey, [1, 1], &[0.25f32]).expect("written");
+        assert!(read(&grey).expect_err("no colour").to_string().contains("channels Y"));
+        assert!(read(&folder.0.join("a.bmp")).expect_err("unknown").to_string().contains(".png or .exr"));
+    }
+}

@@ -1,0 +1,284 @@
+//! Shots: TOML files that say what is rendered, seen from where and lit how.
+//!
+//! ```toml
+//! size = [512, 512]
+//! frames = [1, 48]
+//! [camera]
+//! eye = [[1, [0, 1, 4]], [48, [2, 1, 4]]]   # keyframes: linear between, constant outside
+//! [smoke]
+//! volume = "plume.####.npz"                 # relative to the shot's file
+//! ```
+//!
+//! `celfx shot builtin:smoke` prints one with every key.
+
+mod keys;
+mod read;
+mod tones;
+mod track;
+mod tree;
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use glam::DVec3;
+
+use super::ReadError;
+use super::pattern::PatternError;
+use super::volume::{Grids, VolumeSequence};
+use crate::error::Error;
+use crate::smoke::settings::Settings;
+use crate::view::{Camera, Light, LightSource};
+use track::Track;
+use tree::Tree;
+
+/// The shots inside the program: name and text.
+pub const BUILTIN: &[(&str, &str)] =
+    &[("builtin:smoke", include_str!("shot/smoke.toml")), ("builtin:cloud", include_str!("shot/cloud.toml"))];
+
+/// What is behind the effects.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Background {
+    /// Linear RGB, each finite and >= 0.
+    Colour([f32; 3]),
+    /// An image file.
+    Image(PathBuf),
+    /// Nothing: pictures keep their alpha.
+    None,
+}
+
+/// `[smoke]`: its input and its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Smoke {
+    /// Where density and velocity come from: `builtin:plume`, `builtin:cloud`, a file for all frames, or a pattern.
+    pub volume: String,
+    /// Names of the arrays in the files.
+    pub grids: Grids,
+    /// A frame without a file keeps the last volume before it; otherwise it is an error.
+    pub hold: bool,
+    /// Everything else; validated.
+    pub settings: Settings,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum LightTrack {
+    Direction(Track<DVec3>),
+    Position(Track<DVec3>),
+}
+
+/// A shot, checked: whatever [`Shot::load`] returns can be rendered as far as its own values go.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shot {
+    /// Where it came from, for messages: a path or `builtin:NAME`.
+    pub name: String,
+    /// What relative paths in it are relative to.
+    pub folder: PathBuf,
+    /// Width and height in pixels, 1 to 16384 each.
+    pub size: [u32; 2],
+    /// First and last frame, both rendered.
+    pub frames: [u32; 2],
+    /// Frames per second, > 0.
+    pub fps: f64,
+    /// Seed of everything random.
+    pub seed: u32,
+    /// What is behind the effects.
+    pub background: Background,
+    /// The smoke.
+    pub smoke: Smoke,
+    eye: Track<DVec3>,
+    target: Track<DVec3>,
+    up: Track<DVec3>,
+    vertical_fov: Track<f64>,
+    near: Track<f64>,
+    far: Track<f64>,
+    light: LightTrack,
+    ambient: Track<f64>,
+}
+
+/// Why a shot cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShotError {
+    /// The shot's file cannot be read.
+    #[error("{}: cannot read the shot: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The shot says something that is not allowed.
+    #[error("{place}: {message}")]
+    Wrong {
+        /// File and line, or the `--set` that it is in.
+        place: String,
+        /// The key, its value and what is allowed.
+        message: String,
+    },
+    /// A file that the shot names cannot be read.
+    #[error(transparent)]
+    Input(#[from] ReadError),
+}
+
+impl Shot {
+    /// Loads a shot file or a built-in shot and overrides keys.
+    ///
+    /// `name` is a path or `builtin:NAME`; each of `sets` is `KEY=VALUE` with a dotted key and a TOML value
+    /// (a bare word is a string). Relative paths become relative to the shot's file; those of a built-in shot to
+    /// the current folder.
+    pub fn load(name: &str, sets: &[String]) -> Result<Shot, ShotError> {
+        let (text, folder) = match name.starts_with("builtin:") {
+            true => (builtin_text(name)?.to_owned(), PathBuf::new()),
+            false => {
+                let path = Path::new(name);
+                let text = fs::read(path).map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
+                let text = String::from_utf8(text).map_err(|e| ShotError::Wrong {
+                    place: name.to_owned(),
+                    message: format!("not UTF-8 text at byte {}", e.utf8_error().valid_up_to()),
+                })?;
+                (text, path.parent().unwrap_or(Path::new("")).to_owned())
+            }
+        };
+        let mut tree = Tree::parse(name, &text)?;
+        for set in sets {
+            tree.set(set)?;
+        }
+        Shot::from_tree(&tree, &folder)
+    }
+
+    fn from_tree(tree: &Tree, folder: &Path) -> Result<Shot, ShotError> {
+        tree.check_keys()?;
+        let camera = Camera::default();
+        let light = Light::default();
+        if tree.get("camera.file").is_some() {
+            return Err(tree.not_allowed("camera.file"));
+        }
+        let shot = Shot {
+            name: tree.name.clone(),
+            folder: folder.to_owned(),
+            size: tree.size()?,
+            frames: tree.frames()?,
+            fps: tree.fps()?,
+            seed: tree.seed()?,
+            background: match tree.background()? {
+                Background::Image(path) => Background::Image(folder.join(path)),
+                other => other,
+            },
+            eye: tree.vector("camera.eye", camera.eye)?,
+            target: tree.vector("camera.target", camera.target)?,
+            up: tree.vector("camera.up", camera.up)?,
+            vertical_fov: tree.number("camera.vertical_fov", camera.vertical_fov)?,
+            near: tree.number("camera.near", camera.near)?,
+            far: tree.number("camera.far", camera.far)?,
+            light: light_track(tree, light)?,
+            ambient: tree.number("light.ambient", light.ambient)?,
+            smoke: smoke(tree, folder)?,
+        };
+        shot.check_frames(tree)?;
+        shot.volumes()
+            .map_err(|e| tree.wrong("smoke.volume", format!("smoke.volume = \"{}\": {}", shot.smoke.volume, e.why)))?;
+        Ok(shot)
+    }
+
+    /// The volumes of the frames, not yet read.
+    pub fn volumes(&self) -> Result<VolumeSequence, PatternError> {
+        let Smoke { volume, grids, hold, .. } = &self.smoke;
+        VolumeSequence::new(volume, &self.folder, grids.clone(), *hold, self.fps)
+    }
+
+    /// The camera at `frame`.
+    pub fn camera(&self, frame: u32) -> Camera {
+        Camera {
+            eye: self.eye.at(frame),
+            target: self.target.at(frame),
+            up: self.up.at(frame),
+            vertical_fov: self.vertical_fov.at(frame),
+            near: self.near.at(frame),
+            far: self.far.at(frame),
+        }
+    }
+
+    /// The light at `frame`.
+    pub fn light(&self, frame: u32) -> Light {
+        let source = match &self.light {
+            LightTrack::Direction(direction) => LightSource::Direction(direction.at(frame)),
+            LightTrack::Position(position) => LightSource::Position(position.at(frame)),
+        };
+        Light { source, ambient: self.ambient.at(frame) }
+    }
+
+    /// Camera and light must hold at every frame: keyframes can pass through what neither end says.
+    fn check_frames(&self, tree: &Tree) -> Result<(), ShotError> {
+        let [first, last] = self.frames;
+        let last = if self.is_still() { first } else { last };
+        for frame in first..=last {
+            let checked = self.camera(frame).validate().and_then(|()| self.light(frame).validate());
+            let when = if self.is_still() { String::new() } else { format!(" (at frame {frame})") };
+            checked.map_err(|e| setting_error(tree, &e, &when))?;
+        }
+        Ok(())
+    }
+
+    fn is_still(&self) -> bool {
+        let (LightTrack::Direction(light) | LightTrack::Position(light)) = &self.light;
+        [&self.eye, &self.target, &self.up, light].into_iter().all(Track::is_constant)
+            && [&self.vertical_fov, &self.near, &self.far, &self.ambient].into_iter().all(Track::is_constant)
+    }
+}
+
+/// The commented text of a built-in shot.
+pub fn builtin_text(name: &str) -> Result<&'static str, ShotError> {
+    BUILTIN.iter().find(|(builtin, _)| *builtin == name).map(|(_, text)| *text).ok_or_else(|| {
+        let names: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
+        let near = keys::nearest_of(name, &names);
+        let message = format!("no such shot is built in; did you mean {near}? There are: {}", names.join(", "));
+        ShotError::Wrong { place: name.to_owned(), message }
+    })
+}
+
+fn light_track(tree: &Tree, default: Light) -> Result<LightTrack, ShotError> {
+    match (tree.get("light.direction"), tree.get("light.position")) {
+        (Some(_), Some(_)) => {
+            let message = "light.position: a light has a direction or a position, not both".to_owned();
+            Err(tree.wrong("light.position", message))
+        }
+        (None, Some(_)) => Ok(LightTrack::Position(tree.vector("light.position", DVec3::ZERO)?)),
+        _ => {
+            let direction = match default.source {
+                LightSource::Direction(direction) | LightSource::Position(direction) => direction,
+            };
+            Ok(LightTrack::Direction(tree.vector("light.direction", direction)?))
+        }
+    }
+}
+
+fn smoke(tree: &Tree, folder: &Path) -> Result<Smoke, ShotError> {
+    if tree.get("smoke").is_none() {
+        let place = tree.name.clone();
+        let message = "the shot holds no effect: add a table [smoke] (every key of it has a default)".to_owned();
+        return Err(ShotError::Wrong { place, message });
+    }
+    let mut settings = tree.settings()?;
+    if let Some(file) = tree.tones_file() {
+        settings.tones = tones::read(&folder.join(file))?;
+    }
+    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
+    Ok(Smoke {
+        volume: tree.text("smoke.volume")?.unwrap_or_else(|| "builtin:plume".to_owned()),
+        grids: Grids { density: tree.text("smoke.density_grid")?, velocity: tree.text("smoke.velocity_grid")? },
+        hold: tree.flag("smoke.hold")?,
+        settings,
+    })
+}
+
+/// A refused setting, with its place in the shot.
+fn setting_error(tree: &Tree, error: &Error, when: &str) -> ShotError {
+    match error {
+        Error::Setting { name, value, allowed } => {
+            tree.wrong(name, format!("{name} = {value}{when}: allowed: {allowed}"))
+        }
+        other => ShotError::Wrong { place: tree.name.clone(), message: other.to_string() },
+    }
+}
+
+#[cfg(test)]
+mod tests;

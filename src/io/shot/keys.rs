@@ -1,0 +1,118 @@
+//! Every key of a shot, with what it takes: what error messages say is allowed, and what the nearest key is found in.
+
+/// Keys in the order of the built-in shots, each with what is allowed. A name that others begin with is a table.
+pub(super) const KEYS: &[(&str, &str)] = &[
+    ("size", "[width, height], whole numbers of pixels, 1 to 16384 each"),
+    ("frames", "[first, last], whole numbers, 0 to 999999, first not above last"),
+    ("fps", "frames per second, above 0, at most 1000000"),
+    ("seed", "a whole number, 0 to 4294967295"),
+    ("background", "linear [red, green, blue], finite, 0 or above, or \"file.png\", or \"none\""),
+    ("camera", "a table"),
+    ("camera.eye", "[x, y, z], finite, in metres, or keyframes [[frame, [x, y, z]], ...], ascending"),
+    ("camera.target", "[x, y, z], finite, in metres, or keyframes [[frame, [x, y, z]], ...], ascending"),
+    ("camera.up", "[x, y, z], finite, or keyframes [[frame, [x, y, z]], ...], ascending"),
+    ("camera.vertical_fov", "degrees, above 0 and below 180, or keyframes [[frame, degrees], ...], ascending"),
+    ("camera.near", "metres, above 0, or keyframes [[frame, metres], ...], ascending"),
+    ("camera.far", "metres, above camera.near, may be inf, or keyframes [[frame, metres], ...], ascending"),
+    ("camera.file", "camera files are not supported yet: give eye, target, up and vertical_fov (keyframes allowed)"),
+    ("light", "a table"),
+    ("light.direction", "[x, y, z], finite, not all 0, or keyframes [[frame, [x, y, z]], ...], ascending"),
+    ("light.position", "[x, y, z], finite, in metres, or keyframes [[frame, [x, y, z]], ...], ascending"),
+    ("light.ambient", "0 to 1, or keyframes [[frame, ambient], ...], ascending"),
+    ("smoke", "a table"),
+    ("smoke.volume", "\"builtin:plume\", \"builtin:cloud\", or a file or pattern (\"smoke.####.npz\")"),
+    ("smoke.density_grid", "the name of an array in the file"),
+    ("smoke.velocity_grid", "the name of an array in the file"),
+    ("smoke.hold", "true or false"),
+    ("smoke.threshold", "a finite density"),
+    ("smoke.particles", "a whole number, 0 to 1000000"),
+    ("smoke.placement", "\"random\""),
+    ("smoke.emitter", "{ min = [x, y, z], max = [x, y, z] }, finite, in metres, min not above max"),
+    ("smoke.emitter.min", "[x, y, z], finite, in metres, not above max"),
+    ("smoke.emitter.max", "[x, y, z], finite, in metres, not below min"),
+    ("smoke.integrator", "\"euler\" or \"rk2\""),
+    ("smoke.still", "voxels per frame, 0 or above"),
+    ("smoke.lifetime", "frames, 1 to 16777216"),
+    ("smoke.fade", "frames, 0 to 64"),
+    ("smoke.radius", "\"box\" or \"ball\""),
+    ("smoke.scale", "above 0, at most 1e6"),
+    ("smoke.grow", "\"chosen\", \"growth\", \"field\" or \"pyramid\""),
+    ("smoke.shadow", "\"exact\", \"map\" or \"none\""),
+    ("smoke.softness", "tangent of the light's half angle, 0 to 1"),
+    ("smoke.shadow_map", "texels a side, 16 to 8192"),
+    ("smoke.shadow_filter", "taps a side: 1, 3 or 5"),
+    ("smoke.groups", "a whole number, 1 to 254"),
+    ("smoke.group_depth", "metres, above 0"),
+    ("smoke.range_smoothing", "share of the last frame's range, 0 to 0.999"),
+    ("smoke.hysteresis", "share of a range, 0 to 1"),
+    ("smoke.sigma", "pixels, 0 (off) or 0.1 to 64"),
+    ("smoke.cutoff", "multiples of sigma, 1 to 4"),
+    (
+        "smoke.tones",
+        "[[from, [red, green, blue]], ...], 1 to 256 tones, from 0 to 1 ascending, linear colours 0 or above, or an image file",
+    ),
+    ("smoke.tone_softness", "pixels, 0 to 16"),
+    ("smoke.outline", "a table { strength, width, colour, operator }"),
+    ("smoke.outline.strength", "0 (off) to 1e6"),
+    ("smoke.outline.width", "pixels, 1 to 16"),
+    ("smoke.outline.colour", "linear [red, green, blue], finite, 0 or above"),
+    ("smoke.outline.operator", "\"roberts\" or \"second\""),
+];
+
+/// What key `name` takes; `None` if there is no such key.
+pub(super) fn allowed(name: &str) -> Option<&'static str> {
+    KEYS.iter().find(|(key, _)| *key == name).map(|(_, allowed)| *allowed)
+}
+
+/// Whether `name` holds other keys.
+pub(super) fn is_table(name: &str) -> bool {
+    KEYS.iter().any(|(key, _)| parent(key) == Some(name))
+}
+
+/// The known key that `name` most likely meant: the nearest spelling of the whole, or of its last part alone in case
+/// the table is wrong.
+pub(super) fn nearest(name: &str) -> &'static str {
+    let distance = |key: &str| {
+        let elsewhere = parent(key) != parent(name);
+        let moved = strsim::damerau_levenshtein(leaf(name), leaf(key)) + usize::from(elsewhere);
+        moved.min(strsim::damerau_levenshtein(name, key))
+    };
+    KEYS.iter().map(|(key, _)| *key).min_by_key(|key| distance(key)).unwrap_or("size")
+}
+
+/// The entry of `names` that is spelled most like `name`.
+pub(super) fn nearest_of<'a>(name: &str, names: &[&'a str]) -> &'a str {
+    names.iter().copied().min_by_key(|n| strsim::damerau_levenshtein(name, n)).unwrap_or("")
+}
+
+/// The table that holds `name`.
+pub(super) fn parent(name: &str) -> Option<&str> {
+    name.rsplit_once('.').map(|(parent, _)| parent)
+}
+
+fn leaf(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(_, leaf)| leaf)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_key_is_the_intended_one() {
+        for (typed, meant) in [
+            ("sise", "size"),
+            ("smok", "smoke"),
+            ("smoke.sigmaa", "smoke.sigma"),
+            ("smoke.partikels", "smoke.particles"),
+            ("smoke.outlin", "smoke.outline"),
+            ("smoke.outline.color", "smoke.outline.colour"),
+            ("camera.fov", "camera.far"),
+            ("camera.vertical_fow", "camera.vertical_fov"),
+            ("sigma", "smoke.sigma"),
+            ("smoke.eye", "camera.eye"),
+        ] {
+            assert_eq!(nearest(typed), meant, "{typed}");
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! From the tree of keys to typed values.
+
+use glam::DVec3;
+use serde::Deserialize;
+use toml::Value;
+
+use super::track::{Between, Track};
+use super::tree::{self, Kind, Node, Tree};
+use super::{Background, ShotError};
+use crate::smoke::settings::Settings;
+
+/// The keys of `[smoke]` that say what is rendered; all others are [`Settings`].
+const INPUT_KEYS: [&str; 4] = ["volume", "density_grid", "velocity_grid", "hold"];
+
+type Result<T> = std::result::Result<T, ShotError>;
+
+impl Tree {
+    /// The value at `path` as `read` understands it, or `default` where the shot does not name it.
+    fn read<T>(&self, path: &str, default: T, read: impl Fn(&Value) -> Option<T>) -> Result<T> {
+        match self.get(path).map(|node| &node.kind) {
+            None => Ok(default),
+            Some(Kind::Leaf(value)) => read(value).ok_or_else(|| self.not_allowed(path)),
+            Some(Kind::Table(_)) => Err(self.not_allowed(path)),
+        }
+    }
+
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> Result<[u32; 2]> {
+        let side = |value: &Value| whole(value).filter(|side| (1..=16384).contains(side));
+        self.read("size", [512, 512], |value| match value.as_array()?.as_slice() {
+            [width, height] => Some([side(width)?, side(height)?]),
+            _ => None,
+        })
+    }
+
+    /// First and last frame.
+    pub(super) fn frames(&self) -> Result<[u32; 2]> {
+        self.read("frames", [1, 48], |value| match value.as_array()?.as_slice() {
+            [first, last] => Some([whole(first)?, whole(last)?]).filter(|[a, b]| a <= b && *b <= 999_999),
+            _ => None,
+        })
+    }
+
+    /// Frames per second.
+    pub(super) fn fps(&self) -> Result<f64> {
+        self.read("fps", 24.0, |value| number(value).filter(|fps| *fps > 0.0 && *fps <= 1e6))
+    }
+
+    /// Seed of everything random.
+    pub(super) fn seed(&self) -> Result<u32> {
+        self.read("seed", 0, whole)
+    }
+
+    /// What is behind the effects.
+    pub(super) fn background(&self) -> Result<Background> {
+        self.read("background", Background::Colour([0.55, 0.70, 0.90]), |value| match value {
+            Value::String(text) if text == "none" => Some(Background::None),
+            Value::String(text) if !text.is_empty() => Some(Background::Image(text.into())),
+            _ => {
+                let colour = three(value)?.as_vec3().to_array();
+                colour.iter().all(|c| (0.0..=f32::MAX).contains(c)).then_some(Background::Colour(colour))
+            }
+        })
+    }
+
+    /// A vector that may have keyframes.
+    pub(super) fn vector(&self, path: &str, default: DVec3) -> Result<Track<DVec3>> {
+        self.track(path, default, |value| three(value).filter(|v| v.is_finite()))
+    }
+
+    /// A number that may have keyframes; not NaN.
+    pub(super) fn number(&self, path: &str, default: f64) -> Result<Track<f64>> {
+        self.track(path, default, number)
+    }
+
+    fn track<T: Between>(&self, path: &str, default: T, read: impl Fn(&Value) -> Option<T>) -> Result<Track<T>> {
+        let keyframe = |value: &Value| match value.as_array()?.as_slice() {
+            [frame, value] => Some((number(frame)?, read(value)?)),
+            _ => None,
+        };
+        self.read(path, Track::constant(default), |value| match value {
+            Value::Array(keyframes) if keyframes.iter().all(Value::is_array) => {
+                Track::new(keyframes.iter().map(keyframe).collect::<Option<Vec<_>>>()?)
+            }
+            constant => Some(Track::constant(read(constant)?)),
+        })
+    }
+
+    /// A string that need not be there.
+    pub(super) fn text(&self, path: &str) -> Result<Option<String>> {
+        self.read(path, None, |value| value.as_str().filter(|text| !text.is_empty()).map(|text| Some(text.to_owned())))
+    }
+
+    /// True or false; false where it is not named.
+    pub(super) fn flag(&self, path: &str) -> Result<bool> {
+        self.read(path, false, Value::as_bool)
+    }
+
+    /// The image file of the tones, if they are one.
+    pub(super) fn tones_file(&self) -> Option<&str> {
+        match &self.get("smoke.tones")?.kind {
+            Kind::Leaf(Value::String(file)) => Some(file),
+            _ => None,
+        }
+    }
+
+    /// The settings of `[smoke]`, each of its own type; ranges are not checked yet. Tones that are a file stay at
+    /// their default.
+    pub(super) fn settings(&self) -> Result<Settings> {
+        let Some(Node { kind: Kind::Table(entries), .. }) = self.get("smoke") else { return Ok(Settings::default()) };
+        let mut table = toml::Table::new();
+        for (key, node) in entries {
+            let file = key == "tones" && matches!(&node.kind, Kind::Leaf(Value::String(_)));
+            if !file && !INPUT_KEYS.contains(&key.as_str()) {
+                self.check_type("smoke", key, node)?;
+                table.insert(key.clone(), tree::value(node));
+            }
+        }
+        Settings::deserialize(table).map_err(|e| self.wrong("smoke", e.message().to_owned()))
+    }
+
+    /// Reads each key on its own, so that an error names the one that it is in.
+    fn check_type(&self, parent: &str, key: &str, node: &Node) -> Result<()> {
+        let path = format!("{parent}.{key}");
+        match &node.kind {
+            // Every key of the outline has a default, so each can be read without the others.
+            Kind::Table(entries) if path == "smoke.outline" => {
+                entries.iter().try_for_each(|(key, node)| self.check_type(&path, key, node))
+            }
+            _ => {
+                let inner = toml::Table::from_iter([(key.to_owned(), tree::value(node))]);
+                let alone = match parent {
+                    "smoke" => inner,
+                    _ => toml::Table::from_iter([("outline".to_owned(), Value::Table(inner))]),
+                };
+                Settings::deserialize(alone).map(drop).map_err(|_| self.not_allowed(&path))
+            }
+        }
+    }
+}
+
+fn whole(value: &Value) -> Option<u32> {
+    value.as_integer().and_then(|n| u32::try_from(n).ok())
+}
+
+fn number(value: &Value) -> Option<f64> {
+    let number = value.as_float().or_else(|| value.as_integer().map(|n| n as f64))?;
+    (!number.is_nan()).then_some(number)
+}
+
+fn three(value: &Value) -> Option<DVec3> {
+    match value.as_array()?.as_slice() {
+        [x, y, z] => Some(DVec3::new(number(x)?, number(y)?, number(z)?)),
+        _ => None,
+    }
+}
