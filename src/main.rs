@@ -1,1 +1,5 @@
-fn main() {}
+//! The door for the terminal.
+
+fn main() -> std::process::ExitCode {
+    celfx::cli::main()
+}

@@ -1,0 +1,207 @@
+//! The program `celfx`: one file per subcommand.
+
+mod bench;
+mod info;
+mod shot;
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Args, Parser, Subcommand};
+
+use crate::error::Error;
+use crate::gpu::headless::NoDevice;
+use crate::io::pattern::PatternError;
+use crate::io::shot::ShotError;
+use crate::io::{ReadError, WriteError};
+
+/// Hand-drawn-looking effects on Vulkan, from the terminal.
+#[derive(Debug, Parser)]
+#[command(name = "celfx", version, after_help = EXAMPLES, max_term_width = 120, disable_help_subcommand = true)]
+struct Cli {
+    #[command(flatten)]
+    common: Common,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  celfx render builtin:smoke -o out/####.png        48 frames of a plume; needs nothing else on disk
+  celfx shot builtin:smoke > my.toml                a shot to edit: every key with unit, range and default
+  celfx render my.toml --frames 1-8 --sheet s.png   eight frames and a contact sheet of them
+  celfx info                                        the devices, and which one would be used
+
+Exit codes:
+  0 done    2 wrong usage or shot    3 unreadable input    4 no usable Vulkan device
+  5 device lost or out of memory    6 output cannot be written    130 interrupted";
+
+/// Options of every subcommand.
+#[derive(Clone, Debug, Args)]
+struct Common {
+    /// Device to run on: its index in `celfx info`, or a part of its name
+    #[arg(long, global = true, value_name = "NAME|INDEX")]
+    device: Option<String>,
+    /// Run with Vulkan validation, synchronisation included; a message of it is an error
+    #[arg(long, global = true)]
+    validate: bool,
+    /// Print nothing but errors
+    #[arg(short, long, global = true)]
+    quiet: bool,
+    /// Say more: the device, the memory, each file written
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    verbose: bool,
+    /// Threads that encode pictures [default: one per core]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Common {
+    fn threads(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.threads.map_or_else(cores, usize::from)
+    }
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Print a built-in shot: every key, commented
+    Shot(shot::Options),
+    /// Measure run time against error
+    Bench(bench::Options),
+    /// List the devices, what each lacks, and which would be used
+    Info(info::Options),
+}
+
+/// Why the program ends without having done its work.
+#[derive(Debug)]
+struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    const USAGE: u8 = 2;
+    const INPUT: u8 = 3;
+    const NO_DEVICE: u8 = 4;
+    const DEVICE: u8 = 5;
+    const OUTPUT: u8 = 6;
+    const INTERRUPTED: u8 = 130;
+
+    fn new(code: u8, message: impl Into<String>) -> Failure {
+        Failure { code, message: message.into() }
+    }
+
+    fn usage(message: impl Into<String>) -> Failure {
+        Failure::new(Failure::USAGE, message)
+    }
+}
+
+impl From<ShotError> for Failure {
+    fn from(error: ShotError) -> Failure {
+        let code = match error {
+            ShotError::Wrong { .. } => Failure::USAGE,
+            ShotError::Read { .. } | ShotError::Input(_) => Failure::INPUT,
+        };
+        Failure::new(code, error.to_string())
+    }
+}
+
+impl From<PatternError> for Failure {
+    fn from(error: PatternError) -> Failure {
+        Failure::usage(error.to_string())
+    }
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Failure {
+        Failure::new(Failure::INPUT, error.to_string())
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Failure {
+        Failure::new(Failure::OUTPUT, error.to_string())
+    }
+}
+
+impl From<NoDevice> for Failure {
+    fn from(error: NoDevice) -> Failure {
+        Failure::new(Failure::NO_DEVICE, error.to_string())
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        let code = match error {
+            Error::Setting { .. } => Failure::USAGE,
+            Error::Device { .. } => Failure::NO_DEVICE,
+            _ => Failure::DEVICE,
+        };
+        Failure::new(code, error.to_string())
+    }
+}
+
+/// Runs the program with the arguments of the process; returns its exit code.
+pub fn main() -> ExitCode {
+    match run(std::env::args_os()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure { code, message }) => {
+            if !message.is_empty() {
+                // Nothing is left to tell where standard error is closed.
+                let _ = writeln!(io::stderr(), "celfx: {message}");
+            }
+            ExitCode::from(code)
+        }
+    }
+}
+
+fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    match cli.command {
+        Command::Shot(options) => shot::run(&options),
+        Command::Bench(options) => bench::run(&options, &cli.common),
+        Command::Info(options) => info::run(&options, &cli.common),
+    }
+}
+
+/// Help and version go to standard output and are no failure; everything else that clap says is.
+fn usage(error: &clap::Error) -> Result<(), Failure> {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            Err(Failure::usage(format!("a subcommand is missing\n\n{}", error.render())))
+        }
+        _ => {
+            let text = error.render().to_string();
+            Err(Failure::usage(text.strip_prefix("error: ").unwrap_or(&text).trim_end()))
+        }
+    }
+}
+
+/// Prints to standard output. A reader that has gone away (`| head`) is no failure: it has what it wanted.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::new(Failure::OUTPUT, format!("cannot write to standard output: {e}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}
