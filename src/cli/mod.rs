@@ -2,6 +2,8 @@
 
 mod bench;
 mod info;
+mod interrupt;
+mod render;
 mod shot;
 
 use std::ffi::OsString;
@@ -30,7 +32,7 @@ struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   celfx render builtin:smoke -o out/####.png        48 frames of a plume; needs nothing else on disk
-  celfx shot builtin:smoke > my.toml                a shot to edit: every key with unit, range and default
+  celfx shot builtin:smoke > my.toml                a shot to edit, every key explained
   celfx render my.toml --frames 1-8 --sheet s.png   eight frames and a contact sheet of them
   celfx info                                        the devices, and which one would be used
 
@@ -67,6 +69,8 @@ impl Common {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Render a shot to a sequence of pictures
+    Render(render::Options),
     /// Print a built-in shot: every key, commented
     Shot(shot::Options),
     /// Measure run time against error
@@ -164,6 +168,7 @@ fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
         Err(error) => return usage(&error),
     };
     match cli.command {
+        Command::Render(options) => render::run(&options, &cli.common),
         Command::Shot(options) => shot::run(&options),
         Command::Bench(options) => bench::run(&options, &cli.common),
         Command::Info(options) => info::run(&options, &cli.common),

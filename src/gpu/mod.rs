@@ -11,3 +11,5 @@ pub mod profiler;
 pub mod raster;
 pub mod recorder;
 pub mod resources;
+#[cfg(feature = "cli")]
+pub mod transfer;

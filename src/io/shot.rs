@@ -76,7 +76,7 @@ pub struct Shot {
     pub size: [u32; 2],
     /// First and last frame, both rendered.
     pub frames: [u32; 2],
-    /// Frames per second, > 0.
+    /// Frames per second, 0.001 to 1,000,000.
     pub fps: f64,
     /// Seed of everything random.
     pub seed: u32,

@@ -51,42 +51,73 @@ pub fn read(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     }
 }
 
+/// What the volumes of a sequence hold, as far as headers tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extent {
+    /// Most voxels along x, y, z.
+    pub dimensions: [u32; 3],
+    /// Whether there are velocities.
+    pub velocity: bool,
+}
+
 fn read_npz(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     let mut archive = Archive::open(path)?;
-    let density_name = grids.density.as_deref().unwrap_or("density");
-    let density = floats(&mut archive, path, density_name, MAX_VOXELS)?;
-    let density = density.ok_or_else(|| missing(path, &archive, density_name, "[nz, ny, nx] of floats"))?;
-    let [nz, ny, nx] = density.shape[..] else {
-        return Err(wrong_shape(path, density_name, &density.shape, "three axes, [nz, ny, nx]"));
+    let (dimensions, has_velocity) = check_headers(&mut archive, path, grids)?;
+    let mut values = |name: &str, limit: u64| -> Result<Vec<f32>, ReadError> {
+        Ok(archive.read(name, limit)?.map(|array: Array<f32>| array.values).unwrap_or_default())
     };
-    if density.values.is_empty() {
-        return Err(wrong_shape(path, density_name, &density.shape, "at least one voxel along each axis"));
-    }
-    let velocity_name = grids.velocity.as_deref().unwrap_or("velocity");
-    let velocity = floats(&mut archive, path, velocity_name, 3 * MAX_VOXELS)?;
-    if velocity.is_none() && grids.velocity.is_some() {
-        return Err(missing(path, &archive, velocity_name, "[nz, ny, nx, 3] of floats"));
-    }
-    if let Some(Array { shape, .. }) = velocity.as_ref().filter(|v| v.shape != [nz, ny, nx, 3]) {
-        let expected = format!("{:?}, that of `{density_name}` and a last axis of 3", [nz, ny, nx, 3]);
-        return Err(wrong_shape(path, velocity_name, shape, &expected));
-    }
+    let density = values(density_name(grids), MAX_VOXELS)?;
+    let velocity = if has_velocity { Some(values(velocity_name(grids), 3 * MAX_VOXELS)?) } else { None };
     Ok(Volume {
-        // No axis is longer than MAX_VOXELS.
-        dimensions: [nx as u32, ny as u32, nz as u32],
+        dimensions,
         voxel_size: voxel_size(&mut archive, path)?,
         origin: origin(&mut archive, path)?,
-        density: density.values,
-        velocity: velocity.map(|v| v.values.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()),
+        density,
+        velocity: velocity.map(|v| v.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()),
     })
 }
 
-fn floats(archive: &mut Archive, path: &Path, name: &str, limit: u64) -> Result<Option<Array<f32>>, ReadError> {
+/// Voxels along x, y, z, and whether there is a velocity.
+fn check_headers(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<([u32; 3], bool), ReadError> {
+    let name = density_name(grids);
+    let shape = float_shape(archive, path, name)?;
+    let shape = shape.ok_or_else(|| missing(path, archive, name, "[nz, ny, nx] of floats"))?;
+    let [nz, ny, nx] = shape[..] else {
+        return Err(wrong_shape(path, name, &shape, "three axes, [nz, ny, nx]"));
+    };
+    if shape.contains(&0) {
+        return Err(wrong_shape(path, name, &shape, "at least one voxel along each axis"));
+    }
+    if shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)).is_none_or(|n| n > MAX_VOXELS) {
+        return Err(wrong_shape(path, name, &shape, &format!("at most {MAX_VOXELS} voxels")));
+    }
+    let velocity = float_shape(archive, path, velocity_name(grids))?;
+    if velocity.is_none() && grids.velocity.is_some() {
+        return Err(missing(path, archive, velocity_name(grids), "[nz, ny, nx, 3] of floats"));
+    }
+    if let Some(shape) = velocity.as_ref().filter(|shape| **shape != [nz, ny, nx, 3]) {
+        let expected = format!("{:?}, that of `{name}` and a last axis of 3", [nz, ny, nx, 3]);
+        return Err(wrong_shape(path, velocity_name(grids), shape, &expected));
+    }
+    // No axis is longer than MAX_VOXELS.
+    Ok(([nx as u32, ny as u32, nz as u32], velocity.is_some()))
+}
+
+fn density_name(grids: &Grids) -> &str {
+    grids.density.as_deref().unwrap_or("density")
+}
+
+fn velocity_name(grids: &Grids) -> &str {
+    grids.velocity.as_deref().unwrap_or("velocity")
+}
+
+/// The shape of an array of floats, if there is one.
+fn float_shape(archive: &mut Archive, path: &Path, name: &str) -> Result<Option<Vec<u64>>, ReadError> {
     match archive.header(name)? {
         Some(header) if !header.element.is_float() => {
             Err(ReadError::at(path, format!("array `{name}`"), "elements are integers", "f16, f32 or f64"))
         }
-        _ => archive.read(name, limit),
+        header => Ok(header.map(|header| header.shape)),
     }
 }
 
@@ -214,6 +245,37 @@ impl VolumeSequence {
         });
         self.last = Some((source, volume.clone()));
         Ok(volume)
+    }
+
+    /// The extent of these frames' volumes, from the headers of all files, so that a missing or unfit one is found
+    /// before work begins. Either all volumes of a sequence have velocities or none.
+    pub fn extent(&self, first: u32, last: u32) -> Result<Extent, ReadError> {
+        let mut extent: Option<Extent> = None;
+        let mut before = None;
+        for frame in first..=last {
+            let source = self.source(frame)?;
+            if before.as_ref() == Some(&source) {
+                continue;
+            }
+            let path = match &source {
+                Source::File(path) => path,
+                Source::Builtin { which, frame, fps } => {
+                    // All frames of a built-in volume are of one size.
+                    let volume = which.volume(*frame, *fps);
+                    return Ok(Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() });
+                }
+            };
+            let (dimensions, velocity) = check_headers(&mut Archive::open(path)?, path, &self.grids)?;
+            let largest = extent.get_or_insert(Extent { dimensions, velocity });
+            if velocity != largest.velocity {
+                let why = if velocity { "is there" } else { "is missing" };
+                let expected = "a velocity in all volumes of the sequence or in none";
+                return Err(ReadError::at(path, format!("array `{}`", velocity_name(&self.grids)), why, expected));
+            }
+            (0..3).for_each(|axis| largest.dimensions[axis] = largest.dimensions[axis].max(dimensions[axis]));
+            before = Some(source);
+        }
+        Ok(extent.unwrap_or_default())
     }
 
     /// Whether `frame` has the very volume of the frame before, so that it need not be read or uploaded again.

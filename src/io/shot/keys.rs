@@ -4,7 +4,7 @@
 pub(super) const KEYS: &[(&str, &str)] = &[
     ("size", "[width, height], whole numbers of pixels, 1 to 16384 each"),
     ("frames", "[first, last], whole numbers, 0 to 999999, first not above last"),
-    ("fps", "frames per second, above 0, at most 1000000"),
+    ("fps", "frames per second, 0.001 to 1000000"),
     ("seed", "a whole number, 0 to 4294967295"),
     ("background", "linear [red, green, blue], finite, 0 or above, or \"file.png\", or \"none\""),
     ("camera", "a table"),

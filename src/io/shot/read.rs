@@ -43,7 +43,7 @@ impl Tree {
 
     /// Frames per second.
     pub(super) fn fps(&self) -> Result<f64> {
-        self.read("fps", 24.0, |value| number(value).filter(|fps| *fps > 0.0 && *fps <= 1e6))
+        self.read("fps", 24.0, |value| number(value).filter(|fps| (1e-3..=1e6).contains(fps)))
     }
 
     /// Seed of everything random.

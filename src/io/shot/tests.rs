@@ -130,7 +130,7 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("size = [1000000, 64]\n[smoke]", "shot.toml:1: size = [1000000, 64]: ", "1 to 16384"),
         ("size = [64.0, 64]\n[smoke]", "shot.toml:1: size = [64.0, 64]: ", "whole numbers"),
         ("frames = [4, 1]\n[smoke]", "shot.toml:1: frames = [4, 1]: ", "first not above last"),
-        ("fps = 0\n[smoke]", "shot.toml:1: fps = 0: ", "above 0"),
+        ("fps = 0\n[smoke]", "shot.toml:1: fps = 0: ", "0.001 to"),
         ("seed = -1\n[smoke]", "shot.toml:1: seed = -1: ", "0 to 4294967295"),
         ("background = [1, 2]\n[smoke]", "shot.toml:1: background = [1, 2]: ", "linear"),
         ("background = [nan, 0, 0]\n[smoke]", "shot.toml:1: background = [nan, 0, 0]: ", "linear"),

@@ -1,0 +1,303 @@
+//! `celfx render`: a shot to a sequence of pictures.
+
+mod device;
+mod encode;
+mod layers;
+mod outputs;
+mod strip;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::{Common, Failure, interrupt, print};
+use crate::io::image::Picture;
+use crate::io::shot::{Background, Shot};
+use crate::io::volume::{Volume, VolumeSequence};
+use crate::io::{ReadError, picture, write_atomic};
+use crate::profile::{self, FrameTimes};
+use device::Renderer;
+use encode::{Pool, Shared};
+use outputs::{Frame, Outputs};
+use strip::Strip;
+
+const EXAMPLES: &str = "\
+Examples:
+  celfx render builtin:smoke                               48 frames into ./out
+  celfx render my.toml -o out/%04d.png --resume            only what is missing
+  celfx render my.toml --frames 12 -o frame.exr            one frame, the same as in the sequence
+  celfx render my.toml --set smoke.sigma=8 --set smoke.shadow=map
+  celfx render my.toml --layers layers --profile p.json    every pass's image, and its cost
+
+Frames do not depend on how they are rendered: a frame alone, resumed, or with another number of
+threads is the same bit for bit, because particles are always stepped from the shot's first frame.";
+
+/// Options of `celfx render`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Options {
+    /// The shot: a TOML file, or builtin:smoke or builtin:cloud (`celfx shot` prints them)
+    shot: String,
+    /// Frames to render, both ends included, within those of the shot [default: all]
+    #[arg(long, value_name = "A-B", value_parser = frame_range)]
+    frames: Option<[u32; 2]>,
+    /// Override one key of the shot; VALUE is TOML, quotes around words may be left out
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// The pictures: .png (8-bit sRGB) or .exr (linear float); #### or %04d is the frame number
+    #[arg(short, long, value_name = "PATTERN", default_value = "out/####.png")]
+    output: PathBuf,
+    /// Also write what each pass made into this folder: LAYER.####.exr, arrays as .npy
+    #[arg(long, value_name = "DIR")]
+    layers: Option<PathBuf>,
+    /// Write the times of all passes: .json (Chrome trace, opens in Perfetto) or .csv
+    #[arg(long, value_name = "FILE", value_parser = profile_path)]
+    profile: Option<PathBuf>,
+    /// Write a contact sheet of the frames
+    #[arg(long, value_name = "FILE.png", value_parser = |name: &str| named(name, &["png"]))]
+    sheet: Option<PathBuf>,
+    /// Write the frames as an animation
+    #[arg(long, value_name = "FILE.gif", value_parser = |name: &str| named(name, &["gif"]))]
+    animation: Option<PathBuf>,
+    /// Keep frames that are complete and render only the others
+    #[arg(long)]
+    resume: bool,
+}
+
+fn frame_range(text: &str) -> Result<[u32; 2], String> {
+    let number = |text: &str| text.parse().map_err(|_| "expected A-B or A, for example 1-48".to_owned());
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    match (number(first)?, number(last)?) {
+        (first, last) if first <= last => Ok([first, last]),
+        _ => Err("the first frame is above the last".to_owned()),
+    }
+}
+
+fn profile_path(name: &str) -> Result<PathBuf, String> {
+    named(name, &["json", "csv"])
+}
+
+fn named(name: &str, extensions: &[&str]) -> Result<PathBuf, String> {
+    let path = PathBuf::from(name);
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match extension.is_some_and(|e| extensions.contains(&e.as_str())) {
+        true => Ok(path),
+        false => Err(format!("the name must end in .{}", extensions.join(" or ."))),
+    }
+}
+
+pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    let shot = Shot::load(&options.shot, &options.set)?;
+    let frames = options.frames.unwrap_or(shot.frames);
+    let [first, last] = frames;
+    if first < shot.frames[0] || last > shot.frames[1] {
+        let [a, b] = shot.frames;
+        return Err(Failure::usage(format!("--frames {first}-{last}: the shot has frames {a} to {b}")));
+    }
+    let outputs = Outputs::new(&options.output, options.layers.as_deref(), shot.size, frames)?;
+    let others: Vec<&Path> =
+        [&options.profile, &options.sheet, &options.animation].into_iter().flatten().map(PathBuf::as_path).collect();
+    outputs.probe(first, &others)?;
+    interrupt::install()?;
+
+    let count = (last - first) as usize + 1;
+    let strips: Vec<Strip> = [
+        options.sheet.as_deref().map(|path| Strip::sheet(path, shot.size, count)),
+        options.animation.as_deref().map(|path| Strip::animation(path, shot.size, count, shot.fps)),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let timed = options.profile.is_some() || !common.quiet;
+    let job = Job { shot, first, outputs, strips, timed, common };
+    let missing = job.missing(last, options.resume)?;
+    let times = match missing.last() {
+        Some(&last) => job.render(&missing, last)?,
+        None => Vec::new(),
+    };
+    job.strips.iter().try_for_each(Strip::write)?;
+    job.report(&times, missing.len(), count, options.profile.as_deref())
+}
+
+/// What is rendered and where it goes.
+struct Job<'a> {
+    shot: Shot,
+    /// First frame that is rendered.
+    first: u32,
+    outputs: Outputs,
+    strips: Vec<Strip>,
+    /// Whether passes are timed.
+    timed: bool,
+    common: &'a Common,
+}
+
+impl Job<'_> {
+    /// The frames that are to be rendered: all, or with `resume` those whose files are not all there and whole.
+    fn missing(&self, last: u32, resume: bool) -> Result<Vec<u32>, Failure> {
+        let mut missing = Vec::new();
+        for frame in self.first..=last {
+            interrupt::check()?;
+            let finished = if resume { self.outputs.finished(frame, &layers::LAYERS) } else { None };
+            match finished {
+                Some(pixels) => self.collect(frame, &pixels),
+                None => missing.push(frame),
+            }
+        }
+        Ok(missing)
+    }
+
+    /// Renders the `missing` frames, stepping from the shot's first frame to the `last` of them.
+    fn render(&self, missing: &[u32], last: u32) -> Result<Vec<FrameTimes>, Failure> {
+        let volumes = self.shot.volumes()?;
+        let extent = volumes.extent(self.shot.frames[0], last)?;
+        let background = background(&self.shot)?;
+        let has_layers = self.outputs.has_layers();
+        let mut renderer = Renderer::new(self.common, &self.shot, extent, has_layers, self.timed, background.as_ref())?;
+        if self.common.verbose {
+            self.say(&renderer.describe());
+        }
+        let (queue, shared) = Shared::new(self.common.threads());
+        let work = |frame: Frame| self.write(&frame);
+        let times = thread::scope(|scope| {
+            let (ahead, volumes_read) = sync_channel(1);
+            let range = [self.shot.frames[0], last];
+            scope.spawn(move || read_ahead(volumes, range, &ahead));
+            let pool = Pool::start(scope, self.common.threads(), queue, &shared, &work);
+            let rendered = self.step(&mut renderer, missing, &volumes_read, |frame| pool.send(&shared, frame));
+            // Frames in the queue are written even if the next one failed or the program was interrupted.
+            let written = pool.finish(&shared);
+            drop(volumes_read);
+            rendered.and_then(|times| written.map(|()| times))
+        })?;
+        renderer.finish()?;
+        Ok(times)
+    }
+
+    /// Steps through the frames as their volumes come and hands the rendered ones to `send`.
+    fn step(
+        &self,
+        renderer: &mut Renderer,
+        missing: &[u32],
+        volumes: &Receiver<Result<(u32, Option<Arc<Volume>>), ReadError>>,
+        send: impl Fn(Frame) -> Result<(), Failure>,
+    ) -> Result<Vec<FrameTimes>, Failure> {
+        let progress = self.progress(missing.len() as u64);
+        let mut times = Vec::new();
+        for step in volumes {
+            interrupt::check()?;
+            let (number, volume) = step?;
+            let is_rendered = missing.binary_search(&number).is_ok();
+            let (frame, frame_times) = renderer.step(&self.shot, number, volume.as_deref(), is_rendered)?;
+            if let Some(frame) = frame {
+                times.extend(frame_times);
+                send(frame)?;
+                progress.inc(1);
+            }
+        }
+        progress.finish_and_clear();
+        Ok(times)
+    }
+
+    fn progress(&self, frames: u64) -> ProgressBar {
+        let target = match self.common.quiet {
+            true => ProgressDrawTarget::hidden(),
+            // Draws only where standard error is a terminal.
+            false => ProgressDrawTarget::stderr(),
+        };
+        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {per_sec}, {eta} left");
+        let bar = ProgressBar::with_draw_target(Some(frames), target);
+        match style {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        }
+    }
+
+    fn write(&self, frame: &Frame) -> Result<(), Failure> {
+        self.outputs.write(frame)?;
+        self.collect(frame.number, &frame.pixels);
+        if self.common.verbose {
+            self.say(&format!("wrote {}", self.outputs.picture(frame.number).display()));
+        }
+        Ok(())
+    }
+
+    fn collect(&self, frame: u32, pixels: &[[f32; 4]]) {
+        self.strips.iter().for_each(|strip| strip.add((frame - self.first) as usize, pixels));
+    }
+
+    /// The profile's file, and the table on standard output.
+    fn report(&self, times: &[FrameTimes], rendered: usize, count: usize, file: Option<&Path>) -> Result<(), Failure> {
+        if let Some(path) = file {
+            let is_csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+            let text = if is_csv { profile::csv(times) } else { profile::chrome_trace(times, "celfx") };
+            write_atomic(path, |file| file.write_all(text.as_bytes()))?;
+        }
+        if self.common.quiet {
+            return Ok(());
+        }
+        let kept = count - rendered;
+        let table = if times.is_empty() { String::new() } else { profile::table(times) };
+        let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
+        let frames = if rendered == 1 { "frame" } else { "frames" };
+        let example = self.outputs.picture(self.first);
+        print(&format!("{table}{rendered} {frames} rendered{kept}: {} ...\n", example.display()))
+    }
+
+    fn say(&self, text: &str) {
+        // Nothing is left to tell where standard error is closed.
+        let _ = writeln!(std::io::stderr(), "celfx: {text}");
+    }
+}
+
+/// The picture behind the effects, if it is one.
+fn background(shot: &Shot) -> Result<Option<Picture<[f32; 4]>>, Failure> {
+    let Background::Image(path) = &shot.background else { return Ok(None) };
+    let picture = picture::read(path)?;
+    if picture.size != shot.size {
+        let [w, h] = picture.size;
+        let why = format!("the background has {w} x {h} pixels");
+        let expected = format!("{} x {}, as the shot's size", shot.size[0], shot.size[1]);
+        return Err(ReadError::file(path, why, expected).into());
+    }
+    Ok(Some(picture))
+}
+
+/// Reads volumes one frame ahead of the renderer; none where a frame has that of the frame before.
+fn read_ahead(
+    mut volumes: VolumeSequence,
+    [first, last]: [u32; 2],
+    to: &SyncSender<Result<(u32, Option<Arc<Volume>>), ReadError>>,
+) {
+    for frame in first..=last {
+        let mut read = || {
+            if frame > first && volumes.same_as_before(frame)? {
+                return Ok((frame, None));
+            }
+            Ok((frame, Some(volumes.frame(frame)?)))
+        };
+        let step = read();
+        let failed = step.is_err();
+        // The renderer has gone where nobody takes it.
+        if to.send(step).is_err() || failed {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frame_ranges() {
+        assert_eq!((frame_range("3-9"), frame_range("7")), (Ok([3, 9]), Ok([7, 7])));
+        for wrong in ["9-3", "a-b", "-3", "3-", "", "1-2-3"] {
+            assert!(frame_range(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! What a host without a window moves to and from the device: volumes and pictures up, frames and layers down.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::error::{Error, Result};
+use crate::gpu::buffer::{Buffer, BufferDesc};
+use crate::host::{Host, HostBuffer, ImageState};
+
+/// The state of an image that is copied from.
+pub const COPIED_FROM: ImageState = ImageState {
+    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
+    access: vk::AccessFlags2::TRANSFER_READ,
+    layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+};
+
+/// A buffer that the host writes and the device copies from. Grows as needed.
+#[derive(Debug, Default)]
+pub struct Upload {
+    buffer: Option<Buffer>,
+}
+
+impl Upload {
+    /// Puts `bytes` (at least 1) into the buffer, which is made anew if they do not fit.
+    ///
+    /// # Safety
+    /// The device is done with what was uploaded before; `host` holds valid handles and is always the same one, and
+    /// `allocator` belongs to its device.
+    pub unsafe fn write(
+        &mut self,
+        host: &Host,
+        allocator: &mut Allocator,
+        name: &'static str,
+        bytes: &[u8],
+    ) -> Result<HostBuffer> {
+        let size = bytes.len() as u64;
+        if self.buffer.as_ref().is_none_or(|buffer| buffer.size < size) {
+            // SAFETY: the caller's.
+            unsafe {
+                self.destroy(host, allocator);
+                let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+                let desc = BufferDesc { name, size, usage, location: MemoryLocation::CpuToGpu };
+                self.buffer = Some(Buffer::new(host, allocator, &desc)?);
+            }
+        }
+        let unmapped = || Error::HostResource { name, why: "its memory cannot be mapped".into() };
+        let buffer = self.buffer.as_mut().ok_or_else(unmapped)?;
+        let memory = buffer.mapped_mut().and_then(|memory| memory.get_mut(..bytes.len())).ok_or_else(unmapped)?;
+        memory.copy_from_slice(bytes);
+        // Submitting makes what the host wrote visible.
+        let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+        Ok(HostBuffer { buffer: buffer.handle, offset: 0, size, stage, access })
+    }
+
+    /// Destroys the buffer.
+    ///
+    /// # Safety
+    /// As for [`Upload::write`].
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        if let Some(mut buffer) = self.buffer.take() {
+            // SAFETY: the caller's.
+            unsafe { buffer.destroy(host, allocator) };
+        }
+    }
+}
+
+/// A buffer that the device writes and the host reads.
+pub fn readback(name: &'static str, size: u64) -> BufferDesc {
+    BufferDesc { name, size, usage: vk::BufferUsageFlags::TRANSFER_DST, location: MemoryLocation::GpuToCpu }
+}
+
+/// Where a copy of an image or of a range of a buffer starts in the buffer that it goes to.
+#[derive(Clone, Copy, Debug)]
+pub struct Copy<T> {
+    /// What is copied.
+    pub from: T,
+    /// Bytes; a multiple of 16.
+    pub to: u64,
+}
+
+/// Records copies into `to` after everything recorded before, and makes them visible to the host.
+///
+/// # Safety
+/// `host` holds valid handles and `commands` is in recording state outside of a render pass. Images are colour images of
+/// these extents in state [`COPIED_FROM`], ranges are buffer, offset and size, and all fit into `to`.
+pub unsafe fn record_readback(
+    host: &Host,
+    commands: vk::CommandBuffer,
+    images: &[Copy<(vk::Image, [u32; 2])>],
+    ranges: &[Copy<(vk::Buffer, u64, u64)>],
+    to: &Buffer,
+) {
+    use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
+    let barrier = |src: (Stage, Access), dst: (Stage, Access)| {
+        let barriers = [vk::MemoryBarrier2::default()
+            .src_stage_mask(src.0)
+            .src_access_mask(src.1)
+            .dst_stage_mask(dst.0)
+            .dst_access_mask(dst.1)];
+        // SAFETY: the caller's.
+        unsafe {
+            host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barriers));
+        }
+    };
+    barrier((Stage::ALL_COMMANDS, Access::MEMORY_WRITE), (Stage::ALL_TRANSFER, Access::TRANSFER_READ));
+    for Copy { from: (image, extent), to: offset } in images {
+        let regions = [image_copy(*offset, *extent)];
+        let layout = COPIED_FROM.layout;
+        // SAFETY: the caller's.
+        unsafe { host.device.cmd_copy_image_to_buffer(commands, *image, layout, to.handle, &regions) };
+    }
+    for Copy { from: (buffer, src_offset, size), to: dst_offset } in ranges {
+        let regions = [vk::BufferCopy { src_offset: *src_offset, dst_offset: *dst_offset, size: *size }];
+        // SAFETY: the caller's.
+        unsafe { host.device.cmd_copy_buffer(commands, *buffer, to.handle, &regions) };
+    }
+    barrier((Stage::ALL_TRANSFER, Access::TRANSFER_WRITE), (Stage::HOST, Access::HOST_READ));
+}
+
+/// Records the upload of a picture's pixels into a fresh image and leaves it in state [`COPIED_FROM`].
+///
+/// # Safety
+/// `host` holds valid handles and `commands` is in recording state outside of a render pass. The image is a colour image
+/// of this extent that nothing uses, and `from` holds its pixels without gaps.
+pub unsafe fn record_picture(
+    host: &Host,
+    commands: vk::CommandBuffer,
+    from: &HostBuffer,
+    image: vk::Image,
+    extent: [u32; 2],
+) {
+    let target = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+    let subresource_range = vk::ImageSubresourceRange {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: 0,
+        layer_count: 1,
+    };
+    let whole = || {
+        vk::ImageMemoryBarrier2::default()
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .image(image)
+            .subresource_range(subresource_range)
+    };
+    let written = (vk::PipelineStageFlags2::ALL_TRANSFER, vk::AccessFlags2::TRANSFER_WRITE);
+    let before = [whole().dst_stage_mask(written.0).dst_access_mask(written.1).new_layout(target)];
+    let after = [whole()
+        .src_stage_mask(written.0)
+        .src_access_mask(written.1)
+        .dst_stage_mask(COPIED_FROM.stage)
+        .dst_access_mask(COPIED_FROM.access)
+        .old_layout(target)
+        .new_layout(COPIED_FROM.layout)];
+    let regions = [image_copy(from.offset, extent)];
+    // SAFETY: the caller's.
+    unsafe {
+        host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().image_memory_barriers(&before));
+        host.device.cmd_copy_buffer_to_image(commands, from.buffer, image, target, &regions);
+        host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().image_memory_barriers(&after));
+    }
+}
+
+fn image_copy(offset: u64, [width, height]: [u32; 2]) -> vk::BufferImageCopy {
+    let layers = vk::ImageSubresourceLayers {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        mip_level: 0,
+        base_array_layer: 0,
+        layer_count: 1,
+    };
+    vk::BufferImageCopy::default().buffer_offset(offset).image_subresource(layers).image_extent(vk::Extent3D {
+        width,
+        height,
+        depth: 1,
+    })
+}
