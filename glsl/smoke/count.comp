@@ -6,13 +6,26 @@
 #include "../common/bits.glsl"
 #include "view.glsl"
 #include "list.glsl"
-layout(local_size_x = 256) in;
+layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 2) writeonly buffer ListCounts { uvec2 list_counts[]; };
 layout(std430, binding = 3) buffer ControlBuffer { Control control; };
 
-shared uvec2 counted[256];
 shared uint extremes[8];  // depth low, high; light-space low x, y, z, high x, y, z
+
+void measure(vec4 sphere) {
+    float depth = to_view(sphere.xyz).z;
+    if (depth >= params.lens.z) {
+        atomicMin(extremes[0], ordered(depth));
+        atomicMax(extremes[1], ordered(depth));
+    }
+    vec3 at = vec3(dot(params.light_right.xyz, sphere.xyz), dot(params.light_up.xyz, sphere.xyz),
+                   dot(params.light.xyz, sphere.xyz));
+    for (int a = 0; a < 3; ++a) {
+        atomicMin(extremes[2 + a], ordered(at[a] - sphere.w));
+        atomicMax(extremes[5 + a], ordered(at[a] + sphere.w));
+    }
+}
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
@@ -20,32 +33,20 @@ void main() {
         extremes[lane] = lane == 0u || (lane >= 2u && lane < 5u) ? 0xffffffffu : 0u;
     }
     barrier();
-    uint slot = gl_GlobalInvocationID.x;
-    vec4 sphere = slot < params.counts.z ? spheres[slot] : vec4(0.0);
-    bool live = is_live(sphere);
-    counted[lane] = uvec2(live ? 1u : 0u, is_visible(sphere) ? 1u : 0u);
-    if (live) {
-        float depth = to_view(sphere.xyz).z;
-        if (depth >= params.lens.z) {
-            atomicMin(extremes[0], ordered(depth));
-            atomicMax(extremes[1], ordered(depth));
-        }
-        vec3 at = vec3(dot(params.light_right.xyz, sphere.xyz), dot(params.light_up.xyz, sphere.xyz),
-                       dot(params.light.xyz, sphere.xyz));
-        for (int a = 0; a < 3; ++a) {
-            atomicMin(extremes[2 + a], ordered(at[a] - sphere.w));
-            atomicMax(extremes[5 + a], ordered(at[a] + sphere.w));
+    uint first = gl_GlobalInvocationID.x * LIST_RUN;
+    uvec2 count = uvec2(0u);
+    for (uint slot = first; slot < min(first + LIST_RUN, params.counts.z); ++slot) {
+        vec4 sphere = spheres[slot];
+        if (is_live(sphere)) {
+            count += uvec2(1u, is_visible(sphere) ? 1u : 0u);
+            measure(sphere);
         }
     }
-    for (uint width = 128u; width > 0u; width /= 2u) {
-        barrier();
-        if (lane < width) {
-            counted[lane] += counted[lane + width];
-        }
+    if (first < params.counts.z) {
+        list_counts[gl_GlobalInvocationID.x] = count;
     }
     barrier();
     if (lane == 0u) {
-        list_counts[gl_WorkGroupID.x] = counted[0];
         atomicMin(control.depth_low, extremes[0]);
         atomicMax(control.depth_high, extremes[1]);
         atomicMin(control.light_low_x, extremes[2]);

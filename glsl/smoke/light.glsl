@@ -1,6 +1,9 @@
 // Light-space tiles: square grids, one a level, level l with 2^l cells a side; a face for a directional light, six for a
-// point light. A sphere stands in the cells that it touches at the level where its diameter is two to four cells.
+// point light. A sphere stands in the cells that it touches at the level where its diameter is two to four cells. The list
+// of a cell is in order of buckets, nearest to the light first: what lies behind a surface is never looked at.
 const float FACE_MARGIN = 1.0001;
+
+const uint BUCKETS = 16u;
 
 uint first_cell(uint face, uint level) {
     return face * params.shadow.y + ((1u << 2u * level) - 1u) / 3u;
@@ -80,4 +83,16 @@ uint cell_at(uint face, uint level, vec2 position) {
     float side = float(1u << level);
     uvec2 cell = uvec2(clamp(floor(position * side), vec2(0.0), vec2(side - 1.0)));
     return first_cell(face, level) + cell.y * (1u << level) + cell.x;
+}
+
+// The bucket of a place by how far it is from the light; 0 is nearest. Rounding is monotonous, so that whatever is
+// nearer is never in a later bucket.
+uint bucket_of(float distance) {
+    float share = (distance - params.light_range.x) * params.light_range.y;
+    return uint(clamp(floor(share * float(BUCKETS)), 0.0, float(BUCKETS) - 1.0));
+}
+
+// Distance of a point from a point light, or from a plane across a directional light.
+float light_distance(vec3 p) {
+    return is_point_light() ? length(p - params.light.xyz) : -dot(params.light.xyz, p);
 }

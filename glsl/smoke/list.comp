@@ -5,15 +5,13 @@
 #include "params.glsl"
 #include "view.glsl"
 #include "list.glsl"
-layout(local_size_x = 256) in;
+layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 2) readonly buffer ListCounts { uvec2 list_counts[]; };
 layout(std430, binding = 3) readonly buffer HistoryBuffer { History history; };
 layout(std430, binding = 4) buffer Groups { uint groups[]; };
 layout(std430, binding = 5) writeonly buffer Live { uint live_list[]; };
 layout(std430, binding = 6) writeonly buffer Visible { uint visible_list[]; };
-
-shared uvec2 before[256];
 
 uint group_of(float depth, uint previous) {
     bool fixed_ranges = params.motion.w > 0.0;
@@ -33,29 +31,21 @@ uint group_of(float depth, uint previous) {
 }
 
 void main() {
-    uint lane = gl_LocalInvocationID.x;
-    uint slot = gl_GlobalInvocationID.x;
-    vec4 sphere = slot < params.counts.z ? spheres[slot] : vec4(0.0);
-    bool live = is_live(sphere);
-    bool visible = is_visible(sphere);
-    uvec2 own = uvec2(live ? 1u : 0u, visible ? 1u : 0u);
-    before[lane] = own;
-    for (uint width = 1u; width < 256u; width *= 2u) {
-        barrier();
-        uvec2 other = lane >= width ? before[lane - width] : uvec2(0u);
-        barrier();
-        before[lane] += other;
-    }
-    barrier();
-    if (slot >= params.counts.z) {
+    uint first = gl_GlobalInvocationID.x * LIST_RUN;
+    if (first >= params.counts.z) {
         return;
     }
-    uvec2 at = list_counts[gl_WorkGroupID.x] + before[lane] - own;
-    groups[slot] = live ? group_of(to_view(sphere.xyz).z, params.frame.x == 0u ? 0u : groups[slot]) : 0u;
-    if (live) {
-        live_list[at.x] = slot;
-    }
-    if (visible) {
-        visible_list[at.y] = slot;
+    uvec2 at = list_counts[gl_GlobalInvocationID.x];
+    for (uint slot = first; slot < min(first + LIST_RUN, params.counts.z); ++slot) {
+        vec4 sphere = spheres[slot];
+        uint group = 0u;
+        if (is_live(sphere)) {
+            group = group_of(to_view(sphere.xyz).z, params.frame.x == 0u ? 0u : groups[slot]);
+            live_list[at.x++] = slot;
+            if (is_visible(sphere)) {
+                visible_list[at.y++] = slot;
+            }
+        }
+        groups[slot] = group;
     }
 }

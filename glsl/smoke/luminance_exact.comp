@@ -33,14 +33,16 @@ float lit_share(Surface surface, float before) {
     vec3 p = surface.centre + surface.offset;
     uint face = is_point_light() ? face_of(p - params.light.xyz) : 0u;
     vec2 position = face_position(p, face);
+    // A bucket of its own for rounding: what is in later buckets lies behind the surface.
+    uint last_bucket = bucket_of(light_distance(p) + 1e-4 * length(surface.offset));
     uint begin = constants.part * constants.turns;
     uint end = begin + constants.turns;
     uint passed = 0u;
     float s = before;
     for (uint level = 0u; level < params.shadow.x && s > 0.0; ++level) {
         uint cell = cell_at(face, level, position);
-        uint list = cell == 0u ? 0u : cell_ends[cell - 1u];
-        uint count = cell_ends[cell] - list;
+        uint list = cell == 0u ? 0u : cell_ends[cell * BUCKETS - 1u];
+        uint count = cell_ends[cell * BUCKETS + last_bucket] - list;
         uint from = begin > passed ? min(begin - passed, count) : 0u;
         uint to = end > passed ? min(end - passed, count) : 0u;
         for (uint i = from; i < to && s > 0.0; ++i) {

@@ -10,7 +10,7 @@ const uint BLOCK = 8u;           // side of a block in pixels; a tile is 4 x 4 b
 const uint TILE_BLOCKS = 4u;
 const uint SLOT_PIXELS = 1024u;  // pixels of a tile
 const uint BIRTH_BLOCK = 256u;   // words of occupancy whose births are counted together
-const uint LIST_BLOCK = 256u;    // spheres whose live and visible ones are counted together
+const uint LIST_RUN = 16u;       // sphere slots that one invocation counts and lists
 #define EMPTY uintBitsToFloat(0x7f800000u)  // depth of a pixel that sees nothing
 
 layout(binding = 0) uniform SmokeParams {
@@ -32,6 +32,7 @@ layout(binding = 0) uniform SmokeParams {
     vec4 light_right;  // axes across a directional light
     vec4 light_up;
     vec4 light_frame;  // light-space tiles: low x, low y, 1 / side; largest distance of a penumbra's caster
+    vec4 light_range;  // distances from the light: nearest, 1 / span
     vec4 shade;        // ambient, softness, scale of the radius, seconds between frames
     vec4 motion;       // metres a second at and below which a particle dies; share of the old depth range kept; hysteresis; group depth or 0
     uvec4 counts;      // particles, fade, sphere slots, seed

@@ -28,7 +28,7 @@ void track_range() {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint blocks = (params.counts.z + LIST_BLOCK - 1u) / LIST_BLOCK;
+    uint blocks = (params.counts.z + LIST_RUN - 1u) / LIST_RUN;
     uint share = (blocks + 255u) / 256u;
     uint first = min(lane * share, blocks);
     uint last = min(first + share, blocks);

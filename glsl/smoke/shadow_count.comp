@@ -15,13 +15,16 @@ void main() {
         return;
     }
     vec4 sphere = spheres[live_list[gl_GlobalInvocationID.x]];
+    // The nearest of the sphere; a unit in the last place nearer, so that rounding cannot put it behind what it shadows.
+    uint bucket = bucket_of(light_distance(sphere.xyz) - sphere.w * 1.0001);
     for (uint face = 0u; face < params.shadow.z; ++face) {
         uint level;
         uvec4 cells;
         if (cells_of(sphere, face, level, cells)) {
             for (uint y = cells.y; y <= cells.w; ++y) {
                 for (uint x = cells.x; x <= cells.z; ++x) {
-                    atomicAdd(cell_ends[first_cell(face, level) + y * (1u << level) + x], 1u);
+                    uint cell = first_cell(face, level) + y * (1u << level) + x;
+                    atomicAdd(cell_ends[cell * BUCKETS + bucket], 1u);
                 }
             }
         }

@@ -17,6 +17,8 @@ void main() {
     }
     uint slot = live_list[gl_GlobalInvocationID.x];
     vec4 sphere = spheres[slot];
+    // The nearest of the sphere; a unit in the last place nearer, so that rounding cannot put it behind what it shadows.
+    uint bucket = bucket_of(light_distance(sphere.xyz) - sphere.w * 1.0001);
     for (uint face = 0u; face < params.shadow.z; ++face) {
         uint level;
         uvec4 cells;
@@ -24,7 +26,7 @@ void main() {
             for (uint y = cells.y; y <= cells.w; ++y) {
                 for (uint x = cells.x; x <= cells.z; ++x) {
                     uint cell = first_cell(face, level) + y * (1u << level) + x;
-                    casters[atomicAdd(cell_ends[cell], 1u)] = slot;
+                    casters[atomicAdd(cell_ends[cell * BUCKETS + bucket], 1u)] = slot;
                 }
             }
         }

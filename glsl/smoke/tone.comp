@@ -54,15 +54,27 @@ vec3 tone_of(ivec2 at, uint pixel) {
     return colour;
 }
 
+float line_at(ivec2 at) {
+    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
+    return inside ? lines[uint(at.y) * params.image.x + uint(at.x)] : 0.0;
+}
+
 // The line, widened: the strongest of the pixels near enough, fading over the last pixel.
 float line_of(ivec2 at) {
+    if (REACH == 1) {
+        float beside = max(max(line_at(at + ivec2(1, 0)), line_at(at - ivec2(1, 0))),
+                           max(line_at(at + ivec2(0, 1)), line_at(at - ivec2(0, 1))));
+        float across = max(max(line_at(at + ivec2(1, 1)), line_at(at - ivec2(1, 1))),
+                           max(line_at(at + ivec2(1, -1)), line_at(at - ivec2(1, -1))));
+        return max(line_at(at), max(beside * clamp(params.ink.y - 1.0, 0.0, 1.0),
+                                    across * clamp(params.ink.y - sqrt(2.0), 0.0, 1.0)));
+    }
     float opacity = 0.0;
     for (int y = -REACH; y <= REACH; ++y) {
         for (int x = -REACH; x <= REACH; ++x) {
             float share = clamp(params.ink.y - length(vec2(x, y)), 0.0, 1.0);
-            ivec2 from = at + ivec2(x, y);
-            if (share > 0.0 && pixel_id(pixel_at(from)) != 0u) {
-                opacity = max(opacity, lines[uint(from.y) * params.image.x + uint(from.x)] * share);
+            if (share > 0.0) {
+                opacity = max(opacity, line_at(at + ivec2(x, y)) * share);
             }
         }
     }

@@ -193,12 +193,20 @@ fn plume(key: f64, at: f64) -> Vec<Ball> {
         let away = 0.5 * full * smoothstep(0.05, 0.5, age);
         let centre = DVec3::new(lean(y) + away * turn.cos(), y, away * turn.sin());
         let seed = puff as u32;
-        Roll { seed, lobes: 6, period: 1.3, size: 0.6, wide: 0.75, high: 0.7, small: 0 }
-            .add(&mut balls, Ball { centre, radius }, key, at);
+        Roll { seed, lobes: 6, period: 1.3, size: 0.6, wide: 0.75, high: 0.7, small: 0 }.add(
+            &mut balls,
+            Ball { centre, radius },
+            key,
+            at,
+        );
     }
     let centre = DVec3::new(lean(height), height, 0.0);
-    Roll { seed: 77, lobes: 14, period: 1.8, size: 0.66, wide: 0.95, high: 0.75, small: 3 }
-        .add(&mut balls, Ball { centre, radius: head }, key, at);
+    Roll { seed: 77, lobes: 14, period: 1.8, size: 0.66, wide: 0.95, high: 0.75, small: 3 }.add(
+        &mut balls,
+        Ball { centre, radius: head },
+        key,
+        at,
+    );
     balls
 }
 
@@ -220,8 +228,12 @@ fn cloud(key: f64, at: f64) -> Vec<Ball> {
     for (seed, [x, y, z, radius]) in (500u32..).zip(LOBES) {
         let breath = 1.0 + 0.05 * (1.1 * at + f64::from(seed)).sin();
         let centre = DVec3::new(x + drift, y, z);
-        Roll { seed, lobes: 9, period: 4.0, size: 0.58, wide: 0.8, high: 0.8, small: 3 }
-            .add(&mut balls, Ball { centre, radius: radius * breath }, key, at);
+        Roll { seed, lobes: 9, period: 4.0, size: 0.58, wide: 0.8, high: 0.8, small: 3 }.add(
+            &mut balls,
+            Ball { centre, radius: radius * breath },
+            key,
+            at,
+        );
     }
     balls
 }

@@ -9,7 +9,8 @@ use crate::host::Memory;
 use crate::plan::{BufferId, ImageId};
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
-    BIRTH_BLOCK, BLOCK, Control, History, LIST_BLOCK, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE, TILE_BLOCKS,
+    BIRTH_BLOCK, BLOCK, BUCKETS, Control, History, LIST_RUN, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE,
+    TILE_BLOCKS,
 };
 use crate::smoke::settings::{Grow, Shadow};
 
@@ -105,7 +106,7 @@ impl Layout {
         let batch_groups = (ROW_SUM_BYTES / per_group).clamp(1, u64::from(settings.group_count())) as u32;
         let faces = if desc.point_light { 6 } else { 1 };
         let exact = settings.shadow == Shadow::Exact;
-        let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 2).min(8);
+        let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 1).min(8);
         let light_levels = if exact { finest + 1 } else { 1 };
         let casters = |across: u64| spheres * (across + 1) * (across + 1) * u64::from(faces) * 4;
         let cells_across = if casters(4) <= limit { 4 } else { 1 };
@@ -128,7 +129,7 @@ impl Layout {
         layout.size_volume(desc)?;
         layout.size_pictures(desc);
         if exact {
-            layout.set(CELLS, u64::from(layout.light_cells) * u64::from(faces) * 4);
+            layout.set(CELLS, u64::from(layout.light_cells) * u64::from(faces) * u64::from(BUCKETS) * 4);
             layout.set(CASTERS, casters(cells_across));
         }
         layout.check(limit)?;
@@ -157,7 +158,7 @@ impl Layout {
         self.set(SPHERES, spheres * 16);
         self.set(GROUPS, spheres * 4);
         self.set(SEARCHES, particles * 8);
-        self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_BLOCK)) * 8);
+        self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_RUN)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
         self.set(LUMINANCE_PARTS, u64::from(self.luminance_parts) * 16);

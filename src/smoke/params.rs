@@ -20,8 +20,10 @@ pub const BLOCK: u32 = 8;
 pub const SLOT_PIXELS: u32 = TILE * TILE;
 /// Words of occupancy whose births are counted together.
 pub const BIRTH_BLOCK: u32 = 256;
-/// Spheres whose live and visible ones are counted together.
-pub const LIST_BLOCK: u32 = 256;
+/// Sphere slots that one invocation counts and lists.
+pub const LIST_RUN: u32 = 16;
+/// Buckets of a light-space tile's list.
+pub const BUCKETS: u32 = 16;
 /// Levels that the occupancy pyramid can have.
 pub const MAX_LEVELS: usize = 12;
 
@@ -47,6 +49,7 @@ pub struct SmokeParams {
     pub light_right: [f32; 4],
     pub light_up: [f32; 4],
     pub light_frame: [f32; 4],
+    pub light_range: [f32; 4],
     pub shade: [f32; 4],
     pub motion: [f32; 4],
     pub counts: [u32; 4],
@@ -228,6 +231,9 @@ impl SmokeParams {
                 let (right, up) = towards.any_orthonormal_pair();
                 self.light = vector(towards, 0.0);
                 (self.light_right, self.light_up) = (vector(right, 0.0), vector(up, 0.0));
+                let nearest = corners.clone().map(|c| -c.dot(towards)).fold(f64::MAX, f64::min);
+                let farthest = corners.clone().map(|c| -c.dot(towards)).fold(f64::MIN, f64::max);
+                self.light_range = [nearest as f32, (1.0 / (farthest - nearest).max(1e-30)) as f32, 0.0, 0.0];
                 let across = corners.map(|c| DVec2::new(c.dot(right), c.dot(up)));
                 let (low, high) = across.fold((DVec2::MAX, DVec2::MIN), |(low, high), at| (low.min(at), high.max(at)));
                 let side = (high - low).max_element().max(1e-30);
@@ -235,8 +241,10 @@ impl SmokeParams {
             }
             LightSource::Position(position) => {
                 self.light = vector(position, 1.0);
-                let farthest = corners.map(|c| c.distance(position)).fold(0.0, f64::max);
+                let farthest = corners.map(|c: DVec3| c.distance(position)).fold(0.0, f64::max);
                 self.light_frame = [0.0, 0.0, 1.0, (farthest + extent.length()) as f32];
+                let nearest = (farthest - 2.0 * extent.length()).max(0.0);
+                self.light_range = [nearest as f32, (1.0 / (farthest - nearest).max(1e-30)) as f32, 0.0, 0.0];
             }
         }
         self.shade[0] = light.ambient as f32;

@@ -117,7 +117,7 @@ impl Passes {
                     .fold(Pass::transfer("smoke.restart"), |pass, id| pass.uses(*id, Usage::COPY_TARGET)),
             ),
             clear: d.add(
-                [PIXELS, DEPTH, SHADOW, SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER]
+                [PIXELS, DEPTH, LINES, SHADOW, SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER]
                     .iter()
                     .fold(Pass::transfer("smoke.clear"), |pass, id| pass.uses(*id, Usage::COPY_TARGET)),
             ),
@@ -639,7 +639,7 @@ impl Passes {
                 _ => self.plan_search(plan, desc, self.grow_pyramid, &pyramid, pyramid.leaves()),
             }
         }
-        let spheres = [layout.spheres, 1, 1];
+        let spheres = [layout.spheres.div_ceil(LIST_RUN), 1, 1];
         plan.step(self.count, Command::Dispatch { threads: spheres });
         plan.step(self.scan, Command::Dispatch { threads: [256, 1, 1] });
         plan.step(self.listing, Command::Dispatch { threads: spheres });
@@ -703,6 +703,9 @@ impl Passes {
     fn plan_clear(&self, plan: &mut Plan, desc: &Desc) {
         plan.step(self.clear, Command::Fill { buffer: PIXELS, word: 0 });
         plan.step(self.clear, Command::Fill { buffer: DEPTH, word: f32::INFINITY.to_bits() });
+        if desc.settings.outline.strength > 0.0 {
+            plan.step(self.clear, Command::Fill { buffer: LINES, word: 0 });
+        }
         if desc.layers {
             plan.step(self.clear, Command::Fill { buffer: SHADOW, word: 1.0_f32.to_bits() });
             for buffer in [SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER] {
