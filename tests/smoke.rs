@@ -4,6 +4,10 @@
 
 mod common;
 
+#[path = "smoke/extremes.rs"]
+mod extremes;
+#[path = "smoke/frame.rs"]
+mod frame;
 #[path = "smoke/gaussian.rs"]
 mod gaussian;
 #[path = "smoke/groups.rs"]
@@ -12,7 +16,11 @@ mod groups;
 mod particles;
 #[path = "smoke/radius.rs"]
 mod radius;
+#[path = "smoke/sequence.rs"]
+mod sequence;
 #[path = "smoke/shadow.rs"]
 mod shadow;
 #[path = "smoke/spheres.rs"]
 mod spheres;
+#[path = "smoke/tone.rs"]
+mod tone;
