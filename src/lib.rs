@@ -14,6 +14,8 @@ pub mod smoke;
 pub mod view;
 
 #[cfg(feature = "cli")]
+pub mod bench;
+#[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "cli")]
 pub mod io;

@@ -1,15 +1,20 @@
-//! `celfx bench`: the arguments.
+//! `celfx bench`: run time against error.
 
+use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 
-use super::{Common, Failure};
+use super::{Common, Failure, interrupt, print};
+use crate::bench::{self, BenchError, Request, Watch};
+use crate::gpu::headless;
 
 const EXAMPLES: &str = "\
 Examples:
-  celfx bench                       everything, into ./bench: bench.json and the plots
-  celfx bench smoke --quick         one effect, one run each";
+  celfx bench                                       everything, into ./bench: bench.json and the plots
+  celfx bench smoke --quick                         one effect, one run each
+  celfx bench smoke --only 'gaussian/per_id_tiles'  one variant at its workloads";
 
 /// Options of `celfx bench`.
 #[derive(Debug, Args)]
@@ -21,25 +26,69 @@ pub(super) struct Options {
     /// Folder for bench.json and the plots
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     output: PathBuf,
-    /// One run each, large workloads cut
+    /// One run each, the largest workload cut
     #[arg(long)]
     quick: bool,
+    /// Only rows whose PASS/VARIANT/WORKLOAD contains this
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum What {
     /// The smoke effect's kernels and frames
     Smoke,
-    /// Cost of a frame against covered screen
-    Skipping,
     /// What the device can do: copy and arithmetic
     Limits,
     /// All of it
     All,
 }
 
+/// Longest wait for one run: the paper's loop over a million particles takes minutes on two cores.
+const TIMEOUT: Duration = Duration::from_secs(1800);
+
+/// Progress on standard error.
+struct Terminal {
+    begin: Instant,
+    quiet: bool,
+}
+
+impl Watch for Terminal {
+    fn progress(&self, text: &str) {
+        if !self.quiet {
+            let ink = if io::stderr().is_terminal() { ("\x1b[2m", "\x1b[0m") } else { ("", "") };
+            let seconds = self.begin.elapsed().as_secs();
+            // Nothing is left to tell where standard error is closed.
+            let _ = writeln!(io::stderr(), "{}{seconds:5} s{}  {text}", ink.0, ink.1);
+        }
+    }
+
+    fn is_interrupted(&self) -> bool {
+        interrupt::check().is_err()
+    }
+}
+
+impl From<BenchError> for Failure {
+    fn from(error: BenchError) -> Failure {
+        match error {
+            BenchError::NoDevice(error) => error.into(),
+            BenchError::Device(error) => error.into(),
+            BenchError::Write(error) => error.into(),
+            BenchError::Validation(_) => Failure::new(Failure::DEVICE, error.to_string()),
+            BenchError::Interrupted => Failure::new(Failure::INTERRUPTED, "interrupted; nothing was written"),
+        }
+    }
+}
+
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let Options { what, output, quick } = options;
-    let _ = (what, output, quick, common);
-    Err(Failure::usage("celfx bench is not built yet"))
+    interrupt::install();
+    let what = match options.what {
+        What::Smoke => bench::What::Smoke,
+        What::Limits => bench::What::Limits,
+        What::All => bench::What::All,
+    };
+    let device = headless::Options { validate: common.validate, device: common.device.clone(), timeout: TIMEOUT };
+    let request = Request { what, quick: options.quick, only: options.only.clone(), device };
+    let watch = Terminal { begin: Instant::now(), quiet: common.quiet };
+    print(&bench::run(&request, &options.output, &watch)?)
 }

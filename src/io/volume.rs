@@ -62,12 +62,12 @@ pub struct Extent {
 
 fn read_npz(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     let mut archive = Archive::open(path)?;
-    let (dimensions, has_velocity) = check_headers(&mut archive, path, grids)?;
-    let mut values = |name: &str, limit: u64| -> Result<Vec<f32>, ReadError> {
-        Ok(archive.read(name, limit)?.map(|array: Array<f32>| array.values).unwrap_or_default())
+    let dimensions = density_header(&mut archive, path, grids)?;
+    let density = values(&mut archive, density_name(grids), MAX_VOXELS)?;
+    let velocity = match velocity_header(&mut archive, path, grids, dimensions)? {
+        true => Some(values(&mut archive, velocity_name(grids), 3 * MAX_VOXELS)?),
+        false => None,
     };
-    let density = values(density_name(grids), MAX_VOXELS)?;
-    let velocity = if has_velocity { Some(values(velocity_name(grids), 3 * MAX_VOXELS)?) } else { None };
     Ok(Volume {
         dimensions,
         voxel_size: voxel_size(&mut archive, path)?,
@@ -77,8 +77,13 @@ fn read_npz(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     })
 }
 
-/// Voxels along x, y, z, and whether there is a velocity.
-fn check_headers(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<([u32; 3], bool), ReadError> {
+/// The values of an array whose header has been read.
+fn values(archive: &mut Archive, name: &str, limit: u64) -> Result<Vec<f32>, ReadError> {
+    Ok(archive.read(name, limit)?.map(|array: Array<f32>| array.values).unwrap_or_default())
+}
+
+/// Voxels along x, y, z.
+fn density_header(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<[u32; 3], ReadError> {
     let name = density_name(grids);
     let shape = float_shape(archive, path, name)?;
     let shape = shape.ok_or_else(|| missing(path, archive, name, "[nz, ny, nx] of floats"))?;
@@ -89,18 +94,30 @@ fn check_headers(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<([
         return Err(wrong_shape(path, name, &shape, "at least one voxel along each axis"));
     }
     if shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)).is_none_or(|n| n > MAX_VOXELS) {
-        return Err(wrong_shape(path, name, &shape, &format!("at most {MAX_VOXELS} voxels")));
-    }
-    let velocity = float_shape(archive, path, velocity_name(grids))?;
-    if velocity.is_none() && grids.velocity.is_some() {
-        return Err(missing(path, archive, velocity_name(grids), "[nz, ny, nx, 3] of floats"));
-    }
-    if let Some(shape) = velocity.as_ref().filter(|shape| **shape != [nz, ny, nx, 3]) {
-        let expected = format!("{:?}, that of `{name}` and a last axis of 3", [nz, ny, nx, 3]);
-        return Err(wrong_shape(path, velocity_name(grids), shape, &expected));
+        let why = format!("of shape {shape:?} is too large");
+        return Err(ReadError::at(path, format!("array `{name}`"), why, format!("{MAX_VOXELS} values at most")));
     }
     // No axis is longer than MAX_VOXELS.
-    Ok(([nx as u32, ny as u32, nz as u32], velocity.is_some()))
+    Ok([nx as u32, ny as u32, nz as u32])
+}
+
+/// Whether there is a velocity; one that is there fits the density.
+fn velocity_header(
+    archive: &mut Archive,
+    path: &Path,
+    grids: &Grids,
+    [nx, ny, nz]: [u32; 3],
+) -> Result<bool, ReadError> {
+    let name = velocity_name(grids);
+    let expected = [nz, ny, nx, 3].map(u64::from);
+    match float_shape(archive, path, name)? {
+        None if grids.velocity.is_some() => Err(missing(path, archive, name, "[nz, ny, nx, 3] of floats")),
+        Some(shape) if shape != expected => {
+            let expected = format!("{expected:?}, that of `{}` and a last axis of 3", density_name(grids));
+            Err(wrong_shape(path, name, &shape, &expected))
+        }
+        found => Ok(found.is_some()),
+    }
 }
 
 fn density_name(grids: &Grids) -> &str {
@@ -265,7 +282,9 @@ impl VolumeSequence {
                     return Ok(Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() });
                 }
             };
-            let (dimensions, velocity) = check_headers(&mut Archive::open(path)?, path, &self.grids)?;
+            let mut archive = Archive::open(path)?;
+            let dimensions = density_header(&mut archive, path, &self.grids)?;
+            let velocity = velocity_header(&mut archive, path, &self.grids, dimensions)?;
             let largest = extent.get_or_insert(Extent { dimensions, velocity });
             if velocity != largest.velocity {
                 let why = if velocity { "is there" } else { "is missing" };
@@ -479,6 +498,29 @@ mod tests {
         write_npz(&path, &numbered(true)).unwrap();
         let whole = fs::read(&path).unwrap();
         says("cut.npz", Some(&whole[..whole.len() - 30]), &["cut short"]);
+    }
+
+    #[test]
+    fn the_extent_of_a_sequence_is_known_from_its_headers() {
+        let folder = Folder::new();
+        for (frame, dimensions) in [(1, [3, 1, 2]), (2, [1, 4, 2])] {
+            let density = vec![1.0; dimensions.iter().product::<u32>() as usize];
+            let volume = Volume { dimensions, density, ..numbered(false) };
+            write_npz(&folder.0.join(format!("v.{frame:04}.npz")), &volume).unwrap();
+        }
+        write_npz(&folder.0.join("v.0004.npz"), &numbered(true)).unwrap();
+        let open = |name: &str, hold| VolumeSequence::new(name, &folder.0, Grids::default(), hold, 24.0).unwrap();
+        let files = open("v.####.npz", true);
+        assert_eq!(files.extent(1, 3).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false });
+        assert_eq!(files.extent(4, 9).unwrap(), Extent { dimensions: numbered(true).dimensions, velocity: true });
+        let mixed = files.extent(1, 4).unwrap_err().to_string();
+        assert!(mixed.contains("v.0004.npz") && mixed.contains("`velocity`: is there"), "{mixed}");
+        let missing = open("v.####.npz", false).extent(1, 4).unwrap_err();
+        assert_eq!(missing.path, folder.0.join("v.0003.npz"));
+        let plume = open("builtin:plume", false);
+        let volume = plume.clone().frame(7).unwrap();
+        let extent = Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() };
+        assert_eq!(plume.extent(1, 1_000_000).unwrap(), extent);
     }
 
     #[test]

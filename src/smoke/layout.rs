@@ -153,7 +153,7 @@ impl Layout {
         let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 1).min(8);
         let light_levels = if exact { finest + 1 } else { 1 };
         let casters = |across: u64| spheres * (across + 1) * (across + 1) * u64::from(faces) * 4;
-        let cells_across = if casters(4) <= limit { 4 } else { 1 };
+        let cells_across = [8, 4].into_iter().find(|across| casters(*across) <= limit.min(16 << 20)).unwrap_or(1);
         let mut layout = Layout {
             spheres: spheres as u32,
             tiles,

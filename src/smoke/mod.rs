@@ -180,6 +180,25 @@ impl Smoke {
         Ok(())
     }
 
+    /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none
+    /// of them may touch the host's images or buffers, or move the particles on.
+    ///
+    /// # Errors
+    /// A step does not fit the effect's buffers.
+    ///
+    /// # Safety
+    /// As for [`Smoke::record`].
+    #[cfg(feature = "cli")]
+    pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
+        for image in [layout::TARGET, layout::BACKGROUND] {
+            self.resources.set_host_image(image, None);
+        }
+        let Smoke { passes, pipelines, resources, recorder, .. } = self;
+        let mut recording = Recording { host, commands, passes: &passes.list, pipelines, resources };
+        // SAFETY: the caller's.
+        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+    }
+
     /// The list of the frame recorded last.
     pub fn plan(&self) -> &Plan {
         &self.plan

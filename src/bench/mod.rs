@@ -1,0 +1,143 @@
+//! Run time against error: what `celfx bench` measures, and the files that it writes.
+//!
+//! Variants of one pass at one workload take turns in one run, with a full barrier around each step, after a warm-up:
+//! drivers may compile a kernel at its first dispatch.
+
+mod font;
+mod limits;
+mod measure;
+mod plot;
+mod report;
+mod rig;
+mod smoke;
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::error::Error;
+use crate::gpu::headless::{Headless, NoDevice, Options};
+use crate::io::{WriteError, write_atomic};
+use report::{Limits, Report, Row};
+use rig::Rig;
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// The smoke effect's kernels and frames.
+    Smoke,
+    /// What the device can do: copy and arithmetic. Every run measures it.
+    Limits,
+    /// All of it.
+    All,
+}
+
+/// One run of the benchmark.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// What is measured.
+    pub what: What,
+    /// One run each, and the largest workload cut.
+    pub quick: bool,
+    /// Only rows whose `pass/variant/workload` contains this.
+    pub only: Option<String>,
+    /// The device.
+    pub device: Options,
+}
+
+/// Why a benchmark ended early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BenchError {
+    /// There is no device to measure.
+    #[error(transparent)]
+    NoDevice(#[from] NoDevice),
+    /// The device failed.
+    #[error(transparent)]
+    Device(#[from] Error),
+    /// Validation has said something.
+    #[error("validation: {0}")]
+    Validation(String),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// What the caller is told while it runs, and asked: whether to go on.
+pub trait Watch {
+    /// What is being measured now.
+    fn progress(&self, text: &str);
+    /// Whether to stop.
+    fn is_interrupted(&self) -> bool;
+}
+
+/// Of a measurement, which adds rows to the session.
+type Outcome = Result<(), BenchError>;
+
+/// What measurements share.
+struct Session<'a> {
+    rig: Rig,
+    quick: bool,
+    only: Option<&'a str>,
+    limits: Limits,
+    rows: Vec<Row>,
+    watch: &'a dyn Watch,
+}
+
+impl Session<'_> {
+    /// Says what is measured next; an error if the caller wants to stop.
+    fn next(&self, text: &str) -> Outcome {
+        if self.watch.is_interrupted() {
+            return Err(BenchError::Interrupted);
+        }
+        self.watch.progress(text);
+        Ok(())
+    }
+
+    /// Those variants of a pass at a workload that were asked for.
+    fn wanted<'v, T>(&self, pass: &str, workload: &str, variants: &'v [(&'v str, T)]) -> Vec<&'v (&'v str, T)> {
+        let chosen = |name: &str| self.only.is_none_or(|only| format!("{pass}/{name}/{workload}").contains(only));
+        variants.iter().filter(|(name, _)| chosen(name)).collect()
+    }
+}
+
+/// Measures, and writes `bench.json` and one plot an effect (`.svg` and `.png`) into `folder`. The result is a table for
+/// people.
+///
+/// # Errors
+/// No device, a failure of the device, a message of validation, a file that cannot be written, an interruption.
+pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String, BenchError> {
+    std::fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.into(), source })?;
+    let rig = Rig::new(Headless::new(&request.device)?)?;
+    let messages = rig.messages();
+    let (device, driver) = rig.device();
+    let (quick, only) = (request.quick, request.only.as_deref());
+    let mut session = Session { rig, quick, only, limits: Limits::default(), rows: Vec::new(), watch };
+    session.limits = limits::measure(&mut session)?;
+    if request.what != What::Limits {
+        smoke::measure(&mut session)?;
+    }
+    let Session { rig, limits, rows, .. } = session;
+    drop(rig);
+    if let Some(message) = messages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).first() {
+        return Err(BenchError::Validation(message.clone()));
+    }
+    let report = Report { device, driver, limits, rows };
+    write(&report, folder)?;
+    Ok(report.table())
+}
+
+fn write(report: &Report, folder: &Path) -> Outcome {
+    let path = folder.join("bench.json");
+    let json = report.json().map_err(|e| WriteError { path: path.clone(), source: e.into() })?;
+    write_atomic(&path, |file| writeln!(file, "{json}"))?;
+    let mut effects: Vec<&str> = report.rows.iter().map(|row| row.effect).collect();
+    effects.dedup();
+    for effect in effects {
+        let rows: Vec<&Row> = report.rows.iter().filter(|row| row.effect == effect).collect();
+        plot::write(effect, &rows, folder)?;
+    }
+    Ok(())
+}

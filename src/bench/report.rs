@@ -1,0 +1,230 @@
+//! What a benchmark found: `bench.json`, and a table for people.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::measure::{Deviation, Spread};
+
+/// Everything that a run of the benchmark found.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Report {
+    pub(super) device: String,
+    pub(super) driver: String,
+    pub(super) limits: Limits,
+    pub(super) rows: Vec<Row>,
+}
+
+/// What the device can do, measured in the same run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(super) struct Limits {
+    /// 1e9 bytes a second read and written, together, by a kernel that copies.
+    pub(super) copy_gb_s: f64,
+    /// 1e9 floating-point operations a second, two per multiply-add, by a kernel that computes in registers.
+    pub(super) fma_gflop_s: f64,
+}
+
+/// One variant of one pass at one workload.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Row {
+    pub(super) effect: &'static str,
+    pub(super) pass: &'static str,
+    pub(super) variant: String,
+    pub(super) workload: String,
+    /// Spheres.
+    pub(super) items: u64,
+    /// Median.
+    pub(super) gpu_ms: f64,
+    /// First quartile.
+    pub(super) gpu_ms_low: f64,
+    /// Third quartile.
+    pub(super) gpu_ms_high: f64,
+    /// Recording on the host, median.
+    pub(super) cpu_ms: f64,
+    pub(super) runs: u32,
+    pub(super) error_rms: Option<f64>,
+    pub(super) error_p99: Option<f64>,
+    pub(super) error_max: Option<f64>,
+    /// What the error is measured against, and its unit.
+    pub(super) error_of: Option<String>,
+    /// Bytes that have to be moved, where they are known.
+    pub(super) bytes: Option<u64>,
+    /// Floating-point operations that have to be done, where they are known.
+    pub(super) flops: Option<u64>,
+    /// The larger share of the two limits that the run reached.
+    pub(super) of_limit: Option<f64>,
+}
+
+/// What a row is about.
+#[derive(Clone, Debug)]
+pub(super) struct Subject {
+    pub(super) pass: &'static str,
+    pub(super) variant: String,
+    pub(super) workload: String,
+    pub(super) items: u64,
+}
+
+/// An error and what it is measured against.
+pub(super) type Accuracy = Option<(Deviation, String)>;
+
+/// What a variant has to move and to compute.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Work {
+    pub(super) bytes: Option<u64>,
+    pub(super) flops: Option<u64>,
+}
+
+impl Row {
+    pub(super) fn new(
+        effect: &'static str,
+        subject: Subject,
+        times: &Spread,
+        accuracy: &Accuracy,
+        work: Work,
+        limits: &Limits,
+    ) -> Row {
+        let Subject { pass, variant, workload, items } = subject;
+        let share = |amount: Option<u64>, giga_a_second: f64| {
+            let possible = giga_a_second * 1e6 * times.gpu_ms;
+            amount.filter(|_| possible > 0.0).map(|amount| amount as f64 / possible)
+        };
+        let (moved, computed) = (share(work.bytes, limits.copy_gb_s), share(work.flops, limits.fma_gflop_s));
+        let deviation = accuracy.as_ref().map(|(deviation, _)| deviation);
+        Row {
+            effect,
+            pass,
+            variant,
+            workload,
+            items,
+            gpu_ms: times.gpu_ms,
+            gpu_ms_low: times.low,
+            gpu_ms_high: times.high,
+            cpu_ms: times.cpu_ms,
+            runs: times.runs,
+            error_rms: deviation.map(|d| d.rms),
+            error_p99: deviation.map(|d| d.p99),
+            error_max: deviation.map(|d| d.max),
+            error_of: accuracy.as_ref().map(|(_, of)| of.clone()),
+            bytes: work.bytes,
+            flops: work.flops,
+            of_limit: moved.into_iter().chain(computed).reduce(f64::max),
+        }
+    }
+}
+
+impl Report {
+    /// `bench.json`.
+    pub(super) fn json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self)
+    }
+
+    /// The table.
+    pub(super) fn table(&self) -> String {
+        let Limits { copy_gb_s, fma_gflop_s } = self.limits;
+        let mut text = format!("{}, {}\ncopy {copy_gb_s:.1} GB/s", self.device, self.driver);
+        let _ = writeln!(text, ", multiply-add {fma_gflop_s:.1} Gflop/s");
+        let mut group = None;
+        let widest = |of: fn(&Row) -> &str| self.rows.iter().map(|row| of(row).len()).max().unwrap_or(0);
+        let width = widest(|row| &row.variant).max("variant".len());
+        for row in &self.rows {
+            let next = (row.effect, row.pass, &row.workload);
+            if group != Some(next) {
+                group = Some(next);
+                let of = row.error_of.as_deref().map_or(String::new(), |of| format!("; error: {of}"));
+                let _ = writeln!(text, "\n{} {}: {}{of}", row.effect, row.pass, row.workload);
+                let _ = writeln!(
+                    text,
+                    "{:width$} {:>11} {:>23} {:>9} {:>5} {:>9} {:>9} {:>9} {:>8}",
+                    "variant", "median ms", "quartiles ms", "cpu ms", "runs", "rms", "p99", "max", "of limit"
+                );
+            }
+            let quartiles = format!("{} - {}", number(row.gpu_ms_low), number(row.gpu_ms_high));
+            let error = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.2e}"));
+            let _ = writeln!(
+                text,
+                "{:width$} {:>11} {quartiles:>23} {:>9.3} {:>5} {:>9} {:>9} {:>9} {:>8}",
+                row.variant,
+                number(row.gpu_ms),
+                row.cpu_ms,
+                row.runs,
+                error(row.error_rms),
+                error(row.error_p99),
+                error(row.error_max),
+                row.of_limit.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share)),
+            );
+        }
+        text
+    }
+}
+
+/// Four digits, whatever the size.
+fn number(ms: f64) -> String {
+    let digits = (3.0 - ms.max(1e-3).log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{ms:.digits$}")
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A report with rows as different as rows can be.
+    pub(in crate::bench) fn sample() -> Report {
+        let limits = Limits { copy_gb_s: 10.0, fma_gflop_s: 100.0 };
+        let times = Spread { gpu_ms: 2.0, low: 1.5, high: 2.5, cpu_ms: 0.1, runs: 7 };
+        let deviation = |rms| Some((Deviation { rms, p99: 2.0 * rms, max: 3.0 * rms }, "f64 reference".to_owned()));
+        let row = |pass, variant: &str, ms, accuracy, work| {
+            let (variant, workload) = (variant.to_owned(), "512x512 sigma 4".to_owned());
+            let times = Spread { gpu_ms: ms, ..times };
+            Row::new("smoke", Subject { pass, variant, workload, items: 500 }, &times, &accuracy, work, &limits)
+        };
+        let work = Work { bytes: Some(4_000_000), flops: Some(100_000_000) };
+        let rows = vec![
+            row("gaussian", "direct", 200.0, deviation(1e-7), work),
+            row("gaussian", "naive", 20.0, deviation(2e-2), work),
+            row("grow", "growth", 2.0, deviation(0.0), Work { bytes: Some(4), flops: None }),
+            row("frame", "default", 5.0, None, Work::default()),
+        ];
+        Report { device: "a device".into(), driver: "a driver 1.0".into(), limits, rows }
+    }
+
+    /// The names that `bench.json` is documented to have; other programs read it by them.
+    #[test]
+    fn json_has_every_documented_name() -> serde_json::Result<()> {
+        let json: serde_json::Value = serde_json::from_str(&sample().json()?)?;
+        for key in ["device", "driver", "limits", "rows"] {
+            assert!(json.get(key).is_some(), "{key}");
+        }
+        assert_eq!(json["limits"]["copy_gb_s"], 10.0);
+        assert_eq!(json["limits"]["fma_gflop_s"], 100.0);
+        let names = "effect pass variant workload items gpu_ms gpu_ms_low gpu_ms_high cpu_ms runs error_rms error_p99 \
+            error_max error_of bytes flops of_limit";
+        for row in json["rows"].as_array().into_iter().flatten() {
+            for name in names.split_whitespace() {
+                assert!(row.get(name).is_some(), "{name} in {row}");
+            }
+            assert_eq!(row.as_object().map(|o| o.len()), Some(names.split_whitespace().count()));
+        }
+        assert_eq!(json["rows"].as_array().map(Vec::len), Some(4));
+        Ok(())
+    }
+
+    #[test]
+    fn the_limit_is_the_one_that_is_nearer() {
+        let report = sample();
+        // 4 MB at 10 GB/s take 0.4 ms, 100 Mflop at 100 Gflop/s 1 ms.
+        assert_eq!(report.rows[1].of_limit, Some(0.05));
+        assert_eq!(report.rows[3].of_limit, None);
+    }
+
+    #[test]
+    fn the_table_has_every_row() {
+        let table = sample().table();
+        for text in ["a device", "a driver 1.0", "direct", "growth", "default", "200.0", "smoke gaussian", "5.0 %"] {
+            assert!(table.contains(text), "{text} in\n{table}");
+        }
+        assert_eq!(
+            (number(0.0), number(0.012_345), number(1234.5)),
+            ("0.000000".into(), "0.01234".into(), "1234".into())
+        );
+    }
+}

@@ -1,0 +1,421 @@
+//! The benchmark's host: one device, effects and kernels of the benchmark's own on it. Runs one thing at a time and
+//! times it, from its first to its last step, with a full barrier around each.
+
+use std::time::Instant;
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::gpu::buffer::{Buffer, BufferDesc};
+use crate::gpu::headless::{Headless, Messages};
+use crate::gpu::image::{Image, ImageDesc};
+use crate::gpu::kernel::Pipelines;
+use crate::gpu::profiler::{Mode, Profiler, Timing};
+use crate::gpu::recorder::{Recorder, Recording};
+use crate::gpu::resources::Resources;
+use crate::gpu::transfer::{COPIED_FROM, Copy, Upload, readback, record_readback};
+use crate::host::{Host, HostBuffer, HostImage, ImageState};
+use crate::io::volume::Volume;
+use crate::plan::{BufferId, Command, Pass, Plan};
+use crate::smoke::{Background, Desc, Frame, Sequence, Smoke, VolumeInput};
+use crate::view::{Camera, Light};
+
+/// Format of the pictures.
+pub(super) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// What one run took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Measured {
+    /// On the device, from the first step's begin to the last one's end. Where there are no timestamps: from the
+    /// submission to the end of the wait.
+    pub(super) gpu_ms: f64,
+    /// Recording on the host.
+    pub(super) cpu_ms: f64,
+}
+
+/// An effect of a [`Rig`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EffectId(usize);
+
+/// Kernels of a [`Rig`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KernelsId(usize);
+
+/// A buffer of kernels.
+pub(super) enum KernelBuffer {
+    /// Of their own, zeroed.
+    Own(BufferDesc),
+    /// An effect's.
+    Shared(EffectId, BufferId),
+}
+
+/// What a frame is seen and lit by, and how it follows the one before.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shot {
+    pub(super) sequence: Sequence,
+    pub(super) camera: Camera,
+    pub(super) light: Light,
+    /// Whether there is a picture, or only particles.
+    pub(super) rendered: bool,
+}
+
+struct Effect {
+    smoke: Option<Smoke>,
+    target: Option<Image>,
+    density: Upload,
+    velocity: Upload,
+    input: Option<VolumeInput>,
+    size: [u32; 2],
+}
+
+struct Kernels {
+    passes: Vec<Pass>,
+    resources: Resources,
+    pipelines: Pipelines,
+    recorder: Recorder,
+}
+
+/// A device and what is measured on it.
+pub(super) struct Rig {
+    headless: Headless,
+    profiler: Option<Profiler>,
+    effects: Vec<Effect>,
+    kernels: Vec<Kernels>,
+    /// Something may still be running: nothing can be destroyed.
+    stuck: bool,
+}
+
+impl Rig {
+    pub(super) fn new(mut headless: Headless) -> Result<Rig> {
+        let family = headless.queue_family();
+        let (host, _) = headless.parts();
+        // SAFETY: the device's own handles; it is destroyed in `drop`.
+        let profiler = unsafe { Profiler::new(&host, family, 1, 1)? };
+        Ok(Rig { headless, profiler: Some(profiler), effects: Vec::new(), kernels: Vec::new(), stuck: false })
+    }
+
+    /// Name and driver of the device.
+    pub(super) fn device(&self) -> (String, String) {
+        let info = self.headless.info();
+        (info.name.clone(), format!("{} {}", info.driver, info.driver_info).trim().to_owned())
+    }
+
+    pub(super) fn messages(&self) -> Messages {
+        self.headless.messages()
+    }
+
+    /// Largest storage buffer of the device in bytes.
+    pub(super) fn largest_buffer(&self) -> u64 {
+        let host = self.headless.host();
+        // SAFETY: the device's own handles.
+        let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
+        u64::from(properties.limits.max_storage_buffer_range)
+    }
+
+    /// Makes an effect that is measured step by step, and uploads its volume.
+    pub(super) fn effect(&mut self, desc: Desc, volume: &Volume) -> Result<EffectId> {
+        let id = EffectId(self.effects.len());
+        self.effects.push(Effect {
+            smoke: None,
+            target: None,
+            density: Upload::default(),
+            velocity: Upload::default(),
+            input: None,
+            size: desc.size,
+        });
+        let Some(effect) = self.effects.last_mut() else { return Ok(id) };
+        let (host, allocator) = self.headless.parts();
+        let target = ImageDesc {
+            name: "picture",
+            extent: desc.size,
+            layers: 1,
+            array_view: false,
+            format: FORMAT,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
+                | vk::ImageUsageFlags::TRANSFER_DST
+                | vk::ImageUsageFlags::TRANSFER_SRC,
+        };
+        // SAFETY: the device's own handles; what is made is destroyed in `clear`.
+        unsafe {
+            effect.smoke.insert(Smoke::new(&host, allocator, desc)?).set_mode(Mode::Isolated);
+            effect.target = Some(Image::new(&host, allocator, &target)?);
+            let density = bytemuck::cast_slice(&volume.density);
+            let density = effect.density.write(&host, allocator, "density upload", density)?;
+            let velocity = volume.velocity.as_ref().map(|values| {
+                let values = bytemuck::cast_slice(values);
+                effect.velocity.write(&host, allocator, "velocity upload", values)
+            });
+            let Volume { dimensions, voxel_size, origin, .. } = *volume;
+            effect.input =
+                Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: velocity.transpose()? });
+        }
+        Ok(id)
+    }
+
+    /// Renders a frame with the effect's volume.
+    pub(super) fn frame(&mut self, id: EffectId, shot: &Shot) -> Result<Measured> {
+        let Effect { smoke: Some(smoke), target: Some(target), input, size, .. } = &mut self.effects[id.0] else {
+            return Ok(NOTHING);
+        };
+        let target = HostImage {
+            image: target.handle,
+            view: target.view,
+            format: FORMAT,
+            extent: *size,
+            state_in: ImageState::default(),
+            state_out: COPIED_FROM,
+        };
+        let frame = Frame {
+            sequence: shot.sequence,
+            dt: 1.0 / super::smoke::scene::FPS as f32,
+            camera: shot.camera,
+            light: shot.light,
+            volume: *input,
+            target: shot.rendered.then_some(target),
+            background: Background::Clear([0.0; 4]),
+        };
+        let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
+            // SAFETY: the device's own handles; every frame is submitted in order and waited for.
+            unsafe { smoke.record(host, commands, &frame, &mut Timing::None) }
+        });
+        self.note(done)
+    }
+
+    /// The steps of the frame recorded last that belong to these passes.
+    pub(super) fn steps(&self, id: EffectId, wanted: impl Fn(&Pass) -> bool) -> Plan {
+        let mut plan = Plan::default();
+        if let Some(smoke) = &self.effects[id.0].smoke {
+            let all = smoke.plan();
+            plan.data.clone_from(&all.data);
+            plan.steps.extend(all.steps.iter().filter(|step| wanted(&smoke.passes()[usize::from(step.pass.0)])));
+        }
+        plan
+    }
+
+    /// Runs steps of the frame recorded last again.
+    pub(super) fn replay(&mut self, id: EffectId, plan: &Plan) -> Result<Measured> {
+        let Effect { smoke: Some(smoke), .. } = &mut self.effects[id.0] else { return Ok(NOTHING) };
+        let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
+            // SAFETY: the device's own handles; the plan is of this effect, and the frame before is over.
+            unsafe { smoke.replay(host, commands, plan) }
+        });
+        self.note(done)
+    }
+
+    /// Makes kernels of the benchmark's own; buffers get their ids in the given order.
+    pub(super) fn kernels(&mut self, buffers: Vec<KernelBuffer>, passes: Vec<Pass>) -> Result<KernelsId> {
+        let id = KernelsId(self.kernels.len());
+        let mut resources = Resources::default();
+        let shared = buffers.iter().map(|buffer| match buffer {
+            KernelBuffer::Own(_) => None,
+            KernelBuffer::Shared(effect, buffer) => self.shared(*effect, *buffer),
+        });
+        let shared: Vec<Option<HostBuffer>> = shared.collect();
+        let (host, allocator) = self.headless.parts();
+        for (buffer, shared) in buffers.iter().zip(shared) {
+            match buffer {
+                // SAFETY: the device's own handles; what is made is destroyed here or in `clear`.
+                KernelBuffer::Own(desc) => unsafe {
+                    if let Err(error) = resources.add_buffer(&host, allocator, desc) {
+                        resources.destroy(&host, allocator);
+                        return Err(error);
+                    }
+                },
+                KernelBuffer::Shared(..) => {
+                    let id = resources.add_host_buffer();
+                    resources.set_host_buffer(id, shared);
+                }
+            }
+        }
+        // SAFETY: as above.
+        let pipelines =
+            unsafe { Pipelines::new(&host, &passes, &resources).inspect_err(|_| resources.destroy(&host, allocator))? };
+        let mut recorder = Recorder::new(&resources);
+        recorder.set_mode(Mode::Isolated);
+        self.kernels.push(Kernels { passes, resources, pipelines, recorder });
+        self.zero(id, &buffers)?;
+        Ok(id)
+    }
+
+    fn shared(&self, effect: EffectId, buffer: BufferId) -> Option<HostBuffer> {
+        let (buffer, offset, size) = self.effects[effect.0].smoke.as_ref()?.buffer(buffer);
+        let (stage, access) = (vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::MEMORY_WRITE);
+        Some(HostBuffer { buffer, offset, size, stage, access })
+    }
+
+    /// Fresh memory holds old data, and its pages may be there only once they have been touched.
+    fn zero(&mut self, id: KernelsId, buffers: &[KernelBuffer]) -> Result<()> {
+        let resources = &self.kernels[id.0].resources;
+        let own = buffers.iter().enumerate().filter(|(_, buffer)| matches!(buffer, KernelBuffer::Own(_)));
+        let own: Vec<_> = own.map(|(index, _)| resources.buffer(BufferId(index as u16))).collect();
+        let done = self.headless.one_time("zeroes", |host, commands| {
+            for (buffer, offset, size) in own {
+                // SAFETY: the device's own handles; nothing else uses the buffers yet.
+                unsafe { host.device.cmd_fill_buffer(commands, buffer, offset, size & !3, 0) };
+            }
+            Ok(())
+        });
+        self.note(done)
+    }
+
+    /// Runs a plan of such kernels.
+    pub(super) fn run(&mut self, id: KernelsId, plan: &Plan) -> Result<Measured> {
+        let Kernels { passes, resources, pipelines, recorder } = &mut self.kernels[id.0];
+        let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
+            let mut recording = Recording { host, commands, passes, pipelines, resources };
+            // SAFETY: the device's own handles; the plan is of these passes, and everything before is over.
+            unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+        });
+        self.note(done)
+    }
+
+    /// Runs a plan with no work in it: drivers that compile a kernel at its first dispatch do so now.
+    pub(super) fn warm_up(&mut self, id: KernelsId, plan: &Plan) -> Result<()> {
+        let mut empty = Plan::default();
+        empty.steps.extend(plan.steps.iter().filter(|step| matches!(step.command, Command::Dispatch { .. })));
+        for step in &mut empty.steps {
+            step.command = Command::Dispatch { threads: [0, 0, 0] };
+        }
+        self.run(id, &empty).map(|_| ())
+    }
+
+    /// An effect's buffer: the first `count` values.
+    pub(super) fn read<T: bytemuck::AnyBitPattern>(
+        &mut self,
+        id: EffectId,
+        buffer: BufferId,
+        count: usize,
+    ) -> Result<Vec<T>> {
+        let source = self.effects[id.0].smoke.as_ref().map(|smoke| smoke.buffer(buffer));
+        self.read_buffer(source, count)
+    }
+
+    /// A buffer of kernels: the first `count` values.
+    pub(super) fn read_kernels<T: bytemuck::AnyBitPattern>(
+        &mut self,
+        id: KernelsId,
+        buffer: BufferId,
+        count: usize,
+    ) -> Result<Vec<T>> {
+        let source = self.kernels[id.0].resources.buffer(buffer);
+        self.read_buffer(Some(source), count)
+    }
+
+    fn read_buffer<T: bytemuck::AnyBitPattern>(
+        &mut self,
+        source: Option<(vk::Buffer, u64, u64)>,
+        count: usize,
+    ) -> Result<Vec<T>> {
+        let Some((buffer, offset, size)) = source else { return Ok(Vec::new()) };
+        let size = size.min((count * size_of::<T>()) as u64);
+        let bytes = self.read_back(size, &[], &[Copy { from: (buffer, offset, size), to: 0 }])?;
+        Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+    }
+
+    /// The picture of the frame rendered last.
+    pub(super) fn picture(&mut self, id: EffectId) -> Result<Vec<[f32; 4]>> {
+        let Effect { target: Some(target), size, .. } = &self.effects[id.0] else { return Ok(Vec::new()) };
+        let (image, extent) = (target.handle, *size);
+        let bytes = u64::from(extent[0]) * u64::from(extent[1]) * 16;
+        let bytes = self.read_back(bytes, &[Copy { from: (image, extent), to: 0 }], &[])?;
+        Ok(bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect())
+    }
+
+    fn read_back(
+        &mut self,
+        bytes: u64,
+        images: &[Copy<(vk::Image, [u32; 2])>],
+        ranges: &[Copy<(vk::Buffer, u64, u64)>],
+    ) -> Result<Vec<u8>> {
+        let (host, allocator) = self.headless.parts();
+        // SAFETY: the device's own handles; the buffer is destroyed below.
+        let mut staging = unsafe { Buffer::new(&host, allocator, &readback("read back", bytes.max(16)))? };
+        let done = self.headless.one_time("read back", |host, commands| {
+            // SAFETY: everything is alive until the wait is over, and images are where frames leave them.
+            unsafe { record_readback(host, commands, images, ranges, &staging) };
+            Ok(())
+        });
+        let result = staging.mapped().and_then(|memory| memory.get(..bytes as usize)).unwrap_or_default().to_vec();
+        self.note(done)?;
+        let (host, allocator) = self.headless.parts();
+        // SAFETY: the copy is over.
+        unsafe { staging.destroy(&host, allocator) };
+        Ok(result)
+    }
+
+    /// Remembers a wait that did not end.
+    fn note<T>(&mut self, result: Result<T>) -> Result<T> {
+        self.stuck |= matches!(&result, Err(Error::Vulkan { result: vk::Result::TIMEOUT, .. }));
+        result
+    }
+
+    /// Destroys all effects and kernels.
+    pub(super) fn clear(&mut self) {
+        if self.stuck {
+            return;
+        }
+        let (host, allocator) = self.headless.parts();
+        // SAFETY: every submission has been waited for.
+        unsafe {
+            for mut kernels in self.kernels.drain(..) {
+                kernels.pipelines.destroy(&host);
+                kernels.resources.destroy(&host, allocator);
+            }
+            for mut effect in self.effects.drain(..) {
+                if let Some(smoke) = &mut effect.smoke {
+                    smoke.destroy(&host, allocator);
+                }
+                if let Some(target) = &mut effect.target {
+                    target.destroy(&host, allocator);
+                }
+                effect.density.destroy(&host, allocator);
+                effect.velocity.destroy(&host, allocator);
+            }
+        }
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        self.clear();
+        if self.stuck {
+            return;
+        }
+        if let Some(mut profiler) = self.profiler.take() {
+            // SAFETY: every submission has been waited for.
+            unsafe { profiler.destroy(&self.headless.host()) };
+        }
+    }
+}
+
+const NOTHING: Measured = Measured { gpu_ms: 0.0, cpu_ms: 0.0 };
+
+fn measure(
+    headless: &mut Headless,
+    profiler: &mut Option<Profiler>,
+    record: impl FnOnce(&Host, vk::CommandBuffer) -> Result<()>,
+) -> Result<Measured> {
+    let mut cpu_ms = 0.0;
+    let mut submitted = Instant::now();
+    headless.one_time("benchmark", |host, commands| {
+        // SAFETY: the device's own handles; the frame before has been waited for and collected.
+        unsafe {
+            if let Some(profiler) = profiler.as_mut() {
+                profiler.begin_frame(host, commands, 0, 0)?;
+                Timing::Profiler(profiler).begin_scope(host, commands, "benchmark");
+            }
+            let begin = Instant::now();
+            record(host, commands)?;
+            cpu_ms = begin.elapsed().as_secs_f64() * 1e3;
+            if let Some(profiler) = profiler.as_mut() {
+                Timing::Profiler(profiler).end_scope(host, commands);
+            }
+        }
+        submitted = Instant::now();
+        Ok(())
+    })?;
+    let waited = submitted.elapsed().as_secs_f64() * 1e3;
+    // SAFETY: the submission has been waited for.
+    let times = profiler.as_mut().and_then(|profiler| unsafe { profiler.collect(&headless.host(), 0) });
+    Ok(Measured { gpu_ms: times.map_or(waited, |times| times.total_ns() as f64 / 1e6), cpu_ms })
+}

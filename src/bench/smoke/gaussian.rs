@@ -1,0 +1,285 @@
+//! Pass `gaussian`: the masked Gaussian by its definition, by the wrong separable form, by the exact one with and without
+//! skipping, and a plain Gaussian without mask, which shows what the mask costs.
+//!
+//! The time of `per_id_tiles` is that of everything that a frame has because of the mask (dilated block masks, items, rows
+//! and columns), less the pass `tiles`, which a frame needs anyway: the later steps work on occupied tiles.
+
+use super::{EFFECT, scene};
+use crate::bench::measure::{Deviation, interleaved};
+use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::rig::{EffectId, KernelBuffer, KernelsId, Measured, Rig};
+use crate::bench::{Outcome, Session};
+use crate::error::Result;
+use crate::gpu::buffer::BufferDesc;
+use crate::plan::{BufferId, Command, Kernel, Pass, PassId, Plan};
+use crate::shaders::smoke as glsl;
+use crate::smoke::Settings;
+use crate::smoke::layout::{PARAMS, PIXELS, REACHED, SMOOTH, WEIGHTS};
+use crate::smoke::params::{BLOCK, GaussianConstants, SLOT_PIXELS, TILE};
+use crate::smoke::reference::gaussian;
+
+const PASS: &str = "gaussian";
+const VARIANTS: [(&str, Variant); 5] = [
+    ("direct", Variant::Direct),
+    ("naive", Variant::Naive),
+    ("per_id_image", Variant::PerIdImage),
+    ("per_id_tiles", Variant::PerIdTiles),
+    ("plain", Variant::Plain),
+];
+const WORKLOADS: [(&str, [u32; 2], f32); 3] = [
+    ("512x512 sigma 4", scene::PAPER, 4.0),
+    ("512x512 sigma 8", scene::PAPER, 8.0),
+    ("1920x1080 sigma 8", scene::FULL_HD, 8.0),
+];
+const PARTICLES: u32 = 1000;
+const GROUPS: u32 = 8;
+/// Share of the picture that is covered.
+const COVER: f64 = 0.5;
+const VOXELS: [u32; 3] = [48, 72, 48];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Variant {
+    Direct,
+    Naive,
+    PerIdImage,
+    PerIdTiles,
+    Plain,
+}
+
+// Buffers and passes of the kernels that only the benchmark has, in this order.
+const OWN_PARAMS: BufferId = BufferId(0);
+const OWN_WEIGHTS: BufferId = BufferId(1);
+const OWN_REACHED: BufferId = BufferId(2);
+const OWN_PIXELS: BufferId = BufferId(3);
+const OWN_ROWS: BufferId = BufferId(4);
+const OWN_SMOOTH: BufferId = BufferId(5);
+const DIRECT: PassId = PassId(0);
+const NAIVE: [PassId; 2] = [PassId(1), PassId(2)];
+const IMAGE: [PassId; 2] = [PassId(3), PassId(4)];
+const PLAIN: [PassId; 2] = [PassId(5), PassId(6)];
+
+/// The picture that is filtered.
+struct Picture {
+    size: [u32; 2],
+    id: Vec<u32>,
+    /// What the masked Gaussian makes of it.
+    smooth: Vec<f64>,
+}
+
+pub(super) fn measure(session: &mut Session) -> Outcome {
+    for (name, size, sigma) in WORKLOADS {
+        let variants = session.wanted(PASS, name, &VARIANTS);
+        if !variants.is_empty() {
+            session.next(&format!("smoke gaussian {name}"))?;
+            measure_workload(session, name, size, sigma, &variants)?;
+            session.rig.clear();
+        }
+    }
+    Ok(())
+}
+
+fn measure_workload(
+    session: &mut Session,
+    name: &str,
+    size: [u32; 2],
+    sigma: f32,
+    variants: &[&(&str, Variant)],
+) -> Outcome {
+    let rig = &mut session.rig;
+    let settings = Settings { particles: PARTICLES, groups: GROUPS, sigma, fade: 0, ..Settings::default() };
+    let effect = render(rig, size, &settings)?;
+    let picture = Picture::read(rig, effect, size, &settings)?;
+    let own = rig.effect_steps(effect);
+    let kernels = kernels(rig, effect, size, &settings)?;
+    let plans: Vec<Plan> = variants.iter().map(|(_, variant)| plan(*variant, size)).collect();
+    for plan in &plans {
+        rig.warm_up(kernels, plan)?;
+    }
+    let mut results: Vec<Vec<f32>> = vec![Vec::new(); variants.len()];
+    let times = interleaved(variants.len(), session.quick, |i| {
+        let ours = variants[i].1 == Variant::PerIdTiles;
+        let time: Measured = if ours { rig.replay(effect, &own)? } else { rig.run(kernels, &plans[i])? };
+        if results[i].is_empty() {
+            results[i] = match ours {
+                true => rig.read(effect, SMOOTH, picture.id.len())?,
+                false => rig.read_kernels(kernels, OWN_SMOOTH, picture.id.len())?,
+            };
+        }
+        Ok(time)
+    })?;
+    for (((variant, kind), times), result) in variants.iter().zip(&times).zip(results) {
+        let (variant, workload) = ((*variant).to_owned(), name.to_owned());
+        let subject = Subject { pass: PASS, variant, workload, items: PARTICLES.into() };
+        let work = picture.work(*kind, &settings);
+        session.rows.push(Row::new(EFFECT, subject, times, &picture.accuracy(&result), work, &session.limits));
+    }
+    Ok(())
+}
+
+/// Renders the scene, the camera so near that about half of the picture is covered.
+fn render(rig: &mut Rig, size: [u32; 2], settings: &Settings) -> Result<EffectId> {
+    let volume = scene::still_plume(VOXELS);
+    let effect = rig.effect(scene::desc(size, &volume, settings.clone(), false), &volume)?;
+    rig.frame(effect, &scene::first_shot(scene::camera()))?;
+    let (spheres, _) = scene::spheres(rig, effect, PARTICLES, settings.fade)?;
+    let camera = scene::camera_covering(&spheres, size, COVER);
+    rig.frame(effect, &scene::first_shot(camera))?;
+    Ok(effect)
+}
+
+impl Rig {
+    /// What a frame has because of the mask.
+    fn effect_steps(&self, effect: EffectId) -> Plan {
+        self.steps(effect, |pass| match &pass.kernel {
+            Kernel::Compute(shader) => {
+                matches!(pass.name, "smoke.rows" | "smoke.columns")
+                    || matches!(shader.file, "smoke/dilate.comp" | "smoke/items.comp")
+            }
+            _ => false,
+        })
+    }
+}
+
+fn kernels(rig: &mut Rig, effect: EffectId, size: [u32; 2], settings: &Settings) -> Result<KernelsId> {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let padded = u64::from(tiles(size)) * u64::from(SLOT_PIXELS);
+    let buffers = vec![
+        KernelBuffer::Shared(effect, PARAMS),
+        KernelBuffer::Shared(effect, WEIGHTS),
+        KernelBuffer::Shared(effect, REACHED),
+        KernelBuffer::Shared(effect, PIXELS),
+        KernelBuffer::Own(BufferDesc::storage("row sums", padded * 8)),
+        KernelBuffer::Own(BufferDesc::storage("smooth", pixels * 4)),
+    ];
+    let sigma = f64::from(settings.sigma);
+    let weight = |distance: u32| (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp();
+    let sum = 1.0 + 2.0 * (1..=settings.window()).map(weight).sum::<f64>();
+    rig.kernels(buffers, passes((1.0 / sum) as f32))
+}
+
+/// In the order of the ids above. `scale` is 1 / the sum of a row's weights.
+fn passes(scale: f32) -> Vec<Pass> {
+    use glsl::{
+        bench_direct as direct, bench_image_columns as image_columns, bench_image_rows as image_rows,
+        bench_naive_columns as naive_columns, bench_naive_rows as naive_rows, bench_plain_columns as plain_columns,
+        bench_plain_rows as plain_rows,
+    };
+    let pass = |name, shader| {
+        let pass = Pass::compute(name, shader);
+        let pass = pass.bind(direct::SMOKE_PARAMS, OWN_PARAMS).bind(direct::WEIGHTS, OWN_WEIGHTS);
+        if name == "bench.direct" || name == "bench.naive" { pass.bind(direct::PIXELS, OWN_PIXELS) } else { pass }
+    };
+    let ours = |name, shader| pass(name, shader).bind(image_rows::REACHED, OWN_REACHED);
+    vec![
+        pass("bench.direct", &direct::SHADER).bind(direct::SMOOTH, OWN_SMOOTH),
+        pass("bench.naive", &naive_rows::SHADER).bind(naive_rows::ROW_SUMS, OWN_ROWS),
+        pass("bench.naive", &naive_columns::SHADER)
+            .bind(naive_columns::ROW_SUMS, OWN_ROWS)
+            .bind(naive_columns::SMOOTH, OWN_SMOOTH),
+        ours("bench.per_id_image", &image_rows::SHADER)
+            .bind(image_rows::PIXELS, OWN_PIXELS)
+            .bind(image_rows::ROW_SUMS, OWN_ROWS),
+        ours("bench.per_id_image", &image_columns::SHADER)
+            .bind(image_columns::PIXELS, OWN_PIXELS)
+            .bind(image_columns::ROW_SUMS, OWN_ROWS)
+            .bind(image_columns::SMOOTH, OWN_SMOOTH),
+        ours("bench.plain", &plain_rows::SHADER)
+            .bind(plain_rows::PIXELS, OWN_PIXELS)
+            .bind(plain_rows::PLAIN_ROWS, OWN_ROWS)
+            .specialise([scale.to_bits()]),
+        ours("bench.plain", &plain_columns::SHADER)
+            .bind(plain_columns::PLAIN_ROWS, OWN_ROWS)
+            .bind(plain_columns::SMOOTH, OWN_SMOOTH)
+            .specialise([scale.to_bits()]),
+    ]
+}
+
+fn tiles(size: [u32; 2]) -> u32 {
+    size[0].div_ceil(TILE) * size[1].div_ceil(TILE)
+}
+
+/// What a variant runs; nothing for the effect's own steps.
+fn plan(variant: Variant, size: [u32; 2]) -> Plan {
+    let mut plan = Plan::default();
+    let image = Command::Dispatch { threads: [size[0], size[1], 1] };
+    // One workgroup a tile, of the shape that gaussian.glsl has.
+    let [x, y, _] = glsl::bench_plain_rows::SHADER.local_size;
+    let by_tile = Command::Dispatch { threads: [tiles(size) * x, y, 1] };
+    match variant {
+        Variant::Direct => plan.step(DIRECT, image),
+        Variant::Naive => NAIVE.into_iter().for_each(|pass| plan.step(pass, image)),
+        Variant::PerIdImage => {
+            for first_group in 1..=GROUPS {
+                let constants = GaussianConstants { base: 0, first_group };
+                IMAGE.into_iter().for_each(|pass| plan.step_with(pass, by_tile, &constants));
+            }
+        }
+        Variant::Plain => {
+            let constants = GaussianConstants { base: 0, first_group: 0 };
+            PLAIN.into_iter().for_each(|pass| plan.step_with(pass, by_tile, &constants));
+        }
+        Variant::PerIdTiles => {}
+    }
+    plan
+}
+
+impl Picture {
+    fn read(rig: &mut Rig, effect: EffectId, size: [u32; 2], settings: &Settings) -> Result<Picture> {
+        let pixels: Vec<u32> = rig.read(effect, PIXELS, size[0] as usize * size[1] as usize)?;
+        // As in glsl/smoke/pixel.glsl.
+        let luminance: Vec<f64> = pixels.iter().map(|pixel| f64::from(pixel >> 8) / 16_777_215.0).collect();
+        let id: Vec<u32> = pixels.iter().map(|pixel| pixel & 255).collect();
+        let [width, height] = size.map(|side| side as usize);
+        let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
+        Ok(Picture { size, id, smooth })
+    }
+
+    fn accuracy(&self, result: &[f32]) -> Accuracy {
+        let pixels = result.iter().zip(&self.smooth).zip(&self.id).filter(|(_, id)| **id != 0);
+        let differences = pixels.map(|((result, smooth), _)| (f64::from(*result) - smooth).abs()).collect();
+        Deviation::of(differences).map(|deviation| (deviation, "direct 2-D sum in f64, of luminance 0 to 1".to_owned()))
+    }
+
+    /// Operations that count: multiply-adds of numerator and denominator with taps inside the window. Bytes: each
+    /// image once for each pass over it.
+    fn work(&self, variant: Variant, settings: &Settings) -> Work {
+        let pixels = self.id.len() as u64;
+        let covered = self.id.iter().filter(|id| **id != 0).count() as u64;
+        let taps = u64::from(2 * settings.window() + 1);
+        let (bytes, flops) = match variant {
+            Variant::Direct => (8 * pixels, covered * taps * taps * 4),
+            Variant::Naive => (28 * pixels, covered * 2 * taps * 4),
+            Variant::PerIdImage => (u64::from(GROUPS) * 24 * pixels, u64::from(GROUPS) * pixels * 2 * taps * 4),
+            Variant::PerIdTiles => {
+                let (rows, columns) = self.worked_on(settings.window().div_ceil(BLOCK) as usize);
+                (12 * rows + 12 * columns, (rows + columns) * taps * 4)
+            }
+            Variant::Plain => (16 * pixels, pixels * 2 * taps * 2),
+        };
+        Work { bytes: Some(bytes), flops: Some(flops) }
+    }
+
+    /// Pairs of pixel and group that rows and columns are summed for: those of blocks that hold the group within the
+    /// window (in blocks) above or below and to a side, and of blocks that hold it.
+    fn worked_on(&self, window: usize) -> (u64, u64) {
+        let [width, height] = self.size.map(|side| side as usize);
+        let block = BLOCK as usize;
+        let (across, down) = (width.div_ceil(block), height.div_ceil(block));
+        let mut masks = vec![0_u32; across * down];
+        for (pixel, id) in self.id.iter().enumerate().filter(|(_, id)| **id != 0) {
+            masks[pixel / width / block * across + pixel % width / block] |= 1 << (id & 31);
+        }
+        let (mut rows, mut columns) = (0, 0);
+        for y in 0..down {
+            for x in 0..across {
+                let beside = x.saturating_sub(window)..(x + window + 1).min(across);
+                let above = y.saturating_sub(window)..(y + window + 1).min(down);
+                let sideways = beside.fold(0, |bits, x| bits | masks[y * across + x]);
+                let upright = above.fold(0, |bits, y| bits | masks[y * across + x]);
+                rows += u64::from((sideways & upright).count_ones()) * u64::from(BLOCK * BLOCK);
+                columns += u64::from(masks[y * across + x].count_ones()) * u64::from(BLOCK * BLOCK);
+            }
+        }
+        (rows, columns)
+    }
+}

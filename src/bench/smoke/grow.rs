@@ -1,0 +1,132 @@
+//! Pass `grow`: from density to radii, by the paper's loop, by a distance field, by a pyramid, and by what the effect
+//! chooses. The time of each holds all that it needs: occupancy, field or pyramid, and the search.
+
+use super::{EFFECT, scene};
+use crate::bench::measure::{Deviation, interleaved};
+use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::rig::{EffectId, Rig, Shot};
+use crate::bench::{Outcome, Session};
+use crate::error::Result;
+use crate::io::volume::Volume;
+use crate::smoke::layout::SPHERES;
+use crate::smoke::reference::{Grid, grow};
+use crate::smoke::settings::{Grow, Radius, Shadow};
+use crate::smoke::{Sequence, Settings};
+use crate::view::{Camera, Light};
+
+const PASS: &str = "grow";
+const VARIANTS: [(&str, Grow); 4] =
+    [("growth", Grow::Growth), ("field", Grow::Field), ("pyramid", Grow::Pyramid), ("chosen", Grow::Chosen)];
+/// Passes that lead from density to radii.
+const STEPS: [&str; 4] = ["smoke.occupancy", "smoke.pyramid", "smoke.field", "smoke.grow"];
+/// Particles whose radius is compared with the brute force.
+const SAMPLE: u32 = 1000;
+
+struct Workload {
+    name: &'static str,
+    dimensions: [u32; 3],
+    particles: u32,
+    /// What `--quick` makes of it.
+    cut: Option<([u32; 3], u32)>,
+}
+
+const WORKLOADS: [Workload; 4] = [
+    Workload { name: "15x15x20/500", dimensions: scene::PAPER_VOXELS, particles: 500, cut: None },
+    Workload { name: "64^3/1000", dimensions: [64; 3], particles: 1000, cut: None },
+    Workload { name: "128^3/10000", dimensions: [128; 3], particles: 10_000, cut: None },
+    Workload { name: "256^3/1000000", dimensions: [256; 3], particles: 1_000_000, cut: Some(([128; 3], 50_000)) },
+];
+
+pub(super) fn measure(session: &mut Session) -> Outcome {
+    for workload in &WORKLOADS {
+        let (mut name, mut dimensions, mut particles) =
+            (workload.name.to_owned(), workload.dimensions, workload.particles);
+        if let (true, Some((fewer_voxels, fewer))) = (session.quick, workload.cut) {
+            (dimensions, particles) = (fewer_voxels, fewer);
+            name += &format!(" (cut to {}^3/{fewer})", fewer_voxels[0]);
+        }
+        let variants = session.wanted(PASS, &name, &VARIANTS);
+        if !variants.is_empty() {
+            session.next(&format!("smoke grow {name}"))?;
+            measure_workload(session, &name, dimensions, particles, &variants)?;
+            session.rig.clear();
+        }
+    }
+    Ok(())
+}
+
+fn measure_workload(
+    session: &mut Session,
+    name: &str,
+    dimensions: [u32; 3],
+    particles: u32,
+    variants: &[&(&str, Grow)],
+) -> Outcome {
+    let volume = scene::still_plume(dimensions);
+    let mut effects = Vec::new();
+    let mut plans = Vec::new();
+    for (_, grow) in variants {
+        // Everything that has nothing to do with radii is off.
+        let settings =
+            Settings { grow: *grow, particles, fade: 0, shadow: Shadow::None, sigma: 0.0, ..Settings::default() };
+        let effect = session.rig.effect(scene::desc([16, 16], &volume, settings, false), &volume)?;
+        let (camera, light) = (Camera::default(), Light::default());
+        let shot = Shot { sequence: Sequence::Restart, camera, light, rendered: false };
+        // The frame compiles every kernel.
+        session.rig.frame(effect, &shot)?;
+        plans.push(session.rig.steps(effect, |pass| STEPS.contains(&pass.name)));
+        effects.push(effect);
+    }
+    let rig = &mut session.rig;
+    let times = interleaved(variants.len(), session.quick, |i| rig.replay(effects[i], &plans[i]))?;
+    for (((variant, grow), times), effect) in variants.iter().zip(&times).zip(effects) {
+        let accuracy = accuracy(&mut session.rig, effect, &volume, particles)?;
+        let (variant, workload) = ((*variant).to_owned(), name.to_owned());
+        let subject = Subject { pass: PASS, variant, workload, items: particles.into() };
+        session.rows.push(Row::new(
+            EFFECT,
+            subject,
+            times,
+            &accuracy,
+            work(*grow, &volume, particles),
+            &session.limits,
+        ));
+    }
+    Ok(())
+}
+
+/// Against the brute force over all voxels in f64, in voxels.
+fn accuracy(rig: &mut Rig, effect: EffectId, volume: &Volume, particles: u32) -> Result<Accuracy> {
+    let spheres: Vec<[f32; 4]> = rig.read(effect, SPHERES, particles as usize)?;
+    let grid = Grid {
+        dimensions: volume.dimensions,
+        voxel_size: volume.voxel_size,
+        origin: volume.origin,
+        density: &volume.density,
+        velocity: None,
+    };
+    let side = grid.smallest_side();
+    let every = (particles / SAMPLE).max(1) as usize;
+    let threshold = Settings::default().threshold;
+    let difference = |[x, y, z, r]: &[f32; 4]| {
+        (f64::from(*r) - grow::radius(&grid, threshold, [*x, *y, *z], Radius::Box)).abs() / side
+    };
+    let differences: Vec<f64> = spheres.iter().step_by(every).map(difference).collect();
+    let of = format!("f64 brute force, radius in voxels, {} particles", differences.len());
+    Ok(Deviation::of(differences).map(|deviation| (deviation, of)))
+}
+
+/// What has to be moved at least: density, bits, field or pyramid, particles and spheres. What a search reads besides
+/// depends on the smoke.
+fn work(grow: Grow, volume: &Volume, particles: u32) -> Work {
+    let voxels = volume.density.len() as u64;
+    let particle_bytes = u64::from(particles) * (32 + 16);
+    let index = match grow {
+        // Bits once more, and a byte a voxel written three times and read twice; 27 bytes a particle.
+        Grow::Field => voxels / 8 + 5 * voxels + 27 * u64::from(particles),
+        // A quarter of the rows each level, read and written.
+        Grow::Pyramid => voxels / 8 * 5 / 3,
+        _ => 0,
+    };
+    Work { bytes: Some(4 * voxels + voxels / 8 + index + particle_bytes), flops: None }
+}
