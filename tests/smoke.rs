@@ -12,6 +12,8 @@ mod frame;
 mod gaussian;
 #[path = "smoke/groups.rs"]
 mod groups;
+#[path = "smoke/host.rs"]
+mod host;
 #[path = "smoke/particles.rs"]
 mod particles;
 #[path = "smoke/radius.rs"]

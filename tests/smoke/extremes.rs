@@ -36,9 +36,11 @@ fn check(name: &str, rig: &mut Rig, camera: Camera, light: Light, volume: &Volum
     assert_finite(name, rig);
     let voxel = volume.voxel_size.into_iter().fold(f32::MAX, f32::min);
     let expected = rig.expected(&camera, &light, voxel).image;
-    let apart = rig.picture().into_iter().zip(&expected).filter(|(a, e)| {
-        (0..4).any(|c| (f64::from(a[c]) - e[c]).abs() > 1.0 / 255.0)
-    });
+    let apart = rig
+        .picture()
+        .into_iter()
+        .zip(&expected)
+        .filter(|(a, e)| (0..4).any(|c| (f64::from(a[c]) - e[c]).abs() > 1.0 / 255.0));
     let (apart, seen) = (apart.count(), expected.iter().filter(|c| c[3] > 0.0).count());
     // 0.1 % as for any frame; two pixels where so few are seen that this is less.
     assert!(apart <= (seen / 1000).max(2), "{name}: {apart} of {seen} pixels differ");
@@ -113,7 +115,9 @@ fn volumes_of_any_content() {
 
 #[test]
 fn no_particles_leave_the_background() {
-    let Some(mut rig) = Rig::new(desc([40, 30], [20; 3], Settings { particles: 0, ..Settings::default() })) else { return };
+    let Some(mut rig) = Rig::new(desc([40, 30], [20; 3], Settings { particles: 0, ..Settings::default() })) else {
+        return;
+    };
     rig.offline().set_background([0.1, 0.2, 0.3, 1.0]);
     rig.frame(&scene(Sequence::Restart, camera(0.0), sun(), Some(&puffs(20, 0.0))));
     assert_eq!(rig.picture(), [[0.1, 0.2, 0.3, 1.0]; 1200]);
