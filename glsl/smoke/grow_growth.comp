@@ -54,7 +54,8 @@ void main() {
             float dx = EMPTY;
             if (abs(y - voxel.y) == k || abs(z - voxel.z) == k) {
                 uint row = params.levels[0].x + (uint(z) * params.grid.y + uint(y)) * params.grid.w;
-                dx = nearest_in_row(row, 0u, p, voxel.x, along(p, voxel.x + k, 0));
+                float farthest = max(along(p, voxel.x - k, 0), along(p, voxel.x + k, 0));
+                dx = nearest_in_row(row, 0u, p, voxel.x, farthest);
             } else {
                 ivec3 left = ivec3(voxel.x - k, y, z);
                 ivec3 right = ivec3(voxel.x + k, y, z);
