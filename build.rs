@@ -40,14 +40,16 @@ struct Compiled {
     reflection: Reflection,
 }
 
+/// Structure name -> (member offsets, size).
+type Blocks = BTreeMap<String, (Vec<(String, usize)>, usize)>;
+
 #[derive(Default)]
 struct Reflection {
     local_size: [u32; 3],
     push_size: usize,
     /// binding -> (name, kind, access)
     slots: BTreeMap<u32, (String, &'static str, &'static str)>,
-    /// structure name -> (member offsets, size)
-    blocks: BTreeMap<String, (Vec<(String, usize)>, usize)>,
+    blocks: Blocks,
 }
 
 fn build() -> Result<String, Vec<String>> {
@@ -59,7 +61,7 @@ fn build() -> Result<String, Vec<String>> {
         if !folder.is_dir() || effect == "common" {
             continue;
         }
-        let mut blocks = BTreeMap::new();
+        let mut blocks = Blocks::new();
         let _ = writeln!(table, "/// Shaders of `glsl/{effect}`.\npub mod {effect} {{");
         for path in sorted(&folder) {
             let Some((kind, stage)) = stage_of(&path) else { continue };
@@ -199,11 +201,7 @@ fn block_name(ty: &Type) -> Option<String> {
 }
 
 /// Collects the structures inside `ty`; the outermost one only if the host fills it as a `whole`.
-fn collect_blocks(
-    ty: &Type,
-    whole: bool,
-    blocks: &mut BTreeMap<String, (Vec<(String, usize)>, usize)>,
-) -> Result<(), String> {
+fn collect_blocks(ty: &Type, whole: bool, blocks: &mut Blocks) -> Result<(), String> {
     match ty {
         Type::Array(array) => collect_blocks(&array.element_ty, true, blocks),
         Type::Struct(structure) => {
@@ -268,7 +266,7 @@ fn constant(name: &str) -> String {
     out
 }
 
-fn emit_assertions(table: &mut String, effect: &str, blocks: &BTreeMap<String, (Vec<(String, usize)>, usize)>) {
+fn emit_assertions(table: &mut String, effect: &str, blocks: &Blocks) {
     for (name, (members, size)) in blocks {
         let path = format!("crate::{effect}::params::{name}");
         table.push_str("const _: () = {\n");

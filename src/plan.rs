@@ -284,6 +284,17 @@ impl Pass {
         self
     }
 
+    /// Binds every slot of its shaders to what `resource` knows by the slot's name.
+    pub fn bind_all(mut self, resource: impl Fn(&Slot) -> Option<Resource>) -> Pass {
+        for slot in self.shaders().into_iter().flatten().flat_map(|shader| shader.slots) {
+            let bound = self.bindings.iter().any(|(bound, _)| bound.binding == slot.binding);
+            if let Some(resource) = resource(slot).filter(|_| !bound) {
+                self = self.bind(*slot, resource);
+            }
+        }
+        self
+    }
+
     /// Declares a use that is no descriptor.
     pub fn uses(mut self, resource: impl Into<Resource>, usage: Usage) -> Pass {
         self.uses.push((resource.into(), usage));

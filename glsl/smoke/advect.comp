@@ -188,7 +188,8 @@ void main() {
         if (history.births > 0u) {
             p = birth_position(slot, generation);
             generation += 1u;
-            age_bits = restart ? FULL_SIZE : 0u;
+            // With a lifetime, particles of the first frame have lived for a while: they don't all end together.
+            age_bits = restart ? FULL_SIZE | below(hash(params.counts.w, slot, 0u, 4u), params.frame.z) : 0u;
         }
     }
     bool alive = age_bits != DEAD;

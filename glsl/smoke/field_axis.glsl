@@ -1,8 +1,8 @@
 // Chessboard distance field, one more axis: d(x) = min over j of max(|j|, d'(x + j)). Exact, because the chessboard
 // distance is the maximum over axes. Four voxels a word.
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) readonly buffer FieldFrom { uint field_from[]; };
-layout(std430, binding = 2) writeonly buffer FieldTo { uint field_to[]; };
+layout(std430, binding = 1) readonly buffer FROM { uint field_from[]; };
+layout(std430, binding = 2) writeonly buffer TO { uint field_to[]; };
 
 ivec4 unpack(uint v) {
     return ivec4(v & 255u, v >> 8 & 255u, v >> 16 & 255u, v >> 24);

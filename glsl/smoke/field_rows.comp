@@ -5,7 +5,7 @@
 #include "params.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Occupancy { uint occupancy[]; };
-layout(std430, binding = 2) writeonly buffer FieldRows { uint field_rows[]; };
+layout(std430, binding = 2) writeonly buffer Field { uint field[]; };
 
 int nearest_empty(uint row, int x) {
     int words = int(params.grid.w);
@@ -55,5 +55,5 @@ void main() {
     for (int i = 0; i < 4 && x + i < int(params.grid.x); ++i) {
         distances |= uint(nearest_empty(row, x + i)) << uint(8 * i);
     }
-    field_rows[index] = distances;
+    field[index] = distances;
 }

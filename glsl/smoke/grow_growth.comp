@@ -32,7 +32,8 @@ void main() {
     if (!resume_search(slot, p, voxel, cursor, best)) {
         return;
     }
-    int k = int(round(0.5 * pow(6.0 * float(cursor), 1.0 / 3.0)));
+    // The shell that the cursor stands in: the cube root is rounded, so begin above it.
+    int k = int(0.5 * pow(6.0 * float(cursor), 1.0 / 3.0)) + 2;
     while (k > 0 && rows_before(uint(k)) > cursor) {
         --k;
     }
@@ -54,8 +55,8 @@ void main() {
             float dx = EMPTY;
             if (abs(y - voxel.y) == k || abs(z - voxel.z) == k) {
                 uint row = params.levels[0].x + (uint(z) * params.grid.y + uint(y)) * params.grid.w;
-                float farthest = max(along(p, voxel.x - k, 0), along(p, voxel.x + k, 0));
-                dx = nearest_in_row(row, 0u, p, voxel.x, farthest);
+                float reach = max(along(p, voxel.x + k, 0), along(p, voxel.x - k, 0));
+                dx = nearest_in_row(row, 0u, p, voxel.x, reach);
             } else {
                 ivec3 left = ivec3(voxel.x - k, y, z);
                 ivec3 right = ivec3(voxel.x + k, y, z);

@@ -12,13 +12,16 @@ layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 #include "light.glsl"
 #include "light_map.glsl"
 
+// Bias in texels for a depth that changes by `slope` texels a texel: from the surface to the centre of the farthest tap,
+// across a corner of the filter, and half a texel.
+float bias(float slope) {
+    return 0.7072 * float(params.shadow.w) * min(slope, 16.0) + 0.5;
+}
+
 float lit_share(Surface surface, float before) {
     vec3 p = surface.centre + surface.offset;
     float texels = float(constants.texels);
     int taps = int(params.shadow.w);
-    float slope = min(sqrt(max(1.0 - surface.facing * surface.facing, 0.0)) / max(surface.facing, 0.05), 16.0);
-    // Half a texel along the slope, and the reach of the filter.
-    float reach = 0.5 * float(taps) * slope + 0.5;
     uint face = 0u;
     vec2 at;
     float own;
@@ -27,13 +30,17 @@ float lit_share(Surface surface, float before) {
         face = face_of(v);
         v = on_face(v, face);
         at = 0.5 + 0.5 * v.xy / v.z;
-        own = v.z - reach * 2.0 * v.z / texels;
+        // Depth is along the face's axis: its slope across the face is not the tangent of the angle to the light.
+        vec3 normal = on_face(surface.normal, face);
+        float slope = length(normal.xy) / max(-dot(normal, v) / v.z, 0.05);
+        own = v.z - bias(slope) * 2.0 * v.z / texels;
     } else {
+        float slope = sqrt(max(1.0 - surface.facing * surface.facing, 0.0)) / max(surface.facing, 0.05);
         vec4 frame = map_frame();
         vec3 c = vec3(dot(params.light_right.xyz, p), dot(params.light_up.xyz, p), dot(params.light.xyz, p));
         c = (c - frame.xyz) / frame.w;
         at = c.xy;
-        own = c.z + reach / texels;
+        own = c.z + bias(slope) / texels;
     }
     ivec2 texel = ivec2(floor(at * texels)) - taps / 2;
     int lit = 0;

@@ -81,7 +81,7 @@ impl From<BenchError> for Failure {
 }
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    interrupt::install()?;
+    interrupt::install();
     let what = match options.what {
         What::Smoke => bench::What::Smoke,
         What::Limits => bench::What::Limits,

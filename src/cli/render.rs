@@ -103,7 +103,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let others: Vec<&Path> =
         [&options.profile, &options.sheet, &options.animation].into_iter().flatten().map(PathBuf::as_path).collect();
     outputs.probe(first, &others)?;
-    interrupt::install()?;
+    interrupt::install();
 
     let count = (last - first) as usize + 1;
     let strips: Vec<Strip> = [
@@ -167,7 +167,7 @@ impl Job<'_> {
             let (ahead, volumes_read) = sync_channel(1);
             let range = [self.shot.frames[0], last];
             scope.spawn(move || read_ahead(volumes, range, &ahead));
-            let pool = Pool::start(scope, self.common.threads(), queue, &shared, &work);
+            let pool = Pool::start(scope, self.common.threads(), queue, &shared, work);
             let rendered = self.step(&mut renderer, missing, &volumes_read, |frame| pool.send(&shared, frame));
             // Frames in the queue are written even if the next one failed or the program was interrupted.
             let written = pool.finish(&shared);
@@ -183,7 +183,7 @@ impl Job<'_> {
         &self,
         renderer: &mut Renderer,
         missing: &[u32],
-        volumes: &Receiver<Result<(u32, Option<Arc<Volume>>), ReadError>>,
+        volumes: &Receiver<Read>,
         send: impl Fn(Frame) -> Result<(), Failure>,
     ) -> Result<Vec<FrameTimes>, Failure> {
         let progress = self.progress(missing.len() as u64);
@@ -244,8 +244,9 @@ impl Job<'_> {
         let table = if times.is_empty() { String::new() } else { profile::table(times) };
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
         let frames = if rendered == 1 { "frame" } else { "frames" };
-        let example = self.outputs.picture(self.first);
-        print(&format!("{table}{rendered} {frames} rendered{kept}: {} ...\n", example.display()))
+        let more = if count > 1 { " ..." } else { "" };
+        let first = self.outputs.picture(self.first);
+        print(&format!("{table}{rendered} {frames} rendered{kept}: {}{more}\n", first.display()))
     }
 
     fn say(&self, text: &str) {
@@ -267,12 +268,11 @@ fn background(shot: &Shot) -> Result<Option<Picture<[f32; 4]>>, Failure> {
     Ok(Some(picture))
 }
 
-/// Reads volumes one frame ahead of the renderer; none where a frame has that of the frame before.
-fn read_ahead(
-    mut volumes: VolumeSequence,
-    [first, last]: [u32; 2],
-    to: &SyncSender<Result<(u32, Option<Arc<Volume>>), ReadError>>,
-) {
+/// A frame's number and its volume; no volume where it is that of the frame before.
+type Read = Result<(u32, Option<Arc<Volume>>), ReadError>;
+
+/// Reads volumes one frame ahead of the renderer.
+fn read_ahead(mut volumes: VolumeSequence, [first, last]: [u32; 2], to: &SyncSender<Read>) {
     for frame in first..=last {
         let mut read = || {
             if frame > first && volumes.same_as_before(frame)? {

@@ -255,3 +255,158 @@ fn hundredths(i: usize, fps: f64) -> u32 {
     let end = |frames: usize| (frames as f64 * 100.0 / fps).round();
     (end(i + 1) - end(i)).clamp(2.0, 65535.0) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::tests::Folder;
+    use image::AnimationDecoder;
+
+    #[test]
+    fn transfer_is_srgb() {
+        for (linear, coded) in [(0.0, 0.0), (1.0, 1.0), (0.5, 0.735_356_983), (0.214_041_14, 0.5), (0.002, 0.025_84)] {
+            assert!((srgb_from_linear(linear) - coded).abs() < 1e-7, "{linear}");
+            assert!((linear_from_srgb(coded) - linear).abs() < 1e-7, "{coded}");
+        }
+        for code in 0..=255u8 {
+            let linear = linear_from_srgb(f64::from(code) / 255.0) as f32;
+            assert_eq!(srgb8(&[[linear, linear, linear, 1.0]]), [[code, code, code, 255]]);
+        }
+    }
+
+    #[test]
+    fn alpha_becomes_straight_and_nothing_panics() {
+        let half = linear_from_srgb(128.0 / 255.0) as f32;
+        assert_eq!(srgb8(&[[half * 0.5, 0.0, 0.5, 0.5]]), [[128, 0, 255, 128]]);
+        assert_eq!(srgb8(&[[0.5, 0.5, 0.5, 0.0], [0.0; 4]]), [[0; 4]; 2]);
+        let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, -1.0];
+        for r in bad {
+            for a in bad {
+                assert_eq!(srgb8(&[[r, 0.0, 0.0, a]])[0][1], 0);
+            }
+        }
+        assert_eq!(srgb8(&[[2.0, -1.0, f32::NAN, 1.0]]), [[255, 0, 0, 255]]);
+    }
+
+    #[test]
+    fn png_round_trip() {
+        let folder = Folder::new();
+        let path = folder.0.join("new/a.png");
+        let grey = |code: u8, alpha: f32| {
+            let c = linear_from_srgb(f64::from(code) / 255.0) as f32 * alpha;
+            [c, c * 0.5, c * 0.25, alpha]
+        };
+        let pixels: Vec<[f32; 4]> = (0..6u8).map(|i| grey(40 * i, if i == 3 { 0.0 } else { 1.0 })).collect();
+        write_png(&path, [3, 2], &pixels).unwrap();
+        let back = read_png(&path).unwrap();
+        assert_eq!(back.size, [3, 2]);
+        for (a, b) in pixels.iter().flatten().zip(back.pixels.iter().flatten()) {
+            // Half a code of 8-bit sRGB: the curve's slope is at most 2.3 / 255 a code.
+            assert!((a - b).abs() < 0.5 * 2.3 / 255.0, "{a} {b}");
+        }
+        assert_eq!(srgb8(&back.pixels), srgb8(&pixels));
+        let error = write_png(&path, [4, 2], &pixels).unwrap_err().to_string();
+        assert!(error.contains("a.png") && error.contains("4 x 2"), "{error}");
+        assert!(write_png(&path, [0, 0], &[]).is_err());
+        assert_eq!(read_png(&path).unwrap(), back);
+        let bytes = fs::read(&path).unwrap();
+        for bad in [&bytes[..40], b"GIF89a", b""] {
+            fs::write(&path, bad).unwrap();
+            assert!(read_png(&path).unwrap_err().to_string().contains("a.png: "));
+        }
+        assert!(read_png(&folder.0.join("absent.png")).is_err());
+    }
+
+    #[test]
+    fn png_of_other_kinds() {
+        let folder = Folder::new();
+        let path = folder.0.join("grey.png");
+        image::GrayImage::from_raw(2, 1, vec![0, 255]).unwrap().save(&path).unwrap();
+        assert_eq!(read_png(&path).unwrap().pixels, [[0.0, 0.0, 0.0, 1.0], [1.0; 4]]);
+        let deep = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![65535, 32768, 0]).unwrap();
+        deep.save(&path).unwrap();
+        let expected = linear_from_srgb(32768.0 / 65535.0) as f32;
+        assert_eq!(read_png(&path).unwrap().pixels, [[1.0, expected, 0.0, 1.0]]);
+    }
+
+    #[test]
+    fn exr_keeps_every_bit() {
+        let folder = Folder::new();
+        let path = folder.0.join("new/a.exr");
+        let odd = [0.0, -0.0, 1e-45, 1.5e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 0.1];
+        let value = |x: usize, c: usize| odd[(x * 5 + c) % 8];
+        let rgba: Vec<[f32; 4]> = (0..35 * 40).map(|x| [0, 1, 2, 3].map(|c| value(x, c))).collect();
+        let rgb: Vec<[f32; 3]> = rgba.iter().map(|p| [p[0], p[1], p[2]]).collect();
+        let y: Vec<f32> = rgba.iter().map(|p| p[0]).collect();
+        let check = |names: &[(&str, usize)]| {
+            let back = read_exr(&path).unwrap();
+            assert_eq!(back.size, [35, 40]);
+            assert_eq!(back.channels.len(), names.len());
+            for ((name, values), (expected, c)) in back.channels.iter().zip(names) {
+                assert_eq!(name, expected);
+                let bits = |v: &f32| v.to_bits();
+                assert!(values.iter().map(bits).eq(rgba.iter().map(|p| p[*c].to_bits())), "{name}");
+            }
+        };
+        write_exr(&path, [35, 40], &rgba).unwrap();
+        check(&[("A", 3), ("B", 2), ("G", 1), ("R", 0)]);
+        write_exr(&path, [35, 40], &rgb).unwrap();
+        check(&[("B", 2), ("G", 1), ("R", 0)]);
+        write_exr(&path, [35, 40], &y).unwrap();
+        check(&[("Y", 0)]);
+        assert!(write_exr(&path, [35, 41], &y).unwrap_err().to_string().contains("35 x 41"));
+        check(&[("Y", 0)]);
+        assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+        let bytes = fs::read(&path).unwrap();
+        fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+        assert!(read_exr(&path).unwrap_err().to_string().contains("a.exr: "));
+    }
+
+    #[test]
+    fn sheets_are_grids() {
+        let frames: Vec<Vec<[u8; 4]>> = (1..=5).map(|i| vec![[i; 4]; 6]).collect();
+        let sheet = contact_sheet([3, 2], &frames, 2, 1).unwrap();
+        assert_eq!(sheet.size, [7, 8]);
+        let at = |x: usize, y: usize| sheet.pixels[y * 7 + x][0];
+        assert_eq!([at(0, 0), at(2, 1), at(3, 0), at(4, 0), at(6, 1), at(0, 2)], [1, 1, 0, 2, 2, 0]);
+        assert_eq!([at(0, 3), at(6, 4), at(0, 6), at(2, 7), at(4, 6)], [3, 4, 5, 5, 0]);
+        assert_eq!(contact_sheet([3, 2], &frames, 100, 0).unwrap().size, [15, 2]);
+        assert_eq!(contact_sheet([3, 3], &frames, 2, 1), None);
+        assert_eq!(contact_sheet([3, 2], &[], 2, 1), None);
+        assert_eq!(contact_sheet([3, 2], &frames, 2, u32::MAX), None);
+    }
+
+    #[test]
+    fn gifs_repeat_with_exact_tones() {
+        let folder = Folder::new();
+        let path = folder.0.join("new/a.gif");
+        let frames: Vec<Vec<[u8; 4]>> =
+            (0..24u8).map(|i| (0..12).map(|x| [10 * i, 200, 20 * x, if x == 5 { 0 } else { 255 }]).collect()).collect();
+        write_gif(&path, [4, 3], &frames[..20], 24.0).unwrap();
+        let bytes = fs::read(&path).unwrap();
+        // The extension that makes it repeat, with a count of 0: for ever.
+        assert!(bytes.windows(16).any(|w| w == b"NETSCAPE2.0\x03\x01\x00\x00\x00"));
+        let decoder = image::codecs::gif::GifDecoder::new(Cursor::new(bytes)).unwrap();
+        let read = decoder.into_frames().collect_frames().unwrap();
+        assert_eq!(read.len(), 20);
+        let mut total = 0;
+        for (frame, expected) in read.iter().zip(&frames) {
+            total += frame.delay().numer_denom_ms().0;
+            for (pixel, &[r, g, b, a]) in frame.buffer().pixels().zip(expected) {
+                assert_eq!(pixel.0, if a == 0 { [0; 4] } else { [r, g, b, a] });
+            }
+        }
+        // 20 frames at 24 per second, in hundredths.
+        assert_eq!(total, 830);
+        for (size, count, fps) in [([4, 3], 0, 24.0), ([4, 4], 1, 24.0), ([70_000, 1], 1, 24.0), ([4, 3], 1, 0.0)] {
+            assert!(write_gif(&path, size, &frames[..count], fps).is_err());
+        }
+        assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn delays_stay_within_what_viewers_honour() {
+        assert_eq!((hundredths(0, 24.0), hundredths(2, 24.0)), (4, 5));
+        assert_eq!((hundredths(0, 1000.0), hundredths(0, 1e-9)), (2, 65535));
+    }
+}

@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn few_colours_stay_exact() {
         let frame: Vec<[u8; 4]> = (0..255).map(|i| pixel([i, 255 - i, i / 2])).collect();
-        let palette = Palette::of(&[frame.clone()]);
+        let palette = Palette::of(std::slice::from_ref(&frame));
         assert!(frame.iter().all(|&p| palette.nearest(p) == p));
         assert_eq!(palette.nearest([3, 252, 1, 127]), [0; 4]);
     }

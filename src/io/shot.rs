@@ -17,8 +17,9 @@ mod tones;
 mod track;
 mod tree;
 
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use glam::DVec3;
 
@@ -130,7 +131,7 @@ impl Shot {
             true => (builtin_text(name)?.to_owned(), PathBuf::new()),
             false => {
                 let path = Path::new(name);
-                let text = fs::read(path).map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
+                let text = read(path).map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
                 let text = String::from_utf8(text).map_err(|e| ShotError::Wrong {
                     place: name.to_owned(),
                     message: format!("not UTF-8 text at byte {}", e.utf8_error().valid_up_to()),
@@ -222,6 +223,17 @@ impl Shot {
         let (LightTrack::Direction(light) | LightTrack::Position(light)) = &self.light;
         [&self.eye, &self.target, &self.up, light].into_iter().all(Track::is_constant)
             && [&self.vertical_fov, &self.near, &self.far, &self.ambient].into_iter().all(Track::is_constant)
+    }
+}
+
+/// Reads a shot's file; what is larger than any shot could be is refused.
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    const LARGEST: u64 = 1 << 24;
+    let mut text = Vec::new();
+    File::open(path)?.take(LARGEST + 1).read_to_end(&mut text)?;
+    match text.len() as u64 > LARGEST {
+        true => Err(io::Error::other("larger than 16 MiB; expected a TOML file")),
+        false => Ok(text),
     }
 }
 

@@ -62,12 +62,12 @@ pub struct Extent {
 
 fn read_npz(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     let mut archive = Archive::open(path)?;
-    let (dimensions, has_velocity) = check_headers(&mut archive, path, grids)?;
-    let mut values = |name: &str, limit: u64| -> Result<Vec<f32>, ReadError> {
-        Ok(archive.read(name, limit)?.map(|array: Array<f32>| array.values).unwrap_or_default())
+    let dimensions = density_header(&mut archive, path, grids)?;
+    let density = values(&mut archive, density_name(grids), MAX_VOXELS)?;
+    let velocity = match velocity_header(&mut archive, path, grids, dimensions)? {
+        true => Some(values(&mut archive, velocity_name(grids), 3 * MAX_VOXELS)?),
+        false => None,
     };
-    let density = values(density_name(grids), MAX_VOXELS)?;
-    let velocity = if has_velocity { Some(values(velocity_name(grids), 3 * MAX_VOXELS)?) } else { None };
     Ok(Volume {
         dimensions,
         voxel_size: voxel_size(&mut archive, path)?,
@@ -77,8 +77,13 @@ fn read_npz(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     })
 }
 
-/// Voxels along x, y, z, and whether there is a velocity.
-fn check_headers(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<([u32; 3], bool), ReadError> {
+/// The values of an array whose header has been read.
+fn values(archive: &mut Archive, name: &str, limit: u64) -> Result<Vec<f32>, ReadError> {
+    Ok(archive.read(name, limit)?.map(|array: Array<f32>| array.values).unwrap_or_default())
+}
+
+/// Voxels along x, y, z.
+fn density_header(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<[u32; 3], ReadError> {
     let name = density_name(grids);
     let shape = float_shape(archive, path, name)?;
     let shape = shape.ok_or_else(|| missing(path, archive, name, "[nz, ny, nx] of floats"))?;
@@ -89,18 +94,30 @@ fn check_headers(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<([
         return Err(wrong_shape(path, name, &shape, "at least one voxel along each axis"));
     }
     if shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)).is_none_or(|n| n > MAX_VOXELS) {
-        return Err(wrong_shape(path, name, &shape, &format!("at most {MAX_VOXELS} voxels")));
-    }
-    let velocity = float_shape(archive, path, velocity_name(grids))?;
-    if velocity.is_none() && grids.velocity.is_some() {
-        return Err(missing(path, archive, velocity_name(grids), "[nz, ny, nx, 3] of floats"));
-    }
-    if let Some(shape) = velocity.as_ref().filter(|shape| **shape != [nz, ny, nx, 3]) {
-        let expected = format!("{:?}, that of `{name}` and a last axis of 3", [nz, ny, nx, 3]);
-        return Err(wrong_shape(path, velocity_name(grids), shape, &expected));
+        let why = format!("of shape {shape:?} is too large");
+        return Err(ReadError::at(path, format!("array `{name}`"), why, format!("{MAX_VOXELS} values at most")));
     }
     // No axis is longer than MAX_VOXELS.
-    Ok(([nx as u32, ny as u32, nz as u32], velocity.is_some()))
+    Ok([nx as u32, ny as u32, nz as u32])
+}
+
+/// Whether there is a velocity; one that is there fits the density.
+fn velocity_header(
+    archive: &mut Archive,
+    path: &Path,
+    grids: &Grids,
+    [nx, ny, nz]: [u32; 3],
+) -> Result<bool, ReadError> {
+    let name = velocity_name(grids);
+    let expected = [nz, ny, nx, 3].map(u64::from);
+    match float_shape(archive, path, name)? {
+        None if grids.velocity.is_some() => Err(missing(path, archive, name, "[nz, ny, nx, 3] of floats")),
+        Some(shape) if shape != expected => {
+            let expected = format!("{expected:?}, that of `{}` and a last axis of 3", density_name(grids));
+            Err(wrong_shape(path, name, &shape, &expected))
+        }
+        found => Ok(found.is_some()),
+    }
 }
 
 fn density_name(grids: &Grids) -> &str {
@@ -234,10 +251,10 @@ impl VolumeSequence {
     /// The volume of a frame. The last one is kept, so that a frame with the same volume costs nothing.
     pub fn frame(&mut self, frame: u32) -> Result<Arc<Volume>, ReadError> {
         let source = self.source(frame)?;
-        if let Some((last, volume)) = &self.last {
-            if *last == source {
-                return Ok(volume.clone());
-            }
+        if let Some((last, volume)) = &self.last
+            && *last == source
+        {
+            return Ok(volume.clone());
         }
         let volume = Arc::new(match &source {
             Source::File(path) => read(path, &self.grids)?,
@@ -265,7 +282,9 @@ impl VolumeSequence {
                     return Ok(Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() });
                 }
             };
-            let (dimensions, velocity) = check_headers(&mut Archive::open(path)?, path, &self.grids)?;
+            let mut archive = Archive::open(path)?;
+            let dimensions = density_header(&mut archive, path, &self.grids)?;
+            let velocity = velocity_header(&mut archive, path, &self.grids, dimensions)?;
             let largest = extent.get_or_insert(Extent { dimensions, velocity });
             if velocity != largest.velocity {
                 let why = if velocity { "is there" } else { "is missing" };
@@ -313,4 +332,256 @@ impl VolumeSequence {
 
 fn exists(path: &Path) -> Result<bool, ReadError> {
     fs::exists(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::array::tests::{npy, write_archive};
+    use super::super::tests::Folder;
+    use super::*;
+
+    /// 2 x 3 x 4 voxels of numbers that tell where they are; NaN and infinities among them.
+    fn numbered(velocity: bool) -> Volume {
+        let mut density: Vec<f32> = (0..24).map(|i| i as f32 * 0.1).collect();
+        density[3..6].copy_from_slice(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
+        Volume {
+            dimensions: [2, 3, 4],
+            voxel_size: [0.1, 0.2, 0.25],
+            origin: [-1.0, 0.0, 2.5],
+            density,
+            velocity: velocity.then(|| (0..24).map(|i| [i as f32, -0.5, 1e-30 * i as f32]).collect()),
+        }
+    }
+
+    fn bits(volume: &Volume) -> (Vec<u32>, Option<Vec<u32>>) {
+        let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect();
+        (bits(&volume.density), volume.velocity.as_ref().map(|v| bits(v.as_flattened())))
+    }
+
+    fn f32s(values: &[f32]) -> Vec<u8> {
+        values.iter().flat_map(|v| v.to_le_bytes()).collect()
+    }
+
+    /// Arrays of a valid volume of 1 x 2 x 2 voxels.
+    fn arrays() -> Vec<(&'static str, Vec<u8>)> {
+        vec![
+            ("density", npy("'<f4'", false, "(2, 2, 1)", &f32s(&[0.0, 1.0, 2.0, 3.0]))),
+            ("velocity", npy("'<f4'", false, "(2, 2, 1, 3)", &f32s(&[1.0; 12]))),
+            ("voxel_size", npy("'<f8'", false, "()", &0.5f64.to_le_bytes())),
+            ("origin", npy("'<i4'", false, "(3,)", &[1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0])),
+        ]
+    }
+
+    fn read_arrays(arrays: &[(&str, Vec<u8>)]) -> Result<Volume, ReadError> {
+        let folder = Folder::new();
+        let path = folder.0.join("v.npz");
+        write_archive(&path, arrays);
+        read(&path, &Grids::default())
+    }
+
+    /// The error with one array replaced, or left out.
+    fn error_with(name: &'static str, bytes: Option<Vec<u8>>) -> String {
+        let mut arrays = arrays();
+        arrays.retain(|(n, _)| *n != name);
+        arrays.extend(bytes.map(|b| (name, b)));
+        read_arrays(&arrays).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn written_volumes_come_back() {
+        let folder = Folder::new();
+        for velocity in [false, true] {
+            let path = folder.0.join("out/v.NPZ");
+            let volume = numbered(velocity);
+            write_npz(&path, &volume).unwrap();
+            let back = read(&path, &Grids::default()).unwrap();
+            assert_eq!(bits(&back), bits(&volume));
+            assert_eq!(
+                (back.dimensions, back.voxel_size, back.origin),
+                (volume.dimensions, volume.voxel_size, volume.origin)
+            );
+        }
+        let short = Volume { density: vec![0.0; 3], ..numbered(false) };
+        assert!(write_npz(&folder.0.join("short.npz"), &short).is_err());
+        assert_eq!(folder.names(), ["out"]);
+    }
+
+    #[test]
+    fn half_double_and_fortran_order_are_read() {
+        let volume = read_arrays(&arrays()).unwrap();
+        assert_eq!((volume.dimensions, volume.voxel_size), ([1, 2, 2], [0.5; 3]));
+        assert_eq!(volume.origin, [1.0, 2.0, 3.0]);
+        let halves: Vec<u8> = [0u16, 0x3c00, 0x4000, 0x4200].iter().flat_map(|v| v.to_be_bytes()).collect();
+        // Fortran order: z runs fastest, so the four values are transposed.
+        let doubles: Vec<u8> = [0.0f64, 2.0, 1.0, 3.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+        let components: Vec<f32> = (0..12).map(|i| i as f32).collect();
+        let velocity = npy("'<f4'", true, "(2, 2, 1, 3)", &f32s(&components));
+        for density in [npy("'>f2'", false, "(2, 2, 1)", &halves), npy("'<f8'", true, "(2, 2, 1)", &doubles)] {
+            let mut arrays = arrays();
+            (arrays[0].1, arrays[1].1) = (density, velocity.clone());
+            let read = read_arrays(&arrays).unwrap();
+            assert_eq!(read.density, volume.density);
+            // Index z + 2 y + 4 component in the file; x fastest, then y, then z in memory.
+            let expected = [[0.0, 4.0, 8.0], [2.0, 6.0, 10.0], [1.0, 5.0, 9.0], [3.0, 7.0, 11.0]];
+            assert_eq!(read.velocity.unwrap(), expected);
+        }
+    }
+
+    #[test]
+    fn optional_arrays_and_other_names() {
+        let mut arrays = arrays();
+        arrays.remove(3);
+        arrays.remove(1);
+        let volume = read_arrays(&arrays).unwrap();
+        assert_eq!((volume.velocity, volume.origin), (None, [0.0; 3]));
+        arrays.push(("vel", npy("'<f4'", false, "(2, 2, 1, 3)", &f32s(&[2.0; 12]))));
+        let folder = Folder::new();
+        let path = folder.0.join("v.npz");
+        write_archive(&path, &arrays);
+        let grids = Grids { velocity: Some("vel".into()), ..Grids::default() };
+        assert_eq!(read(&path, &grids).unwrap().velocity, Some(vec![[2.0; 3]; 4]));
+        let grids = Grids { velocity: Some("wind".into()), ..Grids::default() };
+        let error = read(&path, &grids).unwrap_err().to_string();
+        assert!(error.contains("array `wind`: is missing") && error.contains("\"vel\""), "{error}");
+        let grids = Grids { density: Some("fuel".into()), ..Grids::default() };
+        assert!(read(&path, &grids).unwrap_err().to_string().contains("array `fuel`: is missing"));
+    }
+
+    #[test]
+    fn every_fault_names_its_array() {
+        let says = |error: String, words: &[&str]| {
+            assert!(words.iter().all(|w| error.contains(w)) && error.contains("v.npz"), "{error}");
+        };
+        says(error_with("density", None), &["array `density`: is missing", "[nz, ny, nx]"]);
+        says(error_with("density", Some(npy("'<f4'", false, "(4,)", &[0; 16]))), &["`density`", "[4]", "three axes"]);
+        says(error_with("density", Some(npy("'<f4'", false, "(2, 0, 2)", &[]))), &["[2, 0, 2]", "at least one voxel"]);
+        says(error_with("density", Some(npy("'<i4'", false, "(2, 2, 1)", &[0; 16]))), &["integers", "f16, f32 or f64"]);
+        says(error_with("density", Some(npy("'|O'", false, "(2, 2, 1)", &[0; 16]))), &["`|O`", "f16, f32 or f64"]);
+        let huge = npy("'<f4'", false, "(1024, 1024, 1025)", &[0; 16]);
+        says(error_with("density", Some(huge)), &["too large", "1073741824 values at most"]);
+        let promised = npy("'<f4'", false, "(1024, 1024, 1024)", &[0; 16]);
+        says(error_with("density", Some(promised)), &["16 bytes", "4294967296 bytes"]);
+        let other = npy("'<f4'", false, "(2, 2, 3)", &[0; 48]);
+        says(error_with("velocity", Some(other)), &["array `velocity`", "[2, 2, 3]", "[2, 2, 1, 3]"]);
+        says(error_with("velocity", Some(npy("'<u4'", false, "(2, 2, 1, 3)", &[0; 48]))), &["`velocity`", "integers"]);
+        says(error_with("voxel_size", None), &["array `voxel_size`: is missing", "metres"]);
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-60, 1e60] {
+            let scalar = npy("'<f8'", false, "()", &bad.to_le_bytes());
+            says(error_with("voxel_size", Some(scalar)), &["array `voxel_size`", "above 0 and finite"]);
+            if !(bad <= 0.0 || bad < 1.0) {
+                let three = npy("'<f8'", false, "(3,)", &[0.0, bad, 0.0].map(f64::to_le_bytes).concat());
+                says(error_with("origin", Some(three)), &["array `origin`", "finite"]);
+            }
+        }
+        let two = npy("'<f8'", false, "(2,)", &[0; 16]);
+        says(error_with("voxel_size", Some(two.clone())), &["array `voxel_size`", "[2]"]);
+        says(error_with("origin", Some(two)), &["array `origin`", "[2]"]);
+    }
+
+    #[test]
+    fn files_that_are_no_volumes_are_named() {
+        let folder = Folder::new();
+        let says = |name: &str, bytes: Option<&[u8]>, words: &[&str]| {
+            let path = folder.0.join(name);
+            if let Some(bytes) = bytes {
+                fs::write(&path, bytes).unwrap();
+            }
+            let error = read(&path, &Grids::default()).unwrap_err().to_string();
+            assert!(words.iter().all(|w| error.contains(w)) && error.contains(name), "{error}");
+        };
+        says("absent.npz", None, &["No such file"]);
+        says("text.npz", Some(b"hello"), &["no zip archive"]);
+        says("empty.npz", Some(b""), &["no zip archive"]);
+        says("smoke.vdb", Some(b" BDV"), &["OpenVDB files cannot be read yet"]);
+        says("smoke.raw", Some(b""), &[".npz"]);
+        let path = folder.0.join("whole.npz");
+        write_npz(&path, &numbered(true)).unwrap();
+        let whole = fs::read(&path).unwrap();
+        says("cut.npz", Some(&whole[..whole.len() - 30]), &["cut short"]);
+    }
+
+    #[test]
+    fn the_extent_of_a_sequence_is_known_from_its_headers() {
+        let folder = Folder::new();
+        for (frame, dimensions) in [(1, [3, 1, 2]), (2, [1, 4, 2])] {
+            let density = vec![1.0; dimensions.iter().product::<u32>() as usize];
+            let volume = Volume { dimensions, density, ..numbered(false) };
+            write_npz(&folder.0.join(format!("v.{frame:04}.npz")), &volume).unwrap();
+        }
+        write_npz(&folder.0.join("v.0004.npz"), &numbered(true)).unwrap();
+        let open = |name: &str, hold| VolumeSequence::new(name, &folder.0, Grids::default(), hold, 24.0).unwrap();
+        let files = open("v.####.npz", true);
+        assert_eq!(files.extent(1, 3).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false });
+        assert_eq!(files.extent(4, 9).unwrap(), Extent { dimensions: numbered(true).dimensions, velocity: true });
+        let mixed = files.extent(1, 4).unwrap_err().to_string();
+        assert!(mixed.contains("v.0004.npz") && mixed.contains("`velocity`: is there"), "{mixed}");
+        let missing = open("v.####.npz", false).extent(1, 4).unwrap_err();
+        assert_eq!(missing.path, folder.0.join("v.0003.npz"));
+        let plume = open("builtin:plume", false);
+        let volume = plume.clone().frame(7).unwrap();
+        let extent = Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() };
+        assert_eq!(plume.extent(1, 1_000_000).unwrap(), extent);
+    }
+
+    #[test]
+    fn sequences_follow_their_files() {
+        let folder = Folder::new();
+        for frame in [2, 3, 5] {
+            let volume = Volume { origin: [frame as f32, 0.0, 0.0], ..numbered(false) };
+            write_npz(&folder.0.join(format!("v.{frame:04}.npz")), &volume).unwrap();
+        }
+        let open = |name: &str, hold| VolumeSequence::new(name, &folder.0, Grids::default(), hold, 24.0).unwrap();
+        let mut strict = open("v.####.npz", false);
+        assert_eq!(strict.frame(3).unwrap().origin[0], 3.0);
+        assert_eq!(strict.frame(2).unwrap().origin[0], 2.0);
+        let error = strict.frame(4).unwrap_err().to_string();
+        assert!(error.contains("v.0004.npz") && error.contains("hold"), "{error}");
+        assert!(!strict.same_as_before(3).unwrap() && !strict.same_as_before(5).unwrap());
+
+        let mut hold = open("v.####.npz", true);
+        let third = hold.frame(3).unwrap();
+        assert!(Arc::ptr_eq(&third, &hold.frame(4).unwrap()));
+        assert_eq!(hold.frame(5).unwrap().origin[0], 5.0);
+        assert_eq!(hold.frame(u32::MAX).map(|_| ()).unwrap_err().path, folder.0.join("v.4294967295.npz"));
+        assert_eq!(hold.frame(90).unwrap().origin[0], 5.0);
+        let same: Vec<bool> = (2..8).map(|f| hold.same_as_before(f).unwrap()).collect();
+        assert_eq!(same, [false, false, true, false, true, true]);
+        assert!(hold.frame(1).unwrap_err().to_string().contains("none of an earlier frame"));
+
+        let mut single = open("v.0005.npz", false);
+        assert!(Arc::ptr_eq(&single.frame(1).unwrap(), &single.frame(900).unwrap()));
+        assert!(single.same_as_before(1).unwrap() && single.same_as_before(900).unwrap());
+        assert!(open("none.npz", true).frame(1).unwrap_err().to_string().contains("none.npz"));
+    }
+
+    #[test]
+    fn built_in_sequences() {
+        let open = |name: &str| VolumeSequence::new(name, Path::new(""), Grids::default(), false, 24.0);
+        let mut plume = open("builtin:plume").unwrap();
+        assert_eq!(*plume.frame(7).unwrap(), smoke::Builtin::Plume.volume(7, 24.0));
+        assert!(!plume.same_as_before(7).unwrap());
+        assert_ne!(plume.frame(7).unwrap(), open("builtin:cloud").unwrap().frame(7).unwrap());
+        let error = open("builtin:plum").unwrap_err().to_string();
+        assert!(error.contains("builtin:plum:") && error.contains("builtin:plume"), "{error}");
+        assert!(open("a##_%d.npz").is_err());
+    }
+
+    /// A real simulation, where there is one beside the checkout.
+    #[test]
+    fn the_shared_simulation_is_read() {
+        let pattern = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/smoke64/plume.####.npz");
+        let mut sequence =
+            VolumeSequence::new(pattern.to_str().unwrap(), Path::new(""), Grids::default(), false, 24.0).unwrap();
+        if sequence.source(20).is_err() {
+            eprintln!("skipped: no {}", pattern.display());
+            return;
+        }
+        let volume = sequence.frame(20).unwrap();
+        assert_eq!((volume.dimensions, volume.voxel_size), ([38, 64, 38], [0.03125; 3]));
+        assert_eq!(volume.origin, [-0.59375, 0.0, -0.59375]);
+        // As NumPy reads them.
+        assert_eq!(volume.density.iter().copied().fold(0.0, f32::max), 0.942_871_1);
+        assert_eq!(volume.density[(20 * 64 + 30) * 38 + 18], 0.015_625);
+        assert_eq!(volume.velocity.as_ref().unwrap()[(20 * 64 + 30) * 38 + 18][1], 0.165_283_2);
+    }
 }

@@ -173,7 +173,7 @@ impl Roll {
 
 /// How far the wind has carried what is `height` metres up.
 fn lean(height: f64) -> f64 {
-    0.05 * height.max(0.0).powf(1.6)
+    0.035 * height.max(0.0).powf(1.6)
 }
 
 /// The plume's balls at the time `at`; which ones there are is settled by the time `key`.
@@ -181,8 +181,8 @@ fn plume(key: f64, at: f64) -> Vec<Ball> {
     const INTERVAL: f64 = 0.16;
     const LIFE: f64 = 1.9;
     let mut balls = Vec::new();
-    let height = 1.62 * (1.0 - (-(at + 0.5) / 0.85).exp());
-    let head = 0.22 + 0.18 * (1.0 - (-(at + 0.5) / 1.2).exp());
+    let height = 1.75 * (1.0 - (-(at + 0.5) / 0.85).exp());
+    let head = 0.22 + 0.14 * (1.0 - (-(at + 0.5) / 1.2).exp());
     let newest = (key / INTERVAL).floor() as i64;
     for puff in newest - (LIFE / INTERVAL) as i64..=newest {
         let age = (at - puff as f64 * INTERVAL) / LIFE;
@@ -373,7 +373,8 @@ mod tests {
     fn particles_that_follow_the_velocity_stay_inside() {
         for which in BOTH {
             let mut volume = which.volume(1, 24.0);
-            let mut points: Vec<DVec3> = occupied(&volume).into_iter().step_by(7).map(|i| centre(&volume, i)).collect();
+            let solid = occupied(&volume).into_iter().filter(|&i| volume.density[i] > 0.5);
+            let mut points: Vec<DVec3> = solid.step_by(7).map(|i| centre(&volume, i)).collect();
             let start = points.clone();
             for frame in 2..=13 {
                 let next = which.volume(frame, 24.0);
@@ -384,10 +385,12 @@ mod tests {
                 });
                 volume = next;
             }
-            // Half a second. Left behind (no motion), a fifth of the plume's particles would be outside.
-            assert!(points.len() * 100 > start.len() * 92, "{which:?}: {} of {}", points.len(), start.len());
+            // Half a second. Those at the border drift out by and by: lobes sink in, and a step is a straight line.
+            let outside = |left: usize| 1.0 - left as f64 / start.len() as f64;
+            let moved = outside(points.len());
             let still = start.iter().filter(|&&p| voxel(&volume, p).is_some_and(|i| volume.density[i] > 0.1)).count();
-            assert!(still < points.len(), "{which:?}: {still} and {}", points.len());
+            let still = outside(still);
+            assert!(moved < 0.05 && moved < 0.5 * still, "{which:?}: {moved} with the smoke, {still} left behind");
         }
     }
 

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::plan::{BufferId, ImageId};
+use crate::plan::{BufferId, ImageId, Resource, Slot};
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
     BIRTH_BLOCK, BLOCK, BUCKETS, Control, History, LIST_RUN, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE,
@@ -16,8 +16,9 @@ use crate::smoke::settings::{Grow, Shadow};
 
 /// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
 pub const LOOP_BUDGET: u32 = 48_000;
-/// Entries of light-space tiles that one dispatch works on.
-pub const LUMINANCE_TURNS: u32 = 40_000;
+/// Entries of light-space tiles that one dispatch works on for a pixel. An invocation of `luminance` shades four pixels,
+/// one after the other, and each also walks the levels of tiles.
+pub const LUMINANCE_TURNS: u32 = LOOP_BUDGET / 4 - 16;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
 const ROW_SUM_BYTES: u64 = 64 << 20;
 
@@ -27,26 +28,69 @@ macro_rules! buffers {
         #[repr(u16)]
         #[derive(Clone, Copy)]
         enum Order { $($id),*, COUNT }
-        $(#[doc = concat!("`", $name, "`.")] pub const $id: BufferId = BufferId(Order::$id as u16);)*
+        $(#[doc = concat!("`", $name, "` in the shaders.")] pub const $id: BufferId = BufferId(Order::$id as u16);)*
         /// Number of own buffers.
         pub const BUFFERS: u16 = Order::COUNT as u16;
-        const NAMES: [&str; BUFFERS as usize] = [$($name),*];
+        /// What shaders call them.
+        const BLOCKS: [&str; BUFFERS as usize] = [$($name),*];
+        /// What debuggers and errors call them.
+        const NAMES: [&str; BUFFERS as usize] = [$(concat!("smoke ", $name)),*];
     };
 }
 
 buffers! {
-    PARAMS = "smoke params", DENSITY = "smoke density", VELOCITY = "smoke velocity", OCCUPANCY = "smoke occupancy",
-    BIRTH_COUNTS = "smoke birth counts", CONTROL = "smoke control", HISTORY = "smoke history",
-    PARTICLES = "smoke particles", DYING = "smoke dying", DYING_STEPS = "smoke dying steps", SPHERES = "smoke spheres",
-    GROUPS = "smoke groups", FIELD = "smoke field", FIELD_TO = "smoke field columns", SEARCHES = "smoke searches",
-    CONTINUATIONS = "smoke continuations", LIST_COUNTS = "smoke list counts", LIVE = "smoke live",
-    VISIBLE = "smoke visible", CELLS = "smoke light cells", CASTERS = "smoke casters", BLOCK_MASKS = "smoke block masks",
-    TILE_GROUPS = "smoke tile groups", OCCUPIED_TILES = "smoke occupied tiles", LUMINANCE_PARTS = "smoke luminance parts",
-    PIXELS = "smoke pixels", DEPTH = "smoke depth", SHADOW = "smoke shadow", REACHED = "smoke reached groups",
-    ROW_ITEMS = "smoke row items", COLUMN_ITEMS = "smoke column items", ROW_SLOTS = "smoke row slots",
-    ITEM_ARGUMENTS = "smoke item arguments", WEIGHTS = "smoke weights", ROW_SUMS = "smoke row sums",
-    SMOOTH = "smoke smooth", LINES = "smoke lines", TONES = "smoke tones", PICTURE = "smoke picture",
-    TONE_LAYER = "smoke tone", OUTLINE_LAYER = "smoke outline",
+    PARAMS = "SmokeParams",
+    DENSITY = "Density",
+    VELOCITY = "Velocity",
+    OCCUPANCY = "Occupancy",
+    BIRTH_COUNTS = "BirthCounts",
+    CONTROL = "ControlBuffer",
+    HISTORY = "HistoryBuffer",
+    PARTICLES = "Particles",
+    DYING = "Dying",
+    DYING_STEPS = "DyingSteps",
+    SPHERES = "Spheres",
+    GROUPS = "Groups",
+    FIELD = "Field",
+    FIELD_COLUMNS = "FieldColumns",
+    SEARCHES = "Searches",
+    CONTINUATIONS = "Continuations",
+    LIST_COUNTS = "ListCounts",
+    LIVE = "Live",
+    VISIBLE = "Visible",
+    CELLS = "Cells",
+    CASTERS = "Casters",
+    BLOCK_MASKS = "BlockMasks",
+    TILE_GROUPS = "TileGroups",
+    OCCUPIED_TILES = "OccupiedTiles",
+    LUMINANCE_PARTS = "LuminanceParts",
+    PIXELS = "Pixels",
+    DEPTH = "Depth",
+    SHADOW = "Shadow",
+    REACHED = "Reached",
+    ROW_ITEMS = "RowItems",
+    COLUMN_ITEMS = "ColumnItems",
+    ROW_SLOTS = "RowSlots",
+    ITEM_ARGUMENTS = "ItemArguments",
+    WEIGHTS = "Weights",
+    ROW_SUMS = "RowSums",
+    SMOOTH = "Smooth",
+    LINES = "Lines",
+    TONES = "Tones",
+    PICTURE = "Picture",
+    TONE_LAYER = "ToneLayer",
+    OUTLINE_LAYER = "OutlineLayer",
+}
+
+/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
+pub fn resource(slot: &Slot) -> Option<Resource> {
+    let image = match slot.name {
+        "seen" => Some(SEEN),
+        "shadow_map" => Some(SHADOW_MAP),
+        _ => None,
+    };
+    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
 /// The host's density.
@@ -109,7 +153,7 @@ impl Layout {
         let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 1).min(8);
         let light_levels = if exact { finest + 1 } else { 1 };
         let casters = |across: u64| spheres * (across + 1) * (across + 1) * u64::from(faces) * 4;
-        let cells_across = if casters(4) <= limit { 4 } else { 1 };
+        let cells_across = [8, 4].into_iter().find(|across| casters(*across) <= limit.min(16 << 20)).unwrap_or(1);
         let mut layout = Layout {
             spheres: spheres as u32,
             tiles,
@@ -183,7 +227,7 @@ impl Layout {
         self.set(OCCUPANCY, pyramid.words * 4);
         self.set(BIRTH_COUNTS, (words.div_ceil(u64::from(BIRTH_BLOCK)) + 1) * 4);
         self.set(FIELD, nx.div_ceil(4) * ny * nz * 4);
-        self.set(FIELD_TO, nx.div_ceil(4) * ny * nz * 4);
+        self.set(FIELD_COLUMNS, nx.div_ceil(4) * ny * nz * 4);
         // A walk of the pyramid also visits the inner nodes.
         let visits = match desc.settings.grow {
             Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
@@ -226,7 +270,7 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            DENSITY | VELOCITY | OCCUPANCY | FIELD | FIELD_TO => "use a smaller volume",
+            DENSITY | VELOCITY | OCCUPANCY | FIELD | FIELD_COLUMNS => "use a smaller volume",
             PICTURE | TONE_LAYER | ROW_SUMS => "render a smaller picture",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "use fewer particles or less fade",

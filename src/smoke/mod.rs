@@ -11,6 +11,7 @@ pub mod passes;
 #[doc(hidden)]
 pub mod reference;
 pub mod settings;
+pub mod steps;
 
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
@@ -28,8 +29,9 @@ use crate::plan::Plan;
 use crate::view::Light;
 use layout::Layout;
 use params::SmokeParams;
-use passes::{Moment, Passes, Tables, chosen_grow};
+use passes::Passes;
 use settings::Grow;
+use steps::{Moment, Steps, Tables, chosen_grow};
 
 /// The smoke effect: pipelines, and the buffers and images of one picture size.
 ///
@@ -106,7 +108,7 @@ impl Smoke {
                 .and_then(|()| Pipelines::new(host, &passes.list, &resources))
                 .inspect_err(|_| resources.destroy(host, allocator))?
         };
-        let (steps, bytes) = Passes::capacity(&layout, &tables);
+        let (steps, bytes) = steps::capacity(&layout, &tables);
         let plan = Plan::with_capacity(steps, bytes);
         let recorder = Recorder::new(&resources);
         Ok(Smoke { desc, layout, passes, tables, plan, resources, pipelines, recorder, state: State::default() })
@@ -155,7 +157,7 @@ impl Smoke {
         self.check_search(&moment.shape)?;
         let params = SmokeParams::new(&self.desc, &self.layout, frame, &moment.shape, state.frames);
         let Smoke { desc, layout, passes, tables, plan, .. } = self;
-        passes.plan(plan, desc, layout, frame, &moment, &params, tables);
+        Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, tables);
         let volume = frame.volume;
         self.resources.set_host_buffer(layout::HOST_DENSITY, volume.map(|v| v.density));
         self.resources.set_host_buffer(layout::HOST_VELOCITY, volume.and_then(|v| v.velocity));
@@ -204,7 +206,7 @@ impl Smoke {
 
     /// The most steps that a frame can have, and the most bytes of its updates.
     pub fn plan_capacity(&self) -> (usize, usize) {
-        Passes::capacity(&self.layout, &self.tables)
+        steps::capacity(&self.layout, &self.tables)
     }
 
     /// The declared passes, which the plan's steps refer to.

@@ -136,7 +136,7 @@ pub struct Settings {
     pub integrator: Integrator,
     /// A particle this slow dies; voxels (smallest side) per frame, >= 0; default 1e-4.
     pub still: f32,
-    /// A particle this old dies; frames, >= 1; default none.
+    /// A particle this old dies; frames, >= 1; default none. Those of the first frame begin at ages of their own.
     pub lifetime: Option<u32>,
     /// Frames over which newborn spheres grow and dying ones shrink, 0 to 64; default 6 (0: the paper's popping).
     pub fade: u32,
@@ -235,14 +235,14 @@ impl Settings {
         if self.placement == Placement::Cover {
             return Err(Error::setting("smoke.placement", "cover", "\"random\" (\"cover\" is not built yet)"));
         }
-        if let Some(Emitter { min, max }) = self.emitter {
-            if !(0..3).all(|a| min[a].is_finite() && max[a].is_finite() && min[a] <= max[a]) {
-                return Err(Error::setting(
-                    "smoke.emitter",
-                    format!("{min:?} to {max:?}"),
-                    "min not above max, finite, in metres",
-                ));
-            }
+        if let Some(Emitter { min, max }) = self.emitter
+            && !(0..3).all(|a| min[a].is_finite() && max[a].is_finite() && min[a] <= max[a])
+        {
+            return Err(Error::setting(
+                "smoke.emitter",
+                format!("{min:?} to {max:?}"),
+                "min not above max, finite, in metres",
+            ));
         }
         number("smoke.still", self.still, 0.0, f32::MAX, "voxels per frame, 0 or above")?;
         if let Some(lifetime) = self.lifetime {

@@ -1,11 +1,15 @@
-//! What the device tests share: a device under validation, and comparison of images.
+//! What the device tests share: a device under validation, the whole effect and its single passes on it, scenes, and
+//! comparison of images.
 //!
 //! Every device is opened with core and synchronisation validation, and a single message fails the test. Without a
 //! device or the layer a test says so and passes, unless `CELFX_REQUIRE_VULKAN=1` (`make test` sets it).
 //! `CELFX_DEVICE` chooses a device as `--device` does.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod bench;
 pub mod picture;
+pub mod rig;
+pub mod scenes;
 
 use std::ops::{Deref, DerefMut};
 use std::sync::PoisonError;
@@ -14,18 +18,21 @@ use celfx::gpu::headless::{Headless, Messages, Options};
 
 /// A device whose end, validated destruction included, fails the test if validation has said anything.
 pub struct TestDevice {
-    /// None once it is destroyed.
-    headless: Option<Headless>,
-    messages: Messages,
+    // Dropped in this order: what is said about the device's end counts, too.
+    headless: Headless,
+    verdict: Verdict,
 }
+
+/// What validation says; fails the test when it is dropped after saying anything.
+pub struct Verdict(Messages);
 
 /// A device under validation; none if there is none and the tests may do without.
 pub fn device() -> Option<TestDevice> {
     let options = Options { validate: true, device: std::env::var("CELFX_DEVICE").ok(), ..Options::default() };
     match Headless::new(&options) {
         Ok(headless) => {
-            let messages = headless.messages();
-            Some(TestDevice { headless: Some(headless), messages })
+            let verdict = Verdict(headless.messages());
+            Some(TestDevice { headless, verdict })
         }
         Err(error) if std::env::var("CELFX_REQUIRE_VULKAN").is_ok_and(|v| v == "1") => {
             panic!("CELFX_REQUIRE_VULKAN=1, but {error}")
@@ -39,33 +46,44 @@ pub fn device() -> Option<TestDevice> {
 
 impl TestDevice {
     /// Destroys the device and hands over what validation said, without failing.
-    pub fn into_messages(mut self) -> Vec<String> {
-        self.headless = None;
-        std::mem::take(&mut *self.messages.lock().unwrap_or_else(PoisonError::into_inner))
+    pub fn into_messages(self) -> Vec<String> {
+        let TestDevice { headless, verdict } = self;
+        drop(headless);
+        std::mem::take(&mut *verdict.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// What validation has said so far.
     pub fn said(&self) -> Vec<String> {
-        self.messages.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.verdict.said()
+    }
+
+    /// The device alone, and the verdict to be kept until the device is gone.
+    pub fn split(self) -> (Headless, Verdict) {
+        (self.headless, self.verdict)
+    }
+}
+
+impl Verdict {
+    fn said(&self) -> Vec<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
 impl Deref for TestDevice {
     type Target = Headless;
     fn deref(&self) -> &Headless {
-        self.headless.as_ref().expect("a device that is not destroyed")
+        &self.headless
     }
 }
 
 impl DerefMut for TestDevice {
     fn deref_mut(&mut self) -> &mut Headless {
-        self.headless.as_mut().expect("a device that is not destroyed")
+        &mut self.headless
     }
 }
 
-impl Drop for TestDevice {
+impl Drop for Verdict {
     fn drop(&mut self) {
-        self.headless = None;
         let said = self.said();
         let text = format!("validation said:\n{}", said.join("\n"));
         match (said.is_empty(), std::thread::panicking()) {
@@ -75,4 +93,10 @@ impl Drop for TestDevice {
             (false, false) => panic!("{text}"),
         }
     }
+}
+
+/// Luminance and group of packed pixels (`glsl/smoke/pixel.glsl`).
+pub fn unpacked(pixels: &[u32]) -> (Vec<f64>, Vec<u32>) {
+    let luminance = pixels.iter().map(|pixel| f64::from(pixel >> 8) / 16_777_215.0).collect();
+    (luminance, pixels.iter().map(|pixel| pixel & 255).collect())
 }

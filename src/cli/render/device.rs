@@ -120,7 +120,10 @@ impl Renderer {
 
     fn upload_background(&mut self, picture: &Picture<[f32; 4]>) -> Result<()> {
         let extent = picture.size;
-        let usage = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC;
+        // Only copied, but every image has a view, and a view needs a usage of its own.
+        let usage = vk::ImageUsageFlags::TRANSFER_DST
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let desc = ImageDesc { name: "background", extent, layers: 1, array_view: false, format: FORMAT, usage };
         // SAFETY: the headless device's own handles and allocator; the upload is waited for before the buffer is used
         // again.
@@ -142,7 +145,9 @@ impl Renderer {
 
     /// The device and the memory that the effect takes, for people.
     pub(super) fn describe(&self) -> String {
-        format!("device {}", self.headless.info())
+        let memory = self.smoke.as_ref().and_then(|smoke| Smoke::memory(smoke.desc(), u64::MAX).ok());
+        let mebibytes = memory.unwrap_or_default().total().div_ceil(1 << 20);
+        format!("device {}; {mebibytes} MiB of its memory", self.headless.info().to_string().trim())
     }
 
     /// Steps to frame `number`, with a volume if it is another than the frame before had, and renders it if asked for.
@@ -198,18 +203,16 @@ impl Renderer {
     /// Records the frame and its way back, submits and waits.
     fn submit(&mut self, frame: &Frame, number: u32) -> Result<Option<FrameTimes>> {
         let Renderer { smoke: Some(smoke), download: Some(download), .. } = self else { return Ok(None) };
-        let mut profiler = self.profiler.as_mut().filter(|_| frame.target.is_some());
+        let profiler = self.profiler.as_mut().filter(|_| frame.target.is_some());
         let done = self.headless.one_time(&format!("frame {number}"), |host, commands| {
             // SAFETY: the headless device's own handles; commands are in recording state, and every frame is submitted
             // to its one queue and waited for, in order.
             unsafe {
-                let mut timing = match profiler.as_deref_mut() {
-                    Some(profiler) => {
-                        profiler.begin_frame(host, commands, 0, number)?;
-                        Timing::Profiler(profiler)
-                    }
-                    None => Timing::None,
-                };
+                let mut timing = Timing::None;
+                if let Some(profiler) = profiler {
+                    profiler.begin_frame(host, commands, 0, number)?;
+                    timing = Timing::Profiler(profiler);
+                }
                 smoke.record(host, commands, frame, &mut timing)?;
                 if let Some(target) = &frame.target {
                     let images = [Copy { from: (target.image, target.extent), to: 0 }];

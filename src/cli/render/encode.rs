@@ -100,7 +100,7 @@ mod tests {
             Ok(())
         };
         thread::scope(|scope| {
-            let pool = Pool::start(scope, 3, queue, &shared, &work);
+            let pool = Pool::start(scope, 3, queue, &shared, work);
             (1..=20).for_each(|n| pool.send(&shared, n).expect("no failure"));
             pool.finish(&shared).expect("no failure");
         });
@@ -112,7 +112,7 @@ mod tests {
         let (queue, shared) = Shared::new(1);
         let work = |n: u32| if n == 3 { Err(Failure::new(6, "full")) } else { Ok(()) };
         let failure = thread::scope(|scope| {
-            let pool = Pool::start(scope, 2, queue, &shared, &work);
+            let pool = Pool::start(scope, 2, queue, &shared, work);
             let sent = (1..=50).try_for_each(|n| pool.send(&shared, n));
             let finished = pool.finish(&shared);
             sent.and(finished).expect_err("it failed")

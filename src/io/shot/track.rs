@@ -46,17 +46,12 @@ impl<T: Between> Track<T> {
     /// The value at `frame`.
     pub(super) fn at(&self, frame: u32) -> T {
         let frame = f64::from(frame);
-        let (mut from, mut value) = self.first;
-        for &(to, next) in &self.rest {
-            if frame <= from {
-                return value;
-            }
-            if frame < to {
-                return value.between(next, (frame - from) / (to - from));
-            }
-            (from, value) = (to, next);
+        let after = self.rest.partition_point(|(to, _)| *to <= frame);
+        let (from, value) = after.checked_sub(1).and_then(|i| self.rest.get(i)).copied().unwrap_or(self.first);
+        match self.rest.get(after) {
+            Some((to, next)) if frame > from => value.between(*next, (frame - from) / (to - from)),
+            _ => value,
         }
-        value
     }
 
     /// Whether the value is the same at every frame.

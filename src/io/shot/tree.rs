@@ -39,7 +39,8 @@ pub(super) struct Tree {
 impl Tree {
     /// Parses `text`; `name` stands for it in messages.
     pub(super) fn parse(name: &str, text: &str) -> Result<Tree, ShotError> {
-        let line = |at: usize| text.bytes().take(at).filter(|b| *b == b'\n').count() + 1;
+        let ends: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at).collect();
+        let line = |at: usize| ends.partition_point(|end| *end < at) + 1;
         let table = DeTable::parse(text).map_err(|e| {
             let line = line(e.span().map_or(0, |span| span.start));
             ShotError::Wrong { place: format!("{name}:{line}"), message: one_line(e.message()) }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::grid::Grid;
 use super::{birth, grow};
+use crate::reference::random::hash;
 use crate::smoke::settings::{Integrator, Settings};
 
 /// The particles of one effect. A new one starts afresh: its first [`Particles::step`] is the first frame.
@@ -85,7 +86,8 @@ impl Particles {
             }
             if !slot.alive {
                 let born = birth::birth(grid, settings.emitter, &candidates, seed, column as u32, slot.births);
-                slot.be_born(born, !first);
+                let age = if first { first_age(settings, seed, column as u32) } else { 0 };
+                slot.be_born(born, age, !first);
             }
         }
         for slot in &mut self.slots {
@@ -159,11 +161,11 @@ impl Slot {
     }
 
     /// Starts a life at `position`; without one the slot stays dead and keeps its generation.
-    fn be_born(&mut self, position: Option<[f32; 3]>, grows: bool) {
+    fn be_born(&mut self, position: Option<[f32; 3]>, age: u32, grows: bool) {
         self.alive = position.is_some();
         self.newborn = self.alive;
         self.grows = grows;
-        self.age = 0;
+        self.age = age;
         if let Some(position) = position {
             self.position = position;
             self.births += 1;
@@ -185,6 +187,12 @@ impl Ghost {
         let ghost = Ghost { age: self.age + 1, position: sum(self.position, self.displacement), ..self };
         (ghost.age < fade && ghost.position.iter().all(|c| c.is_finite())).then_some(ghost)
     }
+}
+
+/// With a lifetime, particles of the first frame have lived for a while, so that they don't all end together.
+fn first_age(settings: &Settings, seed: u32, slot: u32) -> u32 {
+    let word = u64::from(hash(seed, slot, 0, 4));
+    settings.lifetime.map_or(0, |lifetime| (word * u64::from(lifetime) >> 32) as u32)
 }
 
 /// Smooth growth over `fade` frames: smoothstep((age + 1) / (fade + 1)), 1 from age `fade` on.
@@ -283,37 +291,36 @@ mod tests {
         let settings = Settings { lifetime: Some(3), ..settings(4) };
         let full = |slot: &Slot| 2.0 * grow::radius(&grid(None), 0.1, slot.position, settings.radius);
         let mut particles = Particles::default();
-        let mut dead = Vec::new();
-        for frame in 0..12 {
-            let before = particles.slots().to_vec();
+        let mut shown: Vec<Vec<Slot>> = Vec::new();
+        for frame in 0..12_u32 {
             particles.step(&grid(None), &settings, 0.04, 3);
-            // Born in frames 0, 3, 6, 9.
-            assert_eq!(particles.ages(), [Some(frame % 3); 4]);
-            assert_eq!(particles.generations(), [Some(frame / 3); 4]);
-            if frame > 0 && frame % 3 == 0 {
-                dead = before;
-            }
-            for (place, slot) in particles.slots().iter().enumerate() {
-                let fade = if frame < 3 { 1.0 } else { smoothstep(f64::from(frame % 3 + 1) / 4.0) };
-                assert!((slot.radius - full(slot) * fade).abs() < 1e-12);
-                // Three rows, so deaths of frames 3, 6 and 9 all use row 0; each ghost lasts for three frames.
-                let rows = [0, 1, 2].map(|row| particles.ghosts()[row * 4 + place]);
-                assert!(rows[1].is_none() && rows[2].is_none());
-                assert_eq!(rows[0].is_some(), frame >= 3);
-                if let Some(ghost) = rows[0] {
-                    let fade = 1.0 - smoothstep(f64::from(frame % 3 + 1) / 4.0);
-                    assert_eq!(ghost.position, dead[place].position);
-                    assert!((ghost.radius - dead[place].radius * fade).abs() < 1e-12);
-                    assert_eq!(particles.spheres()[4 + place][3], ghost.radius);
-                }
-            }
+            shown.push(particles.slots().to_vec());
             let origins = particles.origins();
-            let newborn = frame % 3 == 0;
-            assert_eq!(origins[0], if newborn { Origin::Fresh } else { Origin::Kept });
-            if frame >= 3 {
-                assert_eq!(origins[4..8], if newborn { [0, 1, 2, 3].map(Origin::Ghost) } else { [Origin::Kept; 4] });
+            for (place, slot) in particles.slots().iter().enumerate() {
+                // Lives end every three frames, for each slot in its own turn.
+                let lived = shown[0][place].age + frame;
+                assert_eq!((slot.age, slot.births), (lived % 3, 1 + lived / 3));
+                let fade = if lived < 3 { 1.0 } else { smoothstep(f64::from(lived % 3 + 1) / 4.0) };
+                assert!((slot.radius - full(slot) * fade).abs() < 1e-12);
+                let born_now = slot.age == 0 || frame == 0;
+                assert_eq!(origins[place], if born_now { Origin::Fresh } else { Origin::Kept });
+                if lived < 3 {
+                    continue;
+                }
+                // Each ghost lasts for three frames, in the row of the frame of its death.
+                let died = frame - lived % 3;
+                let ghost = particles.ghosts()[(died % 3) as usize * 4 + place].expect("a ghost for three frames");
+                let dead = shown[died as usize - 1][place];
+                assert_eq!(ghost.position, dead.position);
+                let fade = 1.0 - smoothstep(f64::from(frame - died + 1) / 4.0);
+                assert!((ghost.radius - dead.radius * fade).abs() < 1e-12);
+                let sphere = 4 + (died % 3) as usize * 4 + place;
+                assert_eq!(particles.spheres()[sphere][3], ghost.radius);
+                assert_eq!(origins[sphere], if frame == died { Origin::Ghost(place) } else { Origin::Kept });
             }
         }
+        let ages: Vec<u32> = shown[0].iter().map(|slot| slot.age).collect();
+        assert!(ages.iter().any(|age| *age != ages[0]), "staggered: {ages:?}");
     }
 
     #[test]

@@ -1,0 +1,346 @@
+//! Which steps a frame takes, in which order, and why others are left out.
+
+use std::mem::offset_of;
+
+use crate::plan::{Command, PassId, Plan};
+use crate::smoke::frame::{Background, Desc, Frame, Shape};
+use crate::smoke::layout::*;
+use crate::smoke::params::*;
+use crate::smoke::passes::Passes;
+use crate::smoke::settings::{Grow, Radius, Settings, Shadow};
+
+/// Names that are skipped as one.
+const PARTICLE_STEPS: [&str; 4] = ["smoke.occupancy", "smoke.advect", "smoke.grow", "smoke.list"];
+const PICTURE_STEPS: [&str; 9] = [
+    "smoke.shadow",
+    "smoke.spheres",
+    "smoke.tiles",
+    "smoke.luminance",
+    "smoke.rows",
+    "smoke.columns",
+    "smoke.outline",
+    "smoke.tone",
+    "smoke.composite",
+];
+
+/// What the effect knows of a frame when it chooses the steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Shape of the volume.
+    pub shape: Shape,
+    /// All particles are born anew.
+    pub restart: bool,
+    /// A volume came with this frame.
+    pub new_volume: bool,
+    /// First frame: tables are to be written.
+    pub first: bool,
+    /// Why particles stay as they are, if they do.
+    pub still: Option<&'static str>,
+    /// Why the shadows of the last frame serve, if they do.
+    pub same_shadow: Option<&'static str>,
+}
+
+/// The way a radius is searched in a volume of this shape.
+pub fn chosen_grow(settings: &Settings, shape: &Shape) -> Grow {
+    let field_works = shape.is_cubic() && settings.radius == Radius::Box && shape.dimensions.iter().min() <= Some(&500);
+    match settings.grow {
+        Grow::Chosen if !field_works => Grow::Pyramid,
+        Grow::Chosen => {
+            // Measured on lavapipe (`celfx bench smoke`, rows `grow`): the field costs as much as some 4 searched
+            // particles per 1000 voxels.
+            let per_search = 250.0;
+            let field_pays = f64::from(settings.particles) * per_search > shape.voxels() as f64;
+            if field_pays { Grow::Field } else { Grow::Pyramid }
+        }
+        other => other,
+    }
+}
+
+/// Fills a plan with the steps of a frame.
+pub struct Steps<'a> {
+    /// To be filled.
+    pub plan: &'a mut Plan,
+    /// What may run.
+    pub passes: &'a Passes,
+    /// What the effect was made for.
+    pub desc: &'a Desc,
+    /// Sizes.
+    pub layout: &'a Layout,
+    /// What this frame is to the ones before.
+    pub moment: &'a Moment,
+}
+
+impl Steps<'_> {
+    /// The steps of `frame`.
+    pub fn fill(mut self, frame: &Frame, params: &SmokeParams, tables: &Tables) {
+        self.plan.clear();
+        if let Some(target) = &frame.target {
+            self.background(&frame.background, target.extent);
+        }
+        if self.desc.settings.particles == 0 {
+            for name in PARTICLE_STEPS.into_iter().chain(PICTURE_STEPS) {
+                self.plan.skip(name, "no particles");
+            }
+            return;
+        }
+        self.plan.update(self.passes.params, PARAMS, params);
+        self.plan.update(self.passes.params, CONTROL, &Control::reset());
+        if self.moment.first {
+            self.plan.update_slice(self.passes.tables, WEIGHTS, &tables.weights);
+            self.plan.update_slice(self.passes.tables, TONES, &tables.tones);
+        } else {
+            self.plan.skip("smoke.tables", "unchanged");
+        }
+        self.volume();
+        self.particles();
+        match frame.target {
+            Some(_) => self.picture(),
+            None => {
+                let reason = "no target: the frame only moves the particles on";
+                PICTURE_STEPS.into_iter().for_each(|name| self.plan.skip(name, reason));
+            }
+        }
+    }
+
+    fn background(&mut self, background: &Background, extent: [u32; 2]) {
+        debug_assert_eq!(extent, self.desc.size);
+        match background {
+            Background::Keep => self.plan.skip("smoke.background", "the target is kept"),
+            Background::Clear(colour) => {
+                self.plan
+                    .step(self.passes.background, Command::Clear { image: TARGET, value: colour.map(f32::to_bits) });
+            }
+            Background::Copy(_) => {
+                self.plan.step(self.passes.background, Command::CopyImage { from: BACKGROUND, to: TARGET, extent });
+            }
+        }
+    }
+
+    fn volume(&mut self) {
+        if !self.moment.new_volume {
+            self.plan.skip("smoke.volume", "unchanged");
+            self.plan.skip("smoke.occupancy", "volume and threshold unchanged");
+            return;
+        }
+        let shape = &self.moment.shape;
+        let bytes = 4 * shape.voxels();
+        self.plan.step(self.passes.volume, Command::CopyBuffer { from: HOST_DENSITY, to: DENSITY, bytes });
+        if self.desc.velocity {
+            self.plan
+                .step(self.passes.volume, Command::CopyBuffer { from: HOST_VELOCITY, to: VELOCITY, bytes: 3 * bytes });
+        }
+        let pyramid = Pyramid::new(shape.dimensions);
+        let words = pyramid.row_words * shape.dimensions[1] * shape.dimensions[2];
+        let blocks = words.div_ceil(BIRTH_BLOCK);
+        self.plan.step(self.passes.occupancy, Command::Dispatch { threads: [words, 1, 1] });
+        self.plan.step_with(
+            self.passes.births,
+            Command::Dispatch { threads: [256, 1, 1] },
+            &BirthsConstants { blocks },
+        );
+        match chosen_grow(&self.desc.settings, shape) {
+            Grow::Field => {
+                let [nx, ny, nz] = shape.dimensions;
+                for pass in self.passes.field {
+                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(4) * ny * nz, 1, 1] });
+                }
+                self.plan.skip("smoke.pyramid", "the field is searched");
+            }
+            Grow::Pyramid => {
+                for level in 1..pyramid.count {
+                    let [_, y, z, _] = pyramid.levels[level as usize];
+                    let threads = [pyramid.row_words * y * z, 1, 1];
+                    self.plan.step_with(
+                        self.passes.pyramid,
+                        Command::Dispatch { threads },
+                        &PyramidConstants { level },
+                    );
+                }
+                self.plan.skip("smoke.field", "the pyramid is searched");
+            }
+            _ => self.plan.skip("smoke.field", "voxels are searched one by one"),
+        }
+    }
+
+    fn particles(&mut self) {
+        let threads = [self.desc.settings.particles, 1, 1];
+        if self.moment.restart {
+            for buffer in [DYING, SPHERES, GROUPS] {
+                self.plan.step(self.passes.restart, Command::Fill { buffer, word: 0 });
+            }
+        }
+        if let Some(reason) = self.moment.still {
+            self.plan.skip("smoke.advect", reason);
+            self.plan.skip("smoke.grow", reason);
+        } else {
+            self.plan.step(self.passes.advect, Command::Dispatch { threads });
+            let pyramid = Pyramid::new(self.moment.shape.dimensions);
+            match chosen_grow(&self.desc.settings, &self.moment.shape) {
+                Grow::Field => self.plan.step(self.passes.grow_field, Command::Dispatch { threads }),
+                Grow::Growth => {
+                    self.search(self.passes.grow_growth, &pyramid, growth_rows(&self.moment.shape));
+                }
+                _ => self.search(self.passes.grow_pyramid, &pyramid, pyramid.leaves()),
+            }
+        }
+        let spheres = [self.layout.spheres.div_ceil(LIST_RUN), 1, 1];
+        self.plan.step(self.passes.count, Command::Dispatch { threads: spheres });
+        self.plan.step(self.passes.scan, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.listing, Command::Dispatch { threads: spheres });
+    }
+
+    /// A search in as many dispatches as the loop budget may ask for; all but the first are empty unless needed.
+    fn search(&mut self, pass: PassId, pyramid: &Pyramid, last: u32) {
+        let turns = pyramid.turns();
+        // A walk of the pyramid also visits the inner nodes.
+        let visits = if pass == self.passes.grow_pyramid { last.saturating_mul(4).div_ceil(3) } else { last };
+        let parts = visits.div_ceil(turns).max(1);
+        let ball = u32::from(self.desc.settings.radius == Radius::Ball);
+        self.plan.step(self.passes.grow_reset, Command::Fill { buffer: CONTINUATIONS, word: 0 });
+        for part in 0..parts {
+            let constants = SearchConstants { part, turns, ball, last };
+            let command = match part {
+                0 => Command::Dispatch { threads: [self.desc.settings.particles, 1, 1] },
+                _ => Command::DispatchIndirect { arguments: CONTINUATIONS, offset: 16 * u64::from(part - 1) },
+            };
+            self.plan.step_with(pass, command, &constants);
+        }
+    }
+
+    fn picture(&mut self) {
+        let settings = &self.desc.settings;
+        self.shadow();
+        self.clear();
+        self.plan.step(self.passes.spheres, draw(offset_of!(Control, draw)));
+        let threads = [self.layout.tiles[0] * 8, self.layout.tiles[1] * 16, 1];
+        self.plan.step(self.passes.tiles, Command::Dispatch { threads });
+        let parts = OccupiedConstants { parts: self.layout.luminance_parts, part_turns: LUMINANCE_TURNS };
+        self.plan.step_with(self.passes.occupied, Command::Dispatch { threads: [256, 1, 1] }, &parts);
+        for part in 0..self.layout.luminance_parts {
+            let command = Command::DispatchIndirect { arguments: LUMINANCE_PARTS, offset: 16 * u64::from(part) };
+            match settings.shadow {
+                Shadow::None => self.plan.step(self.passes.luminance, command),
+                Shadow::Exact => {
+                    let constants = LuminanceConstants { part, turns: LUMINANCE_TURNS };
+                    self.plan.step_with(self.passes.luminance, command, &constants);
+                }
+                Shadow::Map => {
+                    self.plan.step_with(self.passes.luminance, command, &MapConstants { texels: settings.shadow_map })
+                }
+            }
+        }
+        self.gaussian();
+        let tiles = dispatch(offset_of!(Control, tile_groups));
+        match settings.outline.strength > 0.0 {
+            true => self.plan.step(self.passes.outline, tiles),
+            false => self.plan.skip("smoke.outline", "strength is 0"),
+        }
+        self.plan.step(self.passes.tone, tiles);
+        self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
+    }
+
+    /// What reads beyond occupied tiles must find them empty; layers are whole images.
+    fn clear(&mut self) {
+        self.plan.step(self.passes.clear, Command::Fill { buffer: PIXELS, word: 0 });
+        self.plan.step(self.passes.clear, Command::Fill { buffer: DEPTH, word: f32::INFINITY.to_bits() });
+        if self.desc.settings.outline.strength > 0.0 {
+            self.plan.step(self.passes.clear, Command::Fill { buffer: LINES, word: 0 });
+        }
+        if self.desc.layers {
+            self.plan.step(self.passes.clear, Command::Fill { buffer: SHADOW, word: 1.0_f32.to_bits() });
+            for buffer in [SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER] {
+                self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
+            }
+        }
+    }
+
+    fn shadow(&mut self) {
+        let settings = &self.desc.settings;
+        let reason = match settings.shadow {
+            Shadow::None => Some("shadow is \"none\""),
+            _ => self.moment.same_shadow,
+        };
+        if let Some(reason) = reason {
+            self.plan.skip("smoke.shadow", reason);
+            return;
+        }
+        let live = dispatch(offset_of!(Control, live_groups));
+        if settings.shadow == Shadow::Exact {
+            self.plan.step(self.passes.shadow_reset, Command::Fill { buffer: CELLS, word: 0 });
+            self.plan.step(self.passes.shadow_count, live);
+            self.plan.step(self.passes.shadow_scan, Command::Dispatch { threads: [256, 1, 1] });
+            self.plan.step(self.passes.shadow_fill, live);
+        }
+        for (face, pass) in self.passes.shadow_map.iter().enumerate() {
+            let constants = ShadowConstants { face: face as u32, texels: settings.shadow_map as f32 };
+            self.plan.step_with(*pass, draw(offset_of!(Control, light_draw)), &constants);
+        }
+    }
+
+    fn gaussian(&mut self) {
+        if self.desc.settings.sigma == 0.0 {
+            self.plan.skip("smoke.rows", "sigma is 0");
+            self.plan.skip("smoke.columns", "sigma is 0");
+            return;
+        }
+        let blocks = self.layout.tiles[0] * self.layout.tiles[1] * TILE_BLOCKS * TILE_BLOCKS;
+        self.plan.step(self.passes.dilate, Command::Dispatch { threads: [blocks, 1, 1] });
+        for batch in 0..self.layout.batches {
+            let first_group = 1 + batch * self.layout.batch_groups;
+            let group_count = self.layout.batch_groups.min(self.desc.settings.group_count() + 1 - first_group);
+            let capacity = self.layout.batch_capacity;
+            let items = ItemsConstants { batch, first_group, group_count, capacity };
+            self.plan.step_with(self.passes.items, Command::Dispatch { threads: [256, 1, 1] }, &items);
+            let constants = GaussianConstants { base: batch * capacity, first_group };
+            for (pass, argument) in [(self.passes.rows, 2 * batch), (self.passes.columns, 2 * batch + 1)] {
+                let offset = 16 * u64::from(argument);
+                let command = Command::DispatchIndirect { arguments: ITEM_ARGUMENTS, offset };
+                self.plan.step_with(pass, command, &constants);
+            }
+        }
+    }
+}
+
+/// A dispatch whose groups the device has counted.
+fn dispatch(member: usize) -> Command {
+    Command::DispatchIndirect { arguments: CONTROL, offset: member as u64 }
+}
+
+/// A draw whose quads the device has counted.
+fn draw(member: usize) -> Command {
+    Command::DrawIndirect { arguments: CONTROL, offset: member as u64 }
+}
+
+/// Room that a plan of this effect needs: steps, and bytes of updates.
+pub fn capacity(layout: &Layout, tables: &Tables) -> (usize, usize) {
+    let steps = 80 + layout.search_parts + layout.luminance_parts + 3 * layout.batches;
+    let bytes = size_of::<SmokeParams>() + size_of::<Control>() + 4 * tables.weights.len() + 16 * tables.tones.len();
+    (steps as usize, bytes)
+}
+
+/// What never changes: the Gaussian's weights by distance, and the tones.
+#[derive(Clone, Debug)]
+pub struct Tables {
+    weights: Vec<f32>,
+    tones: Vec<[f32; 4]>,
+}
+
+impl Tables {
+    /// From settings.
+    pub fn new(settings: &Settings, layout: &Layout) -> Tables {
+        let sigma = f64::from(settings.sigma);
+        let weight = |distance: u32| match distance <= settings.window() {
+            true => (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp() as f32,
+            false => 0.0,
+        };
+        let weights = match settings.sigma > 0.0 {
+            true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
+            false => vec![1.0],
+        };
+        let tones = settings.tones.iter().map(|tone| {
+            let [r, g, b] = tone.colour;
+            [r, g, b, tone.from]
+        });
+        Tables { weights, tones: tones.collect() }
+    }
+}

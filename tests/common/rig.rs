@@ -1,0 +1,145 @@
+//! The whole effect under validation, and everything that it makes read back.
+
+use celfx::io::volume::Volume;
+use celfx::offline::{Offline, Scene};
+use celfx::plan::BufferId;
+use celfx::smoke::params::Particle;
+use celfx::smoke::reference;
+use celfx::smoke::{Desc, Sequence, layout};
+use celfx::view::{Camera, Light};
+
+use super::{Verdict, device};
+
+/// The effect on a device of its own.
+pub struct Rig {
+    // Dropped in this order.
+    offline: Offline,
+    _verdict: Verdict,
+    desc: Desc,
+}
+
+/// A frame at `dt` = 1/24 s, rendered.
+pub fn scene<'a>(sequence: Sequence, camera: Camera, light: Light, volume: Option<&'a Volume>) -> Scene<'a> {
+    Scene { sequence, dt: 1.0 / 24.0, camera, light, volume, rendered: true, number: 0 }
+}
+
+/// Bits of every layer of a frame, to be compared with another's.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Bits(Vec<(&'static str, Vec<u32>)>);
+
+impl Bits {
+    /// Names of the layers in which two frames differ, and in how many words.
+    pub fn differences(&self, other: &Bits) -> Vec<(&'static str, usize)> {
+        let pairs = self.0.iter().zip(&other.0);
+        let count = |(a, b): (&(&'static str, Vec<u32>), &(_, Vec<u32>))| {
+            let words = a.1.iter().zip(&b.1).filter(|(a, b)| a != b).count() + a.1.len().abs_diff(b.1.len());
+            (a.0, words)
+        };
+        pairs.map(count).filter(|(_, words)| *words > 0).collect()
+    }
+}
+
+impl Rig {
+    /// None where there is no device and tests may do without.
+    pub fn new(desc: Desc) -> Option<Rig> {
+        let (headless, verdict) = device()?.split();
+        let offline = Offline::new(headless, desc.clone()).expect("the effect can be made");
+        Some(Rig { offline, _verdict: verdict, desc })
+    }
+
+    pub fn desc(&self) -> &Desc {
+        &self.desc
+    }
+
+    pub fn offline(&mut self) -> &mut Offline {
+        &mut self.offline
+    }
+
+    /// Renders a frame, which must succeed.
+    pub fn frame(&mut self, scene: &Scene) {
+        self.offline.frame(scene).expect("the frame can be rendered");
+    }
+
+    fn read<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Vec<T> {
+        let values = self.offline.read_as(id, count).expect("the buffer can be read");
+        assert_eq!(values.len(), count, "{id:?} is smaller");
+        values
+    }
+
+    fn pixel_count(&self) -> usize {
+        (self.desc.size[0] * self.desc.size[1]) as usize
+    }
+
+    fn sphere_count(&self) -> usize {
+        (self.desc.settings.particles * (1 + self.desc.settings.fade)) as usize
+    }
+
+    pub fn picture(&self) -> Vec<[f32; 4]> {
+        self.offline.picture().to_vec()
+    }
+
+    pub fn particles(&mut self) -> Vec<Particle> {
+        self.read(layout::PARTICLES, self.desc.settings.particles as usize)
+    }
+
+    /// Centre and displayed radius; slots first, then the ring.
+    pub fn spheres(&mut self) -> Vec<[f32; 4]> {
+        let count = self.sphere_count();
+        self.read(layout::SPHERES, count)
+    }
+
+    pub fn groups(&mut self) -> Vec<u32> {
+        let count = self.sphere_count();
+        self.read(layout::GROUPS, count)
+    }
+
+    /// A layer of one value a pixel: `DEPTH`, `SHADOW`, `SMOOTH`, `OUTLINE_LAYER`.
+    pub fn layer(&mut self, id: BufferId) -> Vec<f32> {
+        let count = self.pixel_count();
+        self.read(id, count)
+    }
+
+    /// A layer of four values a pixel: `PICTURE`, `TONE_LAYER`.
+    pub fn colours(&mut self, id: BufferId) -> Vec<[f32; 4]> {
+        let count = self.pixel_count();
+        self.read(id, count)
+    }
+
+    /// Luminance and group of each pixel.
+    pub fn pixels(&mut self) -> (Vec<f64>, Vec<u32>) {
+        let count = self.pixel_count();
+        super::unpacked(&self.read(layout::PIXELS, count))
+    }
+
+    /// Everything that a frame leaves, bit for bit.
+    pub fn bits(&mut self) -> Bits {
+        let count = self.pixel_count();
+        let spheres = self.sphere_count();
+        let particles = self.desc.settings.particles as usize;
+        let mut bits = vec![("picture", bytemuck::cast_slice(&self.picture()).to_vec())];
+        for (name, id, words) in [
+            ("particles", layout::PARTICLES, 8 * particles),
+            ("spheres", layout::SPHERES, 4 * spheres),
+            ("groups", layout::GROUPS, spheres),
+            ("pixels", layout::PIXELS, count),
+            ("depth", layout::DEPTH, count),
+            ("shadow", layout::SHADOW, count),
+            ("effect", layout::PICTURE, 4 * count),
+            ("tone", layout::TONE_LAYER, 4 * count),
+        ] {
+            bits.push((name, self.read(id, words)));
+        }
+        if self.desc.settings.sigma > 0.0 {
+            bits.push(("smooth", self.read(layout::SMOOTH, count)));
+        }
+        Bits(bits)
+    }
+
+    /// The reference's frame of the spheres and groups that the device has.
+    pub fn expected(&mut self, camera: &Camera, light: &Light, voxel: f32) -> reference::Frame {
+        let spheres: Vec<[f64; 4]> = self.spheres().iter().map(|s| s.map(f64::from)).collect();
+        let groups = self.groups();
+        let Desc { settings, size, .. } = &self.desc;
+        reference::frame(settings, camera, light, *size, voxel.into(), &spheres, &groups)
+    }
+}

@@ -1,0 +1,18 @@
+//! The smoke effect on a device, against the references in f64 (`src/smoke/reference`) and against itself. Every device
+//! is under core and synchronisation validation, and a single message fails the test.
+#![cfg(feature = "cli")]
+
+mod common;
+
+#[path = "smoke/gaussian.rs"]
+mod gaussian;
+#[path = "smoke/groups.rs"]
+mod groups;
+#[path = "smoke/particles.rs"]
+mod particles;
+#[path = "smoke/radius.rs"]
+mod radius;
+#[path = "smoke/shadow.rs"]
+mod shadow;
+#[path = "smoke/spheres.rs"]
+mod spheres;
