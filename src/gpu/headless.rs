@@ -7,6 +7,7 @@ use std::mem::ManuallyDrop;
 use std::time::Duration;
 
 use ash::vk;
+use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 pub use devices::{DeviceInfo, Report, report};
@@ -185,7 +186,8 @@ impl Headless {
             physical_device: candidate.physical_device,
             debug_settings: Default::default(),
             buffer_device_address: false,
-            allocation_sizes: Default::default(),
+            // Small blocks: an effect takes some tens of MiB, and what is larger than a block gets one of its own.
+            allocation_sizes: AllocationSizes::new(8 << 20, 8 << 20),
         });
         let pool_info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(family)
