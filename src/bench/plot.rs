@@ -177,6 +177,7 @@ impl Panel {
         let beside = rows.into_iter().flat_map(|dy| [place(x + 10.0, y + dy), place(x - 10.0 - width, y + dy)]);
         let free = |place: &Place| {
             let inside = place[0] > f64::from(self.corner[0])
+                && place[1] > f64::from(self.corner[1])
                 && place[2] < f64::from(self.corner[0] + self.inner()[0])
                 && place[3] < f64::from(self.corner[1] + self.inner()[1] + 12);
             inside && !taken.iter().any(|other| overlap(place, other))
@@ -202,7 +203,8 @@ impl Panel {
             canvas.text(&label, [start, f64::from(y) + 5.0], INK);
         }
         canvas.line(vec![(left, top), (left, bottom), (right, bottom), (right, top), (left, top)], INK, 1);
-        let of = rows.iter().find_map(|row| row.error_of.as_deref()).unwrap_or("not measured");
+        // What comes after a comma differs between workloads.
+        let of = rows.iter().find_map(|row| row.error_of.as_deref()?.split(',').next()).unwrap_or("not measured");
         let effect = rows.first().map_or("", |row| row.effect);
         canvas.text(&format!("{effect} {pass}: rms error against {of}"), [left.into(), f64::from(top) - 28.0], INK);
         canvas.text("run time in ms", [left.into(), f64::from(bottom) + 50.0], INK);

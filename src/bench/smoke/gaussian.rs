@@ -4,6 +4,8 @@
 //! The time of `per_id_tiles` is that of everything that a frame has because of the mask (dilated block masks, items, rows
 //! and columns), less the pass `tiles`, which a frame needs anyway: the later steps work on occupied tiles.
 
+use std::collections::BTreeSet;
+
 use super::{EFFECT, scene};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
@@ -237,7 +239,10 @@ impl Picture {
     fn accuracy(&self, result: &[f32]) -> Accuracy {
         let pixels = result.iter().zip(&self.smooth).zip(&self.id).filter(|(_, id)| **id != 0);
         let differences = pixels.map(|((result, smooth), _)| (f64::from(*result) - smooth).abs()).collect();
-        Deviation::of(differences).map(|deviation| (deviation, "direct 2-D sum in f64, of luminance 0 to 1".to_owned()))
+        let covered = 100.0 * self.id.iter().filter(|id| **id != 0).count() as f64 / self.id.len().max(1) as f64;
+        let groups = self.id.iter().filter(|id| **id != 0).collect::<BTreeSet<_>>().len();
+        let of = format!("direct 2-D sum in f64, of luminance 0 to 1, {covered:.0} % covered by {groups} groups");
+        Deviation::of(differences).map(|deviation| (deviation, of))
     }
 
     /// Operations that count: multiply-adds of numerator and denominator with taps inside the window. Bytes: each

@@ -62,9 +62,11 @@ fn seen_from(distance: f64) -> Camera {
     Camera { eye: target + DVec3::new(0.0, 0.0, distance), target, ..Camera::default() }
 }
 
-/// A camera so near that the spheres cover about this share of the picture.
+/// A camera so near that the spheres cover about this share of the picture. In a wide picture the plume lies on its side.
 pub(super) fn camera_covering(spheres: &[[f64; 4]], size: [u32; 2], share: f64) -> Camera {
     let small = [size[0] / 8, size[1] / 8];
+    let up = if size[0] > size[1] { DVec3::X } else { DVec3::Y };
+    let seen_from = |distance: f64| Camera { up, ..seen_from(distance) };
     let covered = |distance: f64| {
         let hits = render::raycast(&seen_from(distance), small, spheres);
         hits.iter().flatten().count() as f64 / hits.len().max(1) as f64
