@@ -25,7 +25,8 @@ void main() {
     if (c.z > r * 1.001) {
         vec2 across = tangent_range(c.x, c.z, r) / params.lens.x;
         vec2 down = -tangent_range(c.y, c.z, r).yx / params.lens.y;
-        vec2 margin = 0.02 / vec2(params.image.xy);
+        // A tenth of a pixel: devices may snap corners to sixteenths.
+        vec2 margin = 0.2 / vec2(params.image.xy);
         bounds = clamp(vec4(across.x, down.x, across.y, down.y) + vec4(-margin, margin), -1.0, 1.0);
     }
     // Nothing of the sphere is nearer than its quad: fragments may be rejected before they are shaded.
