@@ -12,7 +12,6 @@ pub mod picture;
 pub mod rig;
 pub mod scenes;
 
-pub use allocations::allocated;
 use std::ops::{Deref, DerefMut};
 use std::sync::PoisonError;
 
