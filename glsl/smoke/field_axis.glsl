@@ -10,10 +10,12 @@ ivec4 unpack(uint v) {
 
 void main() {
     uint packed_row = (params.grid.x + 3u) / 4u;
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= packed_row * params.grid.y * params.grid.z) {
+    // A slice a row of workgroups: all of them along one axis may be more than a device takes.
+    uint slice = packed_row * params.grid.y;
+    if (gl_GlobalInvocationID.x >= slice) {
         return;
     }
+    uint index = gl_GlobalInvocationID.y * slice + gl_GlobalInvocationID.x;
     uint stride = AXIS == 1 ? packed_row : packed_row * params.grid.y;
     int count = int(AXIS == 1 ? params.grid.y : params.grid.z);
     int at = int(AXIS == 1 ? index / packed_row % params.grid.y : index / packed_row / params.grid.y);

@@ -45,10 +45,12 @@ int nearest_empty(uint row, int x) {
 
 void main() {
     uint packed_row = (params.grid.x + 3u) / 4u;
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= packed_row * params.grid.y * params.grid.z) {
+    // A slice a row of workgroups: all of them along one axis may be more than a device takes.
+    uint slice = packed_row * params.grid.y;
+    if (gl_GlobalInvocationID.x >= slice) {
         return;
     }
+    uint index = gl_GlobalInvocationID.y * slice + gl_GlobalInvocationID.x;
     uint row = index / packed_row;
     int x = int(index % packed_row * 4u);
     uint distances = 0u;

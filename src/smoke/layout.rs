@@ -19,6 +19,8 @@ pub const LOOP_BUDGET: u32 = 48_000;
 /// Entries of light-space tiles that one dispatch works on for a pixel. An invocation of `luminance` shades four pixels,
 /// one after the other, and each also walks the levels of tiles.
 pub const LUMINANCE_TURNS: u32 = LOOP_BUDGET / 4 - 16;
+/// Workgroups that every device can dispatch along an axis.
+const MOST_GROUPS: u64 = 65_535;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
 const ROW_SUM_BYTES: u64 = 64 << 20;
 
@@ -224,6 +226,12 @@ impl Layout {
             });
         }
         let words = u64::from(pyramid.row_words) * ny * nz;
+        let above = u64::from(pyramid.row_words) * ny.div_ceil(2) * nz.div_ceil(2);
+        let needed = words.div_ceil(256).max(above.div_ceil(64));
+        if needed > MOST_GROUPS {
+            let what = "the volume (workgroups of its occupancy)";
+            return Err(Error::Limit { what, needed, limit: MOST_GROUPS, advice: "use a smaller volume" });
+        }
         self.set(DENSITY, shape.voxels() * 4);
         self.set(VELOCITY, if desc.velocity { shape.voxels() * 12 } else { 0 });
         self.set(OCCUPANCY, pyramid.words * 4);
@@ -272,10 +280,14 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            DENSITY | VELOCITY | OCCUPANCY | FIELD | FIELD_COLUMNS => "use a smaller volume",
-            PICTURE | TONE_LAYER | ROW_SUMS => "render a smaller picture",
+            DENSITY | VELOCITY | OCCUPANCY | BIRTH_COUNTS | FIELD | FIELD_COLUMNS | CONTINUATIONS => {
+                "use a smaller volume"
+            }
+            PARTICLES | DYING | DYING_STEPS | SPHERES | GROUPS | SEARCHES | LIST_COUNTS | LIVE | VISIBLE => {
+                "use fewer particles or less fade"
+            }
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
-            _ => "use fewer particles or less fade",
+            _ => "render a smaller picture",
         };
         for (index, needed) in self.bytes.iter().enumerate() {
             if *needed > limit {
@@ -381,6 +393,13 @@ impl Pyramid {
     pub fn turns(&self) -> u32 {
         (LOOP_BUDGET / (2 * self.row_words + 6)).max(1)
     }
+}
+
+/// Whether the passes that make the chessboard distance field can be dispatched: a slice of the volume is a row of
+/// workgroups of 64 words of four voxels.
+pub fn field_fits(shape: &Shape) -> bool {
+    let [nx, ny, _] = shape.dimensions.map(u64::from);
+    (nx.div_ceil(4) * ny).div_ceil(64) <= MOST_GROUPS
 }
 
 /// Rows that the paper's loop may have to look at in a volume of this shape: the shells up to where the outside is

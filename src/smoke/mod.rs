@@ -276,6 +276,11 @@ impl Smoke {
             Grow::Field if !shape.is_cubic() => {
                 Err(Error::setting("smoke.grow", "field", "needs cubic voxels; \"chosen\" or \"pyramid\" serve all"))
             }
+            Grow::Field if !layout::field_fits(shape) => Err(Error::setting(
+                "smoke.grow",
+                "field",
+                "needs smaller slices (x, y); \"chosen\" or \"pyramid\" serve all",
+            )),
             Grow::Growth => {
                 let turns = layout::Pyramid::new(shape.dimensions).turns();
                 let needed = u64::from(layout::growth_rows(shape).div_ceil(turns));

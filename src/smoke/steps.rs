@@ -42,7 +42,10 @@ pub struct Moment {
 
 /// The way a radius is searched in a volume of this shape.
 pub fn chosen_grow(settings: &Settings, shape: &Shape) -> Grow {
-    let field_works = shape.is_cubic() && settings.radius == Radius::Box && shape.dimensions.iter().min() <= Some(&500);
+    let field_works = shape.is_cubic()
+        && settings.radius == Radius::Box
+        && shape.dimensions.iter().min() <= Some(&500)
+        && field_fits(shape);
     match settings.grow {
         Grow::Chosen if !field_works => Grow::Pyramid,
         Grow::Chosen => {
@@ -142,7 +145,7 @@ impl Steps<'_> {
             Grow::Field => {
                 let [nx, ny, nz] = shape.dimensions;
                 for pass in self.passes.field {
-                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(4) * ny * nz, 1, 1] });
+                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(4) * ny, nz, 1] });
                 }
                 self.plan.skip("smoke.pyramid", "the field is searched");
             }

@@ -12,7 +12,6 @@ pub mod picture;
 pub mod rig;
 pub mod scenes;
 
-pub use allocations::allocated;
 use std::ops::{Deref, DerefMut};
 use std::sync::PoisonError;
 
@@ -101,4 +100,15 @@ impl Drop for Verdict {
 pub fn unpacked(pixels: &[u32]) -> (Vec<f64>, Vec<u32>) {
     let luminance = pixels.iter().map(|pixel| f64::from(pixel >> 8) / 16_777_215.0).collect();
     (luminance, pixels.iter().map(|pixel| pixel & 255).collect())
+}
+
+/// How far a value is from what is expected; infinite where either is NaN, so that it never passes. Equal infinities are
+/// 0 apart.
+pub fn apart(actual: f32, expected: f64) -> f64 {
+    let difference = (f64::from(actual) - expected).abs();
+    match f64::from(actual) == expected {
+        true => 0.0,
+        false if difference.is_nan() => f64::INFINITY,
+        false => difference,
+    }
 }

@@ -6,6 +6,7 @@ use celfx::smoke::{Desc, Sequence, Settings, layout};
 use celfx::view::{Camera, Light, LightSource};
 use glam::DVec3;
 
+use crate::common::apart;
 use crate::common::rig::{Rig, scene};
 use crate::common::scenes::{camera, desc, direction, grid, moving_puffs, puffs, random, volume};
 
@@ -36,12 +37,9 @@ fn check(name: &str, rig: &mut Rig, camera: Camera, light: Light, volume: &Volum
     assert_finite(name, rig);
     let voxel = volume.voxel_size.into_iter().fold(f32::MAX, f32::min);
     let expected = rig.expected(&camera, &light, voxel).image;
-    let apart = rig
-        .picture()
-        .into_iter()
-        .zip(&expected)
-        .filter(|(a, e)| (0..4).any(|c| (f64::from(a[c]) - e[c]).abs() > 1.0 / 255.0));
-    let (apart, seen) = (apart.count(), expected.iter().filter(|c| c[3] > 0.0).count());
+    let differ =
+        rig.picture().into_iter().zip(&expected).filter(|(a, e)| (0..4).any(|c| apart(a[c], e[c]) > 1.0 / 255.0));
+    let (apart, seen) = (differ.count(), expected.iter().filter(|c| c[3] > 0.0).count());
     // 0.1 % as for any frame; two pixels where so few are seen that this is less.
     assert!(apart <= (seen / 1000).max(2), "{name}: {apart} of {seen} pixels differ");
     seen
@@ -163,11 +161,11 @@ fn a_million_particles() {
     let exact: Vec<[f64; 4]> = spheres.iter().map(|s| s.map(f64::from)).collect();
     let hits = celfx::smoke::reference::render::raycast(&camera(0.0), [48, 32], &exact);
     let depth = rig.layer(layout::DEPTH);
-    let apart = hits.iter().zip(&depth).filter(|(hit, depth)| {
-        let z = hit.map_or(f64::INFINITY, |hit| hit.depth);
-        z != f64::from(**depth) && !((z - f64::from(**depth)).abs() < 1e-4)
-    });
-    let (apart, seen) = (apart.count(), hits.iter().flatten().count());
+    let off = |(hit, depth): &(&Option<_>, &f32)| {
+        let z = hit.map_or(f64::INFINITY, |hit: celfx::smoke::reference::render::Hit| hit.depth);
+        apart(**depth, z) > 1e-4
+    };
+    let (apart, seen) = (hits.iter().zip(&depth).filter(off).count(), hits.iter().flatten().count());
     // Silhouettes of a million spheres: a pixel is decided otherwise within 3e-7 m of one.
     assert!(seen > 300 && apart <= 2, "{apart} of {seen}");
 }

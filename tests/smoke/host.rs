@@ -11,8 +11,9 @@ use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, VolumeInput};
 use gpu_allocator::MemoryLocation;
 
+use crate::common::allocations::allocated;
 use crate::common::scenes::{camera, desc, direction, moving_puffs};
-use crate::common::{TestDevice, allocated, device};
+use crate::common::{TestDevice, device};
 
 const SIZE: [u32; 2] = [80, 60];
 const COPIED: ImageState = ImageState {

@@ -7,6 +7,7 @@ use celfx::smoke::reference::particles::Particles;
 use celfx::smoke::settings::{Emitter, Integrator, Shadow};
 use celfx::smoke::{Sequence, Settings};
 
+use crate::common::apart;
 use crate::common::rig::{Rig, scene};
 use crate::common::scenes::{camera, desc, direction, grid, moving_puffs, puffs, random, volume};
 
@@ -77,6 +78,15 @@ struct Differences {
     ghosts: usize,
 }
 
+impl Differences {
+    fn note(&mut self, [x, y, z, radius]: &[f32; 4], position: &[f32; 3], expected_radius: f64) {
+        for (actual, expected) in [x, y, z].into_iter().zip(position) {
+            self.position = self.position.max(apart(*actual, f64::from(*expected)));
+        }
+        self.radius = self.radius.max(apart(*radius, expected_radius));
+    }
+}
+
 fn compare(rig: &mut Rig, reference: &Particles, flipped: &mut [bool]) -> Differences {
     let mut found = Differences::default();
     let particles = rig.particles();
@@ -91,11 +101,7 @@ fn compare(rig: &mut Rig, reference: &Particles, flipped: &mut [bool]) -> Differ
         if flipped[slot] || !alive {
             continue;
         }
-        let position = spheres[slot];
-        for a in 0..3 {
-            found.position = found.position.max(f64::from((position[a] - expected.position[a]).abs()));
-        }
-        found.radius = found.radius.max((f64::from(position[3]) - expected.radius).abs());
+        found.note(&spheres[slot], &expected.position, expected.radius);
     }
     let columns = particles.len();
     for (place, expected) in reference.ghosts().iter().enumerate() {
@@ -108,10 +114,7 @@ fn compare(rig: &mut Rig, reference: &Particles, flipped: &mut [bool]) -> Differ
             continue;
         };
         found.ghosts += 1;
-        for a in 0..3 {
-            found.position = found.position.max(f64::from((sphere[a] - expected.position[a]).abs()));
-        }
-        found.radius = found.radius.max((f64::from(sphere[3]) - expected.radius).abs());
+        found.note(&sphere, &expected.position, expected.radius);
     }
     found.flips = flipped.iter().filter(|f| **f).count();
     found

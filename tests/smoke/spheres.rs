@@ -7,6 +7,7 @@ use celfx::smoke::{Settings, layout};
 use celfx::view::{Camera, Light, LightSource};
 use glam::DVec3;
 
+use crate::common::apart;
 use crate::common::bench::{Bench, Given};
 use crate::common::scenes::{camera, desc, direction, point, random, volume};
 use crate::common::unpacked;
@@ -103,7 +104,7 @@ fn one_sphere_has_its_closed_form() {
                 }
                 let Some([z, y, _]) = expected else { continue };
                 seen += 1;
-                worst[0] = worst[0].max((f64::from(depth[pixel]) - z).abs() / z);
+                worst[0] = worst[0].max(apart(depth[pixel], z) / z);
                 worst[1] = worst[1].max((luminance[pixel] - y).abs() / y);
             }
         }
@@ -129,9 +130,9 @@ fn assert_seen(name: &str, bench: &mut Bench, camera: Camera, spheres: &[[f32; 4
         let z = hit.map_or(f64::INFINITY, |hit| hit.depth);
         let expected = hit.map_or(0, |hit| groups[hit.sphere]);
         let scale = hit.map_or(1.0, |hit| hit.depth.max(spheres[hit.sphere][3].into()));
-        let apart = if z == f64::from(depth[pixel]) { 0.0 } else { (f64::from(depth[pixel]) - z).abs() / scale };
+        let apart = apart(depth[pixel], z) / scale;
         // At a silhouette the depth is off by up to sqrt(2 * 3e-7) of the radius: 8e-4, in the nearest pixel of many.
-        if id[pixel] != expected || !(apart <= 1e-4) {
+        if id[pixel] != expected || apart > 1e-4 {
             differing += 1;
         } else {
             worst = worst.max(apart);

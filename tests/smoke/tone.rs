@@ -5,6 +5,7 @@ use celfx::smoke::settings::{Operator, Outline, Tone};
 use celfx::smoke::{Settings, layout};
 use celfx::view::{Camera, Light};
 
+use crate::common::apart;
 use crate::common::bench::{Bench, Given};
 use crate::common::scenes::{camera, desc, random, volume};
 use crate::common::unpacked;
@@ -63,7 +64,6 @@ fn assert_drawn(name: &str, settings: Settings) {
     let line_layer: Vec<f32> = bench.read(layout::OUTLINE_LAYER, COUNT);
     let mut worst = [0.0_f64; 3];
     for pixel in 0..COUNT {
-        let apart = |a: f32, e: f64| (f64::from(a) - e).abs();
         worst[0] = worst[0].max(apart(line_layer[pixel], lines[pixel]));
         for c in 0..3 {
             worst[1] = worst[1].max(apart(tone_layer[pixel][c], tones[pixel][c]));

@@ -1,0 +1,255 @@
+//! Sizes and limits, without a device.
+#![cfg(feature = "cli")]
+
+use ash::vk;
+use celfx::error::Error;
+use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_TURNS, Layout, Pyramid, growth_rows};
+use celfx::smoke::params::{Particle, SLOT_PIXELS, TILE};
+use celfx::smoke::settings::{Emitter, Grow, Outline, Placement, Radius, Shadow, Tone};
+use celfx::smoke::{Desc, Settings, Shape, Smoke};
+
+/// Lavapipe's range of a storage buffer; the least that Vulkan allows is 128 MiB, too.
+const RANGE: u64 = 128 << 20;
+/// Loop turns after which lavapipe ends an invocation's loops is 65,535; this is the engine's own budget.
+const BUDGET: u64 = 50_000;
+
+fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
+    Desc {
+        size,
+        target_format: vk::Format::R8G8B8A8_SRGB,
+        dimensions,
+        velocity: true,
+        point_light: false,
+        seed: 0,
+        settings,
+        layers: true,
+        skipping: true,
+    }
+}
+
+fn many(particles: u32, fade: u32) -> Settings {
+    Settings { particles, fade, ..Settings::default() }
+}
+
+#[test]
+fn sizes_follow_from_counts() {
+    let layout = Layout::new(&desc([200, 150], [33, 20, 10], many(500, 6)), RANGE).unwrap();
+    assert_eq!((layout.spheres, layout.tiles), (3500, [7, 5]));
+    assert_eq!(layout.size(layout::PARTICLES), 500 * size_of::<Particle>() as u64);
+    assert_eq!(layout.size(layout::SPHERES), 3500 * 16);
+    assert_eq!(layout.size(layout::DYING), 3000 * 16);
+    assert_eq!(layout.size(layout::DENSITY), 6600 * 4);
+    assert_eq!(layout.size(layout::VELOCITY), 6600 * 12);
+    assert_eq!(layout.size(layout::PICTURE), 30_000 * 16);
+    assert_eq!(layout.size(layout::TILE_GROUPS), 35 * 32);
+    // Eight groups, one batch: numerator and denominator for each pixel of each tile.
+    assert_eq!((layout.batches, layout.batch_groups), (1, 8));
+    assert_eq!(layout.size(layout::ROW_SUMS), 8 * 35 * u64::from(SLOT_PIXELS) * 8);
+    assert_eq!(layout.window_blocks, 2, "a window of 12 pixels");
+    for buffer in layout.buffers() {
+        assert!(buffer.size >= 16 && buffer.size % 16 == 0, "{}: {}", buffer.name, buffer.size);
+    }
+}
+
+#[test]
+fn what_is_switched_off_takes_no_room() {
+    let settings = Settings {
+        sigma: 0.0,
+        shadow: Shadow::None,
+        outline: Outline { strength: 0.0, ..Outline::default() },
+        ..many(500, 0)
+    };
+    let off = Desc { layers: false, velocity: false, ..desc([200, 150], [33, 20, 10], settings) };
+    let layout = Layout::new(&off, RANGE).unwrap();
+    for id in [
+        layout::VELOCITY,
+        layout::DYING,
+        layout::CELLS,
+        layout::CASTERS,
+        layout::SHADOW,
+        layout::SMOOTH,
+        layout::ROW_SUMS,
+        layout::ROW_ITEMS,
+        layout::LINES,
+        layout::TONE_LAYER,
+        layout::OUTLINE_LAYER,
+    ] {
+        assert_eq!(layout.size(id), 16, "{id:?}");
+    }
+    let on = Smoke::memory(&desc([200, 150], [33, 20, 10], many(500, 6)), RANGE).unwrap();
+    let memory = Smoke::memory(&off, RANGE).unwrap();
+    assert!(memory.total() < on.total() && memory.history < on.history);
+}
+
+#[test]
+fn memory_is_what_buffers_and_images_take() {
+    for shadow in [Shadow::Exact, Shadow::Map] {
+        let desc = Desc { point_light: true, ..desc([64, 64], [8; 3], Settings { shadow, ..many(100, 6) }) };
+        let layout = Layout::new(&desc, RANGE).unwrap();
+        let buffers: u64 = layout.buffers().map(|buffer| buffer.size).sum();
+        let images = layout.images(&desc);
+        let pixels = images.iter().map(|i| u64::from(i.extent[0] * i.extent[1] * i.layers)).sum::<u64>();
+        assert_eq!(Smoke::memory(&desc, RANGE).unwrap().total(), buffers + 4 * pixels);
+        assert_eq!(images[2].layers, 6, "a point light has six faces");
+    }
+}
+
+#[test]
+fn groups_go_in_batches_of_64_mib() {
+    for (size, groups) in [([1920, 1080], 8), ([1920, 1080], 254), ([64, 64], 254), ([3000, 2700], 20)] {
+        let settings = Settings { groups, ..many(10, 0) };
+        let layout = Layout::new(&desc(size, [8; 3], settings), RANGE).unwrap();
+        let bytes = layout.size(layout::ROW_SUMS);
+        let one = u64::from(layout.tiles[0] * layout.tiles[1] * SLOT_PIXELS) * 8;
+        assert!(bytes <= 64 << 20 || bytes == one, "{size:?}: {bytes}");
+        assert!(layout.batches * layout.batch_groups >= groups && (layout.batches - 1) * layout.batch_groups < groups);
+    }
+}
+
+/// The error of a description that does not fit.
+fn limit(desc: &Desc) -> (&'static str, u64, u64, String) {
+    match Smoke::memory(desc, RANGE) {
+        Err(error @ Error::Limit { what, needed, limit, .. }) => (what, needed, limit, error.to_string()),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_is_too_large_is_refused_by_name() {
+    let (what, needed, allowed, text) = limit(&desc([16_384, 16_384], [8; 3], many(10, 0)));
+    assert!(what.starts_with("smoke ") && needed > allowed && allowed == RANGE, "{text}");
+    assert!(text.contains("render a smaller picture"), "{text}");
+    let (what, needed, _, text) = limit(&desc([64, 64], [8; 3], many(1_000_000, 64)));
+    assert!(what.starts_with("smoke "), "{text}");
+    assert!(needed > RANGE && text.contains("fewer particles"), "{text}");
+    let (_, needed, allowed, text) = limit(&desc([64, 64], [512; 3], many(10, 0)));
+    assert!(needed > allowed && text.contains("use a smaller volume"), "{text}");
+    // The pyramid has twelve levels: 2048 rows.
+    assert!(Smoke::memory(&desc([64, 64], [1, 2048, 2], many(10, 0)), RANGE).is_ok());
+    let (what, needed, allowed, _) = limit(&desc([64, 64], [1, 2049, 2], many(10, 0)));
+    assert_eq!((what, needed, allowed), ("the volume's height or depth in voxels", 2049, 2048));
+    // Workgroups along an axis, on a device whose buffers are large enough.
+    let huge = Desc { velocity: false, ..desc([64, 64], [2048; 3], many(10, 0)) };
+    match Smoke::memory(&huge, u64::MAX) {
+        Err(Error::Limit { needed, limit: 65_535, .. }) => assert!(needed > 65_535),
+        other => panic!("{other:?}"),
+    }
+    // Exact shadows may take a coarser grid before they are refused.
+    let layout = Layout::new(&desc([64, 64], [8; 3], many(1_000_000, 1)), RANGE).unwrap();
+    assert_eq!(layout.cells_across, 1);
+}
+
+#[test]
+fn pyramids_halve_rows_along_y_and_z() {
+    let pyramid = Pyramid::new([70, 5, 9]);
+    let sizes: Vec<[u32; 2]> = pyramid.levels[..pyramid.count as usize].iter().map(|l| [l[1], l[2]]).collect();
+    assert_eq!(sizes, [[5, 9], [3, 5], [2, 3], [1, 2], [1, 1]]);
+    assert_eq!(pyramid.row_words, 3);
+    let words: Vec<u32> = pyramid.levels[..5].iter().map(|l| l[0]).collect();
+    assert_eq!(words, [0, 135, 180, 198, 204]);
+    assert_eq!(pyramid.words, 207);
+    assert_eq!(pyramid.leaves(), 256);
+    assert_eq!((Pyramid::new([1; 3]).count, Pyramid::new([1; 3]).leaves()), (1, 1));
+}
+
+/// Turns of all loops of one invocation, at the worst.
+#[test]
+fn loops_stay_within_their_budget() {
+    assert!(u64::from(LOOP_BUDGET) <= BUDGET);
+    for x in [1, 31, 32, 33, 512, 4096, 65_536] {
+        let pyramid = Pyramid::new([x, 100, 100]);
+        // Each turn of a search may look at every word of a row, to the left and to the right; the first dispatch looks
+        // at the particle's own row before.
+        let turn = 1 + 2 * u64::from(pyramid.row_words);
+        let worst = u64::from(pyramid.turns()) * turn + turn;
+        assert!(worst <= BUDGET, "{x} voxels along x: {worst} turns");
+    }
+    // An invocation of `luminance` shades the pixels of a tile that are as many rows apart as its workgroup is high,
+    // and walks over the levels for each.
+    let rows = u64::from(TILE / celfx::shaders::smoke::luminance_exact::SHADER.local_size[1]);
+    assert_eq!(rows, 4);
+    assert!(rows * (u64::from(LUMINANCE_TURNS) + 9 + 1) <= BUDGET);
+    for (particles, fade) in [(1, 0), (500, 6), (20_000, 6), (1_000_000, 0)] {
+        let layout = Layout::new(&desc([64, 64], [8; 3], many(particles, fade)), RANGE).unwrap();
+        assert!(layout.light_levels <= 9);
+        assert!(u64::from(layout.luminance_parts) * u64::from(LUMINANCE_TURNS) >= u64::from(layout.spheres));
+    }
+    // Rows and columns: blocks to each side of the window, eight taps for eight results each.
+    let wide = Settings { sigma: 64.0, cutoff: 4.0, ..many(10, 0) };
+    let blocks = u64::from(Layout::new(&desc([64, 64], [8; 3], wide), RANGE).unwrap().window_blocks);
+    assert!(2 * (blocks + 1) * (1 + 8 + 15 + 8 * 9) <= BUDGET);
+    // Items: all tiles of a batch in runs of 256, each looking up and down, and a running sum of eight steps.
+    let settings = Settings { sigma: 64.0, cutoff: 4.0, groups: 254, ..many(10, 0) };
+    for size in [[64, 64], [1000, 1000], [2800, 2900]] {
+        let layout = Layout::new(&desc(size, [8; 3], settings.clone()), RANGE).unwrap();
+        let runs = u64::from(layout.batch_capacity).div_ceil(256);
+        let reach = u64::from(layout.window_blocks).div_ceil(4);
+        assert!(runs * (1 + 2 * reach + 1 + 8) <= BUDGET, "{size:?}");
+    }
+}
+
+#[test]
+fn searches_have_as_many_dispatches_as_they_may_need() {
+    for dimensions in [[1; 3], [256; 3], [8, 256, 256], [500, 30, 200]] {
+        for (grow, radius) in [(Grow::Pyramid, Radius::Ball), (Grow::Growth, Radius::Ball)] {
+            let settings = Settings { grow, radius, ..many(10, 0) };
+            let layout = Layout::new(&Desc { velocity: false, ..desc([64, 64], dimensions, settings) }, RANGE).unwrap();
+            let pyramid = Pyramid::new(dimensions);
+            let turns = u64::from(layout.search_parts) * u64::from(pyramid.turns());
+            let shape = Shape { dimensions, voxel_size: [1.0; 3], origin: [0.0; 3] };
+            // Nodes of the whole walk: leaves and a third of that above them.
+            let needed = match grow {
+                Grow::Growth => u64::from(growth_rows(&shape)),
+                _ => (0..pyramid.count).map(|level| u64::from(pyramid.leaves()) >> (2 * level)).sum(),
+            };
+            assert!(turns >= needed, "{dimensions:?}, {grow:?}: {turns} of {needed}");
+            assert_eq!(layout.size(layout::CONTINUATIONS), 16 * u64::from(layout.search_parts));
+        }
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_refused_by_key() {
+    let s = Settings::default;
+    let tone = |from: f32| Tone { from, colour: [0.5; 3] };
+    let cases = [
+        ("smoke.threshold", Settings { threshold: f32::NAN, ..s() }),
+        ("smoke.particles", Settings { particles: 1_000_001, ..s() }),
+        ("smoke.placement", Settings { placement: Placement::Cover, ..s() }),
+        ("smoke.emitter", Settings { emitter: Some(Emitter { min: [1.0; 3], max: [0.0; 3] }), ..s() }),
+        ("smoke.still", Settings { still: -1.0, ..s() }),
+        ("smoke.lifetime", Settings { lifetime: Some(0), ..s() }),
+        ("smoke.fade", Settings { fade: 65, ..s() }),
+        ("smoke.scale", Settings { scale: 0.0, ..s() }),
+        ("smoke.grow", Settings { grow: Grow::Field, radius: Radius::Ball, ..s() }),
+        ("smoke.softness", Settings { softness: 1.1, ..s() }),
+        ("smoke.shadow_map", Settings { shadow_map: 8, ..s() }),
+        ("smoke.shadow_filter", Settings { shadow_filter: 2, ..s() }),
+        ("smoke.groups", Settings { groups: 255, ..s() }),
+        ("smoke.group_depth", Settings { group_depth: Some(0.0), ..s() }),
+        ("smoke.range_smoothing", Settings { range_smoothing: 1.0, ..s() }),
+        ("smoke.hysteresis", Settings { hysteresis: f32::NAN, ..s() }),
+        ("smoke.sigma", Settings { sigma: 0.05, ..s() }),
+        ("smoke.sigma", Settings { sigma: 65.0, ..s() }),
+        ("smoke.sigma", Settings { sigma: f32::NAN, ..s() }),
+        ("smoke.cutoff", Settings { cutoff: 0.5, ..s() }),
+        ("smoke.tones", Settings { tones: vec![], ..s() }),
+        ("smoke.tones", Settings { tones: vec![tone(0.5), tone(0.5)], ..s() }),
+        ("smoke.tones", Settings { tones: vec![tone(0.0), tone(1.5)], ..s() }),
+        ("smoke.tone_softness", Settings { tone_softness: f32::INFINITY, ..s() }),
+        ("smoke.outline.width", Settings { outline: Outline { width: 0.5, ..Outline::default() }, ..s() }),
+        ("smoke.outline.strength", Settings { outline: Outline { strength: -1.0, ..Outline::default() }, ..s() }),
+        ("smoke.outline.colour", Settings { outline: Outline { colour: [f32::NAN; 3], ..Outline::default() }, ..s() }),
+    ];
+    for (key, settings) in cases {
+        match Smoke::memory(&desc([64, 64], [8; 3], settings), RANGE) {
+            Err(Error::Setting { name, allowed, .. }) => {
+                assert!(name == key && !allowed.is_empty(), "{name}: {allowed}")
+            }
+            other => panic!("{key}: {other:?}"),
+        }
+    }
+    assert!(Smoke::memory(&desc([0, 64], [8; 3], s()), RANGE).is_err());
+    assert!(Smoke::memory(&desc([64, 64], [8, 0, 8], s()), RANGE).is_err());
+    assert!(Smoke::memory(&desc([64, 64], [8, 1 << 17, 8], s()), RANGE).is_err());
+}

@@ -1,0 +1,468 @@
+//! Plans and barriers, without a device.
+#![cfg(feature = "cli")]
+
+#[path = "common/allocations.rs"]
+mod allocations;
+
+use allocations::allocated;
+use ash::vk;
+use celfx::barrier::{Barrier, Tracker};
+use celfx::host::{HostImage, ImageState};
+use celfx::plan::{BufferId, Command, ImageId, Kernel, Pass, PassId, Plan, Resource, Usage};
+use celfx::shaders::smoke as glsl;
+use celfx::smoke::layout::{self, Layout};
+use celfx::smoke::params::SmokeParams;
+use celfx::smoke::passes::Passes;
+use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
+use celfx::smoke::steps::{self, Moment, Steps, Tables};
+use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
+use celfx::view::{Camera, Light};
+
+const RANGE: u64 = 128 << 20;
+const A: BufferId = BufferId(0);
+const B: BufferId = BufferId(1);
+
+fn usage(stage: vk::PipelineStageFlags2, reads: bool, writes: bool) -> Usage {
+    let flag = |on: bool, access| if on { access } else { vk::AccessFlags2::NONE };
+    let reads = flag(reads, vk::AccessFlags2::SHADER_STORAGE_READ);
+    Usage { stage, reads, writes: flag(writes, vk::AccessFlags2::SHADER_STORAGE_WRITE) }
+}
+
+const COMPUTE: vk::PipelineStageFlags2 = vk::PipelineStageFlags2::COMPUTE_SHADER;
+const FRAGMENT: vk::PipelineStageFlags2 = vk::PipelineStageFlags2::FRAGMENT_SHADER;
+
+fn read(buffer: BufferId) -> Pass {
+    Pass::transfer("read").uses(buffer, usage(COMPUTE, true, false))
+}
+
+fn write(buffer: BufferId) -> Pass {
+    Pass::transfer("write").uses(buffer, usage(COMPUTE, false, true))
+}
+
+fn fragment_read(buffer: BufferId) -> Pass {
+    Pass::transfer("fragment read").uses(buffer, usage(FRAGMENT, true, false))
+}
+
+/// Derived barriers of passes that run one after the other.
+fn barriers(passes: &[Pass]) -> Vec<Barrier> {
+    let mut plan = Plan::default();
+    (0..passes.len()).for_each(|i| plan.step(PassId(i as u16), Command::Dispatch { threads: [1; 3] }));
+    let mut tracker = Tracker::new(2, 1);
+    tracker.begin(&plan, passes);
+    plan.steps.iter().zip(passes).map(|(step, pass)| tracker.before(step, pass)).collect()
+}
+
+#[test]
+fn writes_are_waited_for_and_made_visible() {
+    let found = barriers(&[write(A), read(A)]);
+    assert!(found[0].is_empty());
+    let expected = Barrier {
+        src_stage: COMPUTE,
+        src_access: vk::AccessFlags2::SHADER_STORAGE_WRITE,
+        dst_stage: COMPUTE,
+        dst_access: vk::AccessFlags2::SHADER_STORAGE_READ,
+    };
+    assert_eq!(found[1], expected, "read after write");
+    let found = barriers(&[write(A), write(A)])[1];
+    assert_eq!(found.src_access, vk::AccessFlags2::SHADER_STORAGE_WRITE, "write after write");
+    assert_eq!((found.src_stage, found.dst_access), (COMPUTE, vk::AccessFlags2::SHADER_STORAGE_WRITE));
+}
+
+#[test]
+fn reads_are_waited_for_before_a_write_and_not_made_available() {
+    let found = barriers(&[read(A), fragment_read(A), write(A)]);
+    assert!(found[0].is_empty() && found[1].is_empty());
+    assert_eq!((found[2].src_stage, found[2].src_access), (COMPUTE | FRAGMENT, vk::AccessFlags2::NONE));
+    assert_eq!(found[2].dst_stage, COMPUTE);
+}
+
+#[test]
+fn nothing_is_waited_for_twice() {
+    // Two readers of one stage after one write; another buffer; the same stage again.
+    let found = barriers(&[write(A), write(B), read(A), read(A), read(B), fragment_read(A), fragment_read(B), read(A)]);
+    let needed: Vec<bool> = found.iter().map(|barrier| !barrier.is_empty()).collect();
+    // A memory barrier is global: the one for A shows B as well, once for each stage.
+    assert_eq!(needed, [false, false, true, false, false, true, false, false]);
+    assert_eq!(found[5].dst_stage, FRAGMENT);
+}
+
+#[test]
+fn what_a_barrier_has_shown_to_one_stage_another_still_waits_for() {
+    let found = barriers(&[write(A), fragment_read(A), read(A), write(A), read(A)]);
+    let stages: Vec<_> = found.iter().map(|barrier| barrier.dst_stage).collect();
+    assert_eq!(stages, [vk::PipelineStageFlags2::NONE, FRAGMENT, COMPUTE, COMPUTE, COMPUTE]);
+    // The write waits for both readers and for the write before.
+    assert_eq!(found[3].src_stage, COMPUTE | FRAGMENT);
+}
+
+#[test]
+fn indirect_arguments_are_read_at_their_own_stage() {
+    let passes = [write(A), Pass::transfer("indirect").uses(B, usage(COMPUTE, false, true))];
+    let mut plan = Plan::default();
+    plan.step(PassId(0), Command::Dispatch { threads: [1; 3] });
+    plan.step(PassId(1), Command::DispatchIndirect { arguments: A, offset: 0 });
+    plan.step(PassId(0), Command::Dispatch { threads: [1; 3] });
+    let mut tracker = Tracker::new(2, 1);
+    let opening = tracker.begin(&plan, &passes);
+    assert!(opening.dst_stage.contains(vk::PipelineStageFlags2::DRAW_INDIRECT));
+    let found: Vec<_> = plan.steps.iter().map(|s| tracker.before(s, &passes[usize::from(s.pass.0)])).collect();
+    assert_eq!(found[1].dst_stage, vk::PipelineStageFlags2::DRAW_INDIRECT);
+    assert_eq!(found[1].dst_access, vk::AccessFlags2::INDIRECT_COMMAND_READ);
+    // The arguments are written again: their reader is waited for.
+    assert!(found[2].src_stage.contains(vk::PipelineStageFlags2::DRAW_INDIRECT));
+}
+
+#[test]
+fn a_frame_waits_for_the_one_before_and_for_the_host() {
+    let image = Pass::transfer("image").uses(ImageId(0), Usage::COLOUR);
+    let passes = [write(A), fragment_read(A), image];
+    let mut plan = Plan::default();
+    plan.step(PassId(0), Command::Dispatch { threads: [1; 3] });
+    let mut tracker = Tracker::new(2, 1);
+    let opening = tracker.begin(&plan, &passes);
+    // All that the effect's passes may have done, whether this frame does it or not.
+    assert_eq!(opening.src_stage, COMPUTE | FRAGMENT | vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT);
+    let writes = vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::COLOR_ATTACHMENT_WRITE;
+    assert_eq!((opening.src_access, opening.dst_stage), (writes, COMPUTE));
+    tracker.written_before(Resource::Buffer(A), vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE);
+    let found = tracker.before(&plan.steps[0], &passes[0]);
+    assert_eq!((found.src_stage, found.src_access), (vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE));
+}
+
+#[test]
+fn a_slot_is_bound_once_and_used_as_each_stage_says() {
+    let seen = glsl::tiles::SEEN;
+    let pass = Pass::compute("tiles", &glsl::tiles::SHADER).bind(seen, ImageId(0)).bind(seen, ImageId(0));
+    assert_eq!(pass.bindings.len(), 1, "the same slot twice is one descriptor");
+    let unbound: Vec<_> = pass.unbound().map(|slot| slot.name).collect();
+    assert_eq!(unbound, ["SmokeParams", "BlockMasks", "TileGroups"]);
+    let (resource, usage) = pass.uses[0];
+    assert_eq!((resource, usage.writes), (Resource::Image(ImageId(0)), vk::AccessFlags2::NONE));
+    assert_eq!((usage.stage, usage.reads), (COMPUTE, vk::AccessFlags2::SHADER_STORAGE_READ));
+}
+
+fn desc(settings: Settings) -> Desc {
+    Desc {
+        size: [200, 150],
+        target_format: vk::Format::R8G8B8A8_SRGB,
+        dimensions: [32, 32, 32],
+        velocity: true,
+        point_light: false,
+        seed: 0,
+        settings,
+        layers: false,
+        skipping: true,
+    }
+}
+
+/// The effect's side of a frame, and a plan to be filled.
+struct Effect {
+    desc: Desc,
+    layout: Layout,
+    passes: Passes,
+    tables: Tables,
+    plan: Plan,
+}
+
+impl Effect {
+    fn new(desc: Desc) -> Effect {
+        let layout = Layout::new(&desc, RANGE).unwrap();
+        let (passes, tables) = (Passes::new(&desc, &layout), Tables::new(&desc.settings, &layout));
+        let (room, bytes) = steps::capacity(&layout, &tables);
+        Effect { desc, layout, passes, tables, plan: Plan::with_capacity(room, bytes) }
+    }
+
+    fn moment(&self) -> Moment {
+        let shape = Shape { dimensions: self.desc.dimensions, voxel_size: [0.1; 3], origin: [0.0; 3] };
+        Moment { shape, restart: true, new_volume: true, first: true, still: None, same_shadow: None }
+    }
+
+    fn frame(&self) -> Frame {
+        let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
+        let target = HostImage {
+            image: vk::Image::null(),
+            view: vk::ImageView::null(),
+            format: self.desc.target_format,
+            extent: self.desc.size,
+            state_in: state,
+            state_out: state,
+        };
+        Frame {
+            sequence: Sequence::Restart,
+            dt: 0.04,
+            camera: Camera::default(),
+            light: Light::default(),
+            volume: None,
+            target: Some(target),
+            background: Background::Clear([0.0; 4]),
+        }
+    }
+
+    fn fill(&mut self, frame: &Frame, moment: &Moment) {
+        let params = SmokeParams::new(&self.desc, &self.layout, frame, &moment.shape, 0);
+        let Effect { desc, layout, passes, tables, plan } = self;
+        Steps { plan, passes, desc, layout, moment }.fill(frame, &params, tables);
+    }
+
+    /// Names of the steps, each once where it stands several times in a row.
+    fn names(&self) -> Vec<&'static str> {
+        let mut names: Vec<_> =
+            self.plan.steps.iter().map(|step| self.passes.list[usize::from(step.pass.0)].name).collect();
+        names.dedup();
+        names
+    }
+
+    fn reason(&self, name: &str) -> Option<&'static str> {
+        self.plan.skipped.iter().find(|(skipped, _)| *skipped == name).map(|(_, reason)| *reason)
+    }
+}
+
+#[test]
+fn the_steps_of_a_frame_in_order() {
+    let mut effect = Effect::new(desc(Settings::default()));
+    effect.fill(&effect.frame(), &effect.moment());
+    let expected = [
+        "smoke.background",
+        "smoke.params",
+        "smoke.tables",
+        "smoke.volume",
+        "smoke.occupancy",
+        "smoke.field",
+        "smoke.restart",
+        "smoke.advect",
+        "smoke.grow",
+        "smoke.list",
+        "smoke.shadow",
+        "smoke.clear",
+        "smoke.spheres",
+        "smoke.tiles",
+        "smoke.luminance",
+        "smoke.tiles",
+        "smoke.rows",
+        "smoke.columns",
+        "smoke.outline",
+        "smoke.tone",
+        "smoke.composite",
+    ];
+    assert_eq!(effect.names(), expected);
+}
+
+/// A frame in which `change` has been made, and the reason why `name` is not in it.
+fn skipped(settings: Settings, name: &str, change: impl Fn(&mut Frame, &mut Moment)) -> &'static str {
+    let mut effect = Effect::new(desc(settings));
+    let (mut frame, mut moment) = (effect.frame(), effect.moment());
+    effect.fill(&frame, &moment);
+    let before = effect.names().contains(&name);
+    change(&mut frame, &mut moment);
+    effect.fill(&frame, &moment);
+    assert!(!effect.names().contains(&name), "{name} runs");
+    let reason = effect.reason(name).unwrap_or_else(|| panic!("{name}: no reason in {:?}", effect.plan.skipped));
+    assert!(!reason.is_empty());
+    // Where the frame decides and not the settings, the step was there before.
+    let decided_by_frame = frame.target.is_none() || moment.still.is_some() || !moment.new_volume;
+    assert!(before || !decided_by_frame, "{name} never runs");
+    reason
+}
+
+#[test]
+fn what_is_not_needed_is_left_out_and_says_why() {
+    let settings = Settings::default;
+    let nothing = |_: &mut Frame, _: &mut Moment| {};
+    let sharp = Settings { sigma: 0.0, ..settings() };
+    assert_eq!(skipped(sharp.clone(), "smoke.rows", nothing), "sigma is 0");
+    assert_eq!(skipped(sharp, "smoke.columns", nothing), "sigma is 0");
+    let outline = Outline { strength: 0.0, ..Outline::default() };
+    assert_eq!(skipped(Settings { outline, ..settings() }, "smoke.outline", nothing), "strength is 0");
+    let lit = Settings { shadow: Shadow::None, ..settings() };
+    assert_eq!(skipped(lit, "smoke.shadow", nothing), "shadow is \"none\"");
+    for name in ["smoke.volume", "smoke.occupancy"] {
+        assert!(skipped(settings(), name, |_, moment| moment.new_volume = false).contains("unchanged"));
+    }
+    assert_eq!(skipped(settings(), "smoke.tables", |_, moment| moment.first = false), "unchanged");
+    for name in ["smoke.advect", "smoke.grow"] {
+        assert_eq!(skipped(settings(), name, |_, moment| moment.still = Some("held")), "held");
+    }
+    let same = |_: &mut Frame, moment: &mut Moment| moment.same_shadow = Some("same light");
+    assert_eq!(skipped(settings(), "smoke.shadow", same), "same light");
+    let keep = |frame: &mut Frame, _: &mut Moment| frame.background = Background::Keep;
+    assert_eq!(skipped(settings(), "smoke.background", keep), "the target is kept");
+    for name in ["smoke.shadow", "smoke.spheres", "smoke.tiles", "smoke.luminance", "smoke.tone", "smoke.composite"] {
+        assert!(skipped(settings(), name, |frame, _| frame.target = None).starts_with("no target"));
+        assert_eq!(skipped(Settings { particles: 0, ..settings() }, name, nothing), "no particles");
+    }
+}
+
+#[test]
+fn no_particles_leave_nothing_but_the_background() {
+    let mut effect = Effect::new(desc(Settings { particles: 0, ..Settings::default() }));
+    effect.fill(&effect.frame(), &effect.moment());
+    assert_eq!(effect.names(), ["smoke.background"]);
+}
+
+/// Descriptions that reach every pass and every variant of one.
+fn combinations() -> Vec<Desc> {
+    let mut all = Vec::new();
+    for shadow in [Shadow::Exact, Shadow::Map, Shadow::None] {
+        for (grow, radius) in [
+            (Grow::Chosen, Radius::Box),
+            (Grow::Field, Radius::Box),
+            (Grow::Pyramid, Radius::Ball),
+            (Grow::Growth, Radius::Box),
+        ] {
+            for (sigma, strength, operator) in [(4.0, 1.0, Operator::Roberts), (0.0, 0.0, Operator::Second)] {
+                for (flag, integrator) in [(false, Integrator::Euler), (true, Integrator::Rk2)] {
+                    let outline = Outline { strength, operator, ..Outline::default() };
+                    let fade = if flag { 0 } else { 6 };
+                    let settings =
+                        Settings { shadow, grow, radius, sigma, outline, integrator, fade, ..Settings::default() };
+                    all.push(Desc { layers: flag, velocity: flag, point_light: flag, ..desc(settings) });
+                }
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn every_slot_of_every_pass_is_bound_to_something_that_is_there() {
+    for desc in combinations() {
+        let effect = Effect::new(desc);
+        let images = effect.layout.images(&effect.desc).len() as u16;
+        for pass in &effect.passes.list {
+            let unbound: Vec<_> = pass.unbound().map(|slot| slot.name).collect();
+            assert_eq!(unbound, [""; 0], "{}, {:?}", pass.name, effect.desc.settings);
+            for (slot, resource) in &pass.bindings {
+                let own = match resource {
+                    Resource::Buffer(id) => id.0 < layout::BUFFERS,
+                    Resource::Image(id) => id.0 < images,
+                };
+                assert!(own, "{}: {} is bound to {resource:?}", pass.name, slot.name);
+                assert!(pass.uses.iter().any(|(used, _)| used == resource), "{}: {}", pass.name, slot.name);
+            }
+            let (mut bindings, count) =
+                (pass.bindings.iter().map(|b| b.0.binding).collect::<Vec<_>>(), pass.bindings.len());
+            bindings.sort_unstable();
+            bindings.dedup();
+            assert_eq!(bindings.len(), count, "{}: two resources at one binding", pass.name);
+        }
+    }
+}
+
+#[test]
+fn every_step_is_what_its_pass_can_do_and_fits() {
+    for desc in combinations() {
+        let mut effect = Effect::new(desc);
+        effect.fill(&effect.frame(), &effect.moment());
+        for step in &effect.plan.steps {
+            let pass = &effect.passes.list[usize::from(step.pass.0)];
+            let pushed: u32 = pass.shaders().into_iter().flatten().map(|shader| shader.push_size).max().unwrap_or(0);
+            assert_eq!(step.constants_len as u32, pushed, "{}: push constants", pass.name);
+            let fits = match (&pass.kernel, step.command) {
+                (Kernel::Compute(_), Command::Dispatch { threads }) => threads.iter().all(|n| *n > 0),
+                (Kernel::Compute(_), Command::DispatchIndirect { arguments, offset }) => {
+                    offset + 12 <= effect.layout.size(arguments)
+                }
+                (Kernel::Raster(_), Command::DrawIndirect { arguments, offset }) => {
+                    offset + 16 <= effect.layout.size(arguments)
+                }
+                (Kernel::Transfer, Command::Update { buffer, bytes, .. }) => {
+                    // vkCmdUpdateBuffer takes multiples of 4 up to 64 KiB.
+                    bytes as u64 <= effect.layout.size(buffer) && bytes <= 65_536 && bytes % 4 == 0
+                }
+                (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= effect.layout.size(to),
+                (Kernel::Transfer, Command::Fill { .. } | Command::Clear { .. } | Command::CopyImage { .. }) => true,
+                _ => false,
+            };
+            assert!(fits, "{}: {:?}", pass.name, step.command);
+            // What a transfer touches, its pass has declared.
+            let touched: Vec<Resource> = match step.command {
+                Command::Fill { buffer, .. } | Command::Update { buffer, .. } => vec![buffer.into()],
+                Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
+                Command::Clear { image, .. } => vec![image.into()],
+                Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],
+                _ => vec![],
+            };
+            for resource in touched {
+                assert!(pass.uses.iter().any(|(used, _)| *used == resource), "{}: {resource:?}", pass.name);
+            }
+        }
+    }
+}
+
+/// A shader's write that a later step of another pass reads without a barrier between them.
+#[test]
+fn barriers_of_whole_frames_cover_every_dependency() {
+    for desc in combinations() {
+        let mut effect = Effect::new(desc);
+        effect.fill(&effect.frame(), &effect.moment());
+        let images = effect.layout.images(&effect.desc).len() + 2;
+        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + 2, images);
+        tracker.begin(&effect.plan, &effect.passes.list);
+        // For each resource the last write: its step, stages and accesses; and all barriers so far, by step.
+        let mut written: std::collections::HashMap<Resource, (usize, Usage)> = Default::default();
+        let mut barriers: Vec<Barrier> = Vec::new();
+        for (index, step) in effect.plan.steps.iter().enumerate() {
+            let pass = &effect.passes.list[usize::from(step.pass.0)];
+            barriers.push(tracker.before(step, pass));
+            let indirect = step.arguments().map(|id| (Resource::Buffer(id), Usage::INDIRECT));
+            for (resource, usage) in pass.uses.iter().copied().chain(indirect) {
+                let Some((since, write)) = written.get(&resource) else { continue };
+                let covered = barriers[since + 1..].iter().any(|barrier| {
+                    barrier.src_stage.contains(write.stage)
+                        && barrier.src_access.contains(write.writes)
+                        && barrier.dst_stage.contains(usage.stage)
+                        && barrier.dst_access.contains(usage.access())
+                });
+                assert!(covered, "{} at step {index} does not wait for the write of {resource:?}", pass.name);
+            }
+            for (resource, usage) in pass.uses.iter().filter(|(_, usage)| !usage.writes.is_empty()) {
+                written.insert(*resource, (index, *usage));
+            }
+        }
+    }
+}
+
+#[test]
+fn planning_allocates_nothing() {
+    let count = allocated();
+    drop(std::hint::black_box(vec![1_u8; 100]));
+    assert!(allocated() > count, "allocations are not counted");
+    for desc in combinations() {
+        let mut effect = Effect::new(desc);
+        let (frame, mut moment) = (effect.frame(), effect.moment());
+        for first in [true, false] {
+            moment.first = first;
+            let before = allocated();
+            effect.fill(&frame, &moment);
+            assert_eq!(allocated() - before, 0, "{:?}", effect.desc.settings);
+        }
+        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + 2, 5);
+        let before = allocated();
+        tracker.begin(&effect.plan, &effect.passes.list);
+        for step in &effect.plan.steps {
+            std::hint::black_box(tracker.before(step, &effect.passes.list[usize::from(step.pass.0)]));
+        }
+        assert_eq!(allocated() - before, 0, "barriers");
+    }
+}
+
+/// Every device can dispatch 65,535 workgroups along an axis, and many no more.
+#[test]
+fn dispatches_stay_within_every_devices_limit() {
+    for (dimensions, particles) in
+        [([256; 3], 1_000_000), ([320, 320, 319], 500), ([17, 1300, 1300], 500), ([16_384, 2048, 1], 1_000_000)]
+    {
+        for grow in [Grow::Chosen, Grow::Pyramid] {
+            let settings = Settings { particles, fade: 0, grow, ..Settings::default() };
+            let mut effect = Effect::new(Desc { dimensions, velocity: false, ..desc(settings) });
+            effect.fill(&effect.frame(), &effect.moment());
+            for step in &effect.plan.steps {
+                let pass = &effect.passes.list[usize::from(step.pass.0)];
+                if let (Kernel::Compute(shader), Command::Dispatch { threads }) = (&pass.kernel, step.command) {
+                    let groups = [0, 1, 2].map(|axis| threads[axis].div_ceil(shader.local_size[axis]));
+                    assert!(groups.iter().all(|n| *n <= 65_535), "{}, {dimensions:?}: {groups:?} groups", shader.file);
+                }
+            }
+        }
+    }
+}
