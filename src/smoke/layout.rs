@@ -33,8 +33,10 @@ macro_rules! buffers {
         pub const BUFFERS: u16 = Order::COUNT as u16;
         /// What shaders call them.
         const BLOCKS: [&str; BUFFERS as usize] = [$($name),*];
-        /// What debuggers and errors call them.
+        /// What debuggers call them.
         const NAMES: [&str; BUFFERS as usize] = [$(concat!("smoke ", $name)),*];
+        /// What errors call their sizes.
+        const SIZES: [&str; BUFFERS as usize] = [$(concat!("smoke's buffer ", $name, " (in bytes)")),*];
     };
 }
 
@@ -272,14 +274,18 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            DENSITY | VELOCITY | OCCUPANCY | FIELD | FIELD_COLUMNS => "use a smaller volume",
-            PICTURE | TONE_LAYER | ROW_SUMS => "render a smaller picture",
+            DENSITY | VELOCITY | OCCUPANCY | BIRTH_COUNTS | FIELD | FIELD_COLUMNS | CONTINUATIONS => {
+                "use a smaller volume"
+            }
+            PIXELS | DEPTH | SHADOW | SMOOTH | LINES | PICTURE | TONE_LAYER | OUTLINE_LAYER | BLOCK_MASKS
+            | TILE_GROUPS | OCCUPIED_TILES | REACHED | ROW_ITEMS | COLUMN_ITEMS | ROW_SLOTS | ROW_SUMS
+            | ITEM_ARGUMENTS => "render a smaller picture",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "use fewer particles or less fade",
         };
         for (index, needed) in self.bytes.iter().enumerate() {
             if *needed > limit {
-                let what = NAMES[index];
+                let what = SIZES[index];
                 return Err(Error::Limit { what, needed: *needed, limit, advice: advice(BufferId(index as u16)) });
             }
         }
