@@ -135,11 +135,12 @@ impl Offline {
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own, and every submission has been waited for.
         let (from, image) = unsafe {
-            if self.parts.backdrop.is_none() {
-                self.parts.backdrop = Some(Image::new(&host, allocator, &image_desc("backdrop", size))?);
-            }
-            let from = self.parts.upload.write(&host, allocator, "upload", bytes)?;
-            (from, self.parts.backdrop.as_ref().map_or(vk::Image::null(), |image| image.handle))
+            let image = match self.parts.backdrop.take() {
+                Some(image) => image,
+                None => Image::new(&host, allocator, &image_desc("backdrop", size))?,
+            };
+            let image = self.parts.backdrop.insert(image).handle;
+            (self.parts.upload.write(&host, allocator, "upload", bytes)?, image)
         };
         self.device.one_time("backdrop", |host, commands| {
             // SAFETY: buffer and image are alive until the wait is over, and nothing else uses them.
