@@ -1,7 +1,6 @@
 //! A host of celfx's own: renders the smoke effect's frames into memory, for the program and for tests.
 //!
-//! One frame at a time: upload the volume, record, submit, wait, read back. After a wait that did not end nothing is
-//! reused or destroyed: the device may still be at it.
+//! One frame at a time: upload, record, submit, wait. After a wait that did not end nothing is reused or destroyed.
 
 use ash::vk;
 
@@ -17,10 +16,8 @@ use crate::profile::FrameTimes;
 use crate::smoke::{Background, Desc, Frame, Sequence, Smoke, VolumeInput};
 use crate::view::{Camera, Light};
 
-/// Format of the target that frames are rendered to.
+/// Format of the target.
 pub const TARGET_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-/// Bytes of a pixel of it.
-const PIXEL_BYTES: u64 = 16;
 
 /// One frame, as a shot says it.
 #[derive(Clone, Copy, Debug)]
@@ -109,10 +106,9 @@ impl Offline {
     fn make_download(&mut self) -> Result<()> {
         self.is_read = false;
         let layers: u64 = self.layer_copies().iter().map(|copy| copy.from.2).sum();
-        let bytes = pixel_bytes(self.size) + layers;
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own, and every frame has been waited for.
-        unsafe { self.parts.frame.fit(&host, allocator, "frame read back", bytes) }
+        unsafe { self.parts.frame.fit(&host, allocator, "frame read back", pixel_bytes(self.size) + layers) }
     }
 
     /// The colour under the smoke: linear RGBA, premultiplied. Black and transparent at first.
@@ -218,17 +214,16 @@ impl Offline {
         let Parts { smoke, upload, velocity: velocities, .. } = &mut self.parts;
         let wants_velocity = smoke.as_ref().is_some_and(|smoke| smoke.desc().velocity);
         let (host, allocator) = self.device.parts();
-        let Volume { dimensions, voxel_size, origin, density, velocity } = volume;
+        let Volume { dimensions, voxel_size, origin, .. } = *volume;
+        let values = volume.velocity.as_deref().filter(|_| wants_velocity);
         // SAFETY: the device is this host's own, and every submission has been waited for.
         let (density, velocity) = unsafe {
-            let density = upload.write(&host, allocator, "upload", bytemuck::cast_slice(density))?;
-            let velocity = velocity
-                .as_ref()
-                .filter(|_| wants_velocity)
-                .map(|values| velocities.write(&host, allocator, "velocity upload", bytemuck::cast_slice(values)));
-            (density, velocity.transpose()?)
+            let density = upload.write(&host, allocator, "upload", bytemuck::cast_slice(&volume.density))?;
+            let write = |values: &[[f32; 3]]| {
+                velocities.write(&host, allocator, "velocity upload", bytemuck::cast_slice(values))
+            };
+            (density, values.map(write).transpose()?)
         };
-        let (dimensions, voxel_size, origin) = (*dimensions, *voxel_size, *origin);
         Ok(VolumeInput { dimensions, voxel_size, origin, density, velocity })
     }
 
@@ -313,10 +308,8 @@ impl Offline {
 
     /// Nothing may be reused while it may still be running.
     fn check_free(&self) -> Result<()> {
-        match self.device.is_stuck() {
-            true => Err(Error::vulkan("vkWaitForFences", "an earlier submission")(vk::Result::TIMEOUT)),
-            false => Ok(()),
-        }
+        let running = || Error::vulkan("vkWaitForFences", "an earlier submission")(vk::Result::TIMEOUT);
+        (!self.device.is_stuck()).then_some(()).ok_or_else(running)
     }
 
     fn image(&self, image: &Option<Image>, state_in: ImageState) -> Option<HostImage> {
@@ -352,5 +345,5 @@ fn image_desc(name: &'static str, extent: [u32; 2]) -> ImageDesc {
 }
 
 fn pixel_bytes(size: [u32; 2]) -> u64 {
-    u64::from(size[0]) * u64::from(size[1]) * PIXEL_BYTES
+    u64::from(size[0]) * u64::from(size[1]) * size_of::<[f32; 4]>() as u64
 }

@@ -399,3 +399,42 @@ pub fn growth_rows(shape: &Shape) -> u32 {
     let shells = ((reach + 2.0 * largest) / smallest).ceil() + 1.0;
     ((shells + 1.0) * (4.0 * (shells + 1.0).powi(2) - 1.0) / 3.0).min(f64::from(u32::MAX)) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::smoke::Settings;
+
+    #[test]
+    fn what_is_too_large_says_what_to_change() {
+        let desc = Desc {
+            size: [8, 8],
+            target_format: vk::Format::R32G32B32A32_SFLOAT,
+            dimensions: [4; 3],
+            velocity: false,
+            point_light: false,
+            seed: 0,
+            settings: Settings { particles: 1, ..Settings::default() },
+            layers: true,
+            skipping: true,
+        };
+        let limit = 1 << 27;
+        let layout = Layout::new(&desc, limit).expect("small");
+        for (id, name, advice) in [
+            (DEPTH, "Depth", "render a smaller picture"),
+            (PICTURE, "Picture", "render a smaller picture"),
+            (BLOCK_MASKS, "BlockMasks", "render a smaller picture"),
+            (ROW_ITEMS, "RowItems", "render a smaller picture"),
+            (OUTLINE_LAYER, "OutlineLayer", "render a smaller picture"),
+            (SPHERES, "Spheres", "use fewer particles or less fade"),
+            (CASTERS, "Casters", "use fewer particles, less fade, or shadow = \"map\""),
+            (FIELD, "Field", "use a smaller volume"),
+        ] {
+            let mut layout = layout.clone();
+            layout.set(id, limit + 16);
+            let said = layout.check(limit).expect_err(name).to_string();
+            let expected = format!("needs 134217744, this device allows 134217728; {advice}");
+            assert_eq!(said, format!("smoke's buffer {name} (in bytes) {expected}"));
+        }
+    }
+}
