@@ -305,6 +305,7 @@ fn a_killed_run_leaves_whole_frames_and_resume_completes_them() {
 
     let output = celfx(&folder, &[&killed[..], &["--resume"]].concat()).output().expect("the program runs");
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(folder.parts(), Vec::<String>::new(), "what the killed run left is removed");
     for (of, from) in [("killed", "whole"), ("killed/layers", "whole/layers")] {
         assert_eq!(visible(of).collect::<Vec<_>>(), visible(from).collect::<Vec<_>>());
         for name in visible(of).filter(|name| name != "layers") {
@@ -408,8 +409,12 @@ fn nothing_to_see_is_the_background() {
             let rendered = picture::read(&folder.0.join(format!("o/{frame}.png"))).expect("readable");
             let expected = picture::read(&folder.0.join("sky.png")).expect("readable");
             assert!(rendered == expected, "{smoke}: frame {frame} is the very background");
-            let depth = image::read_exr(&folder.0.join(format!("l/smoke.depth.{frame}.exr"))).expect("a layer");
-            assert!(depth.channels[0].1.iter().all(|d| *d == f32::INFINITY), "{smoke}");
+            let empty = [("depth", f32::INFINITY), ("shadow", 1.0), ("id", 0.0), ("luminance", 0.0), ("outline", 0.0)];
+            for (layer, empty) in empty.into_iter().chain([("smooth", 0.0), ("tone", 0.0)]) {
+                let picture = image::read_exr(&folder.0.join(format!("l/smoke.{layer}.{frame}.exr"))).expect(layer);
+                let values = picture.channels.iter().flat_map(|(_, values)| values);
+                assert!(values.into_iter().all(|value| *value == empty), "{smoke}: {layer}");
+            }
             let spheres = fs::read(folder.0.join(format!("l/smoke.spheres.{frame}.npy"))).expect("spheres");
             assert_eq!(npyz::NpyFile::new(&spheres[..]).expect("an array").shape(), [0, 5], "{smoke}");
         }

@@ -14,6 +14,8 @@ mod gaussian;
 mod groups;
 #[path = "smoke/host.rs"]
 mod host;
+#[path = "smoke/offline.rs"]
+mod offline;
 #[path = "smoke/particles.rs"]
 mod particles;
 #[path = "smoke/radius.rs"]

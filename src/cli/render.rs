@@ -19,7 +19,7 @@ use super::{Common, Failure, interrupt, print};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
 use crate::io::volume::{Volume, VolumeSequence};
-use crate::io::{ReadError, picture, write_atomic};
+use crate::io::{ReadError, picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
 use device::Renderer;
 use encode::{Pool, Shared};
@@ -116,6 +116,9 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let timed = options.profile.is_some() || !common.quiet;
     let job = Job { shot, first, outputs, strips, timed, common };
     let missing = job.missing(last, options.resume)?;
+    // Only what this run will write itself: another one may be at the other frames.
+    let files = missing.iter().flat_map(|frame| job.outputs.files(*frame, &layers::LAYERS));
+    remove_stale_parts(files.chain(others.iter().map(|path| path.to_path_buf())));
     let times = match missing.last() {
         Some(&last) => job.render(&missing, last)?,
         None => Vec::new(),
@@ -192,7 +195,7 @@ impl Job<'_> {
             interrupt::check()?;
             let (number, volume) = step?;
             let is_rendered = missing.binary_search(&number).is_ok();
-            let (frame, frame_times) = renderer.step(&self.shot, number, volume.as_deref(), is_rendered)?;
+            let (frame, frame_times) = renderer.step(number, volume.as_deref(), is_rendered)?;
             if let Some(frame) = frame {
                 times.extend(frame_times);
                 send(frame)?;

@@ -253,6 +253,12 @@ impl Headless {
         self.opened.instance.messages.clone()
     }
 
+    /// Whether a wait did not end: something may still be running, so nothing that was submitted may be reused or
+    /// destroyed, ever.
+    pub fn is_stuck(&self) -> bool {
+        self.stuck
+    }
+
     /// Begins commands.
     pub fn begin(&mut self) -> Result<Commands> {
         let slot = match self.free.pop() {
@@ -313,14 +319,16 @@ impl Headless {
         }
     }
 
-    /// Waits for a submission, at most [`Options::timeout`]: then the result is `TIMEOUT`, and what runs is left alone.
+    /// Waits for a submission, at most [`Options::timeout`]: then the result is `TIMEOUT`, and what runs is left alone
+    /// (see [`Headless::is_stuck`]).
     pub fn wait(&mut self, submission: Submission) -> Result<()> {
         let Submission { slot, what } = submission;
         let nanoseconds = u64::try_from(self.timeout.as_nanos()).unwrap_or(u64::MAX - 1);
         // SAFETY: the fence was submitted and belongs to the device.
         let waited = unsafe { self.opened.device.wait_for_fences(&[slot.fence], true, nanoseconds) };
         if let Err(result) = waited {
-            self.stuck |= result == vk::Result::TIMEOUT;
+            // Only a lost device is known to be done.
+            self.stuck |= result != vk::Result::ERROR_DEVICE_LOST;
             return Err(Error::vulkan("vkWaitForFences", what)(result));
         }
         // SAFETY: the fence has signalled.

@@ -10,7 +10,7 @@ use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::raster::area;
 use crate::gpu::resources::{BufferSlot, ImageSlot, Resources};
 use crate::host::{Host, ImageState};
-use crate::plan::{Command, Kernel, Pass, Plan, Raster, Resource, Step};
+use crate::plan::{Command, ImageId, Kernel, Pass, Plan, Raster, Resource, Step, Usage};
 
 /// Records plans of one effect.
 #[derive(Debug)]
@@ -66,6 +66,7 @@ impl Recorder {
                 };
                 let derived = self.tracker.before(step, pass);
                 barrier(host, commands, if self.mode == Mode::Isolated { &isolated } else { &derived });
+                arrange(host, commands, resources, pass);
                 debug::begin_label(host, commands, pass.name);
                 timing.begin_scope(host, commands, pass.name);
                 let walk = Walk { host, commands, resources, plan };
@@ -81,7 +82,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Orders the frame after the one before it, and takes the host's resources over.
+    /// Orders the frame after the one before it, and takes the host's buffers over.
     unsafe fn open(&mut self, plan: &Plan, recording: &mut Recording) {
         let Recording { host, commands, passes, resources, .. } = recording;
         let opening = self.tracker.begin(plan, passes);
@@ -94,28 +95,44 @@ impl Recorder {
             }
         }
         for slot in &resources.images {
-            let (image, aspect, from, layout) = match slot {
-                ImageSlot::Own(image) if !resources.initialised => {
-                    (image.handle, image.aspect, ImageState::default(), vk::ImageLayout::GENERAL)
-                }
-                ImageSlot::Host(Some(host)) => (host.image, aspect_of(host.format), host.state_in, host_layout()),
-                _ => continue,
-            };
-            let to = ImageState {
-                stage: vk::PipelineStageFlags2::ALL_COMMANDS,
-                access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
-                layout,
-            };
-            // SAFETY: the caller's.
-            unsafe { transition(host, *commands, image, aspect, from, to) };
+            let ImageSlot::Own(image) = slot else { continue };
+            if !resources.initialised {
+                let to = ImageState {
+                    stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+                    access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
+                    layout: vk::ImageLayout::GENERAL,
+                };
+                // SAFETY: the caller's.
+                unsafe { transition(host, *commands, image.handle, image.aspect, ImageState::default(), to) };
+            }
         }
         resources.initialised = true;
     }
 }
 
-/// The layout of host images while an effect has them: they are cleared, copied and attached in one frame.
-fn host_layout() -> vk::ImageLayout {
-    vk::ImageLayout::GENERAL
+/// The state in which a host image is used so. Own images stay in GENERAL; the host's take the layout of each use.
+fn used(usage: &Usage) -> ImageState {
+    let layout = match *usage {
+        Usage::COPY_SOURCE => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+        Usage::COPY_TARGET => vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+        Usage::COLOUR => vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        _ => vk::ImageLayout::GENERAL,
+    };
+    ImageState { stage: usage.stage, access: usage.access(), layout }
+}
+
+/// Brings the host's images into the states in which `pass` uses them.
+unsafe fn arrange(host: &Host, commands: vk::CommandBuffer, resources: &mut Resources, pass: &Pass) {
+    for (resource, usage) in &pass.uses {
+        let Resource::Image(id) = resource else { continue };
+        let ImageSlot::Host(Some(image)) = &mut resources.images[usize::from(id.0)] else { continue };
+        let to = used(usage);
+        let from = std::mem::replace(&mut image.state_in, to);
+        if from != to || !usage.writes.is_empty() {
+            // SAFETY: the caller's.
+            unsafe { transition(host, commands, image.image, aspect_of(image.format), from, to) };
+        }
+    }
 }
 
 fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
@@ -132,13 +149,10 @@ fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
 unsafe fn close(host: &Host, commands: vk::CommandBuffer, resources: &Resources) {
     for slot in &resources.images {
         if let ImageSlot::Host(Some(image)) = slot {
-            let from = ImageState {
-                stage: vk::PipelineStageFlags2::ALL_COMMANDS,
-                access: vk::AccessFlags2::MEMORY_WRITE,
-                layout: host_layout(),
-            };
             // SAFETY: the caller's.
-            unsafe { transition(host, commands, image.image, aspect_of(image.format), from, image.state_out) };
+            unsafe {
+                transition(host, commands, image.image, aspect_of(image.format), image.state_in, image.state_out)
+            };
         }
     }
 }
@@ -258,13 +272,12 @@ impl Walk<'_> {
 
     unsafe fn render(&self, step: &Step, raster: &Raster) {
         let device = self.host.device;
-        let general = vk::ImageLayout::GENERAL;
         let load = |clears: bool| if clears { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
         let colour = raster.colour.map(|colour| {
             let uint32 = colour.clear.unwrap_or_default();
             vk::RenderingAttachmentInfo::default()
                 .image_view(self.resources.attachment_view(colour.image, 0))
-                .image_layout(general)
+                .image_layout(self.layout(colour.image, &Usage::COLOUR))
                 .load_op(load(colour.clear.is_some()))
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32 } })
@@ -273,7 +286,7 @@ impl Walk<'_> {
             let depth_stencil = vk::ClearDepthStencilValue { depth: depth.clear.unwrap_or_default(), stencil: 0 };
             vk::RenderingAttachmentInfo::default()
                 .image_view(self.resources.attachment_view(depth.image, depth.layer))
-                .image_layout(general)
+                .image_layout(vk::ImageLayout::GENERAL)
                 .load_op(load(depth.clear.is_some()))
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(vk::ClearValue { depth_stencil })
@@ -300,9 +313,16 @@ impl Walk<'_> {
         }
     }
 
+    /// The layout of an image while it is used so.
+    fn layout(&self, id: ImageId, usage: &Usage) -> vk::ImageLayout {
+        match &self.resources.images[usize::from(id.0)] {
+            ImageSlot::Own(_) => vk::ImageLayout::GENERAL,
+            ImageSlot::Host(_) => used(usage).layout,
+        }
+    }
+
     unsafe fn transfer(&self, step: &Step, pass: &Pass) -> Result<()> {
         let device = self.host.device;
-        let general = vk::ImageLayout::GENERAL;
         // SAFETY: the caller's.
         unsafe {
             match step.command {
@@ -317,7 +337,8 @@ impl Walk<'_> {
                 Command::Clear { image, value } => {
                     let value = vk::ClearColorValue { uint32: value };
                     let range = [whole(vk::ImageAspectFlags::COLOR)];
-                    device.cmd_clear_color_image(self.commands, self.resources.image(image), general, &value, &range);
+                    let layout = self.layout(image, &Usage::COPY_TARGET);
+                    device.cmd_clear_color_image(self.commands, self.resources.image(image), layout, &value, &range);
                 }
                 Command::CopyBuffer { from, to, bytes } => {
                     let (from, src_offset, available) = self.resources.buffer(from);
@@ -340,8 +361,9 @@ impl Walk<'_> {
                         .src_subresource(layers)
                         .dst_subresource(layers)
                         .extent(vk::Extent3D { width, height, depth: 1 })];
+                    let layouts = (self.layout(from, &Usage::COPY_SOURCE), self.layout(to, &Usage::COPY_TARGET));
                     let (from, to) = (self.resources.image(from), self.resources.image(to));
-                    device.cmd_copy_image(self.commands, from, general, to, general, &regions);
+                    device.cmd_copy_image(self.commands, from, layouts.0, to, layouts.1, &regions);
                 }
                 _ => debug_assert!(false, "a transfer pass copies, clears, fills or updates"),
             }

@@ -23,7 +23,7 @@ pub enum BufferSlot {
 pub enum ImageSlot {
     /// Made by celfx; always in layout GENERAL once initialised.
     Own(Image),
-    /// The host's, for the frame being recorded.
+    /// The host's, for the frame being recorded; `state_in` is the state in which the steps recorded so far leave it.
     Host(Option<HostImage>),
 }
 

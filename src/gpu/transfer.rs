@@ -17,12 +17,10 @@ pub const COPIED_FROM: ImageState = ImageState {
 
 /// A buffer that the host writes and the device copies from. Grows as needed.
 #[derive(Debug, Default)]
-pub struct Upload {
-    buffer: Option<Buffer>,
-}
+pub struct Upload(Option<Buffer>);
 
 impl Upload {
-    /// Puts `bytes` (at least 1) into the buffer, which is made anew if they do not fit.
+    /// Puts `bytes` into the buffer, which is made anew if they do not fit.
     ///
     /// # Safety
     /// The device is done with what was uploaded before; `host` holds valid handles and is always the same one, and
@@ -35,19 +33,12 @@ impl Upload {
         bytes: &[u8],
     ) -> Result<HostBuffer> {
         let size = bytes.len() as u64;
-        if self.buffer.as_ref().is_none_or(|buffer| buffer.size < size) {
-            // SAFETY: the caller's.
-            unsafe {
-                self.destroy(host, allocator);
-                let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-                let desc = BufferDesc { name, size, usage, location: MemoryLocation::CpuToGpu };
-                self.buffer = Some(Buffer::new(host, allocator, &desc)?);
-            }
-        }
+        let (usage, location) = (vk::BufferUsageFlags::TRANSFER_SRC, MemoryLocation::CpuToGpu);
+        // SAFETY: the caller's.
+        let buffer = unsafe { grown(&mut self.0, host, allocator, BufferDesc { name, size, usage, location })? };
+        let memory = buffer.mapped_mut().and_then(|memory| memory.get_mut(..bytes.len()));
         let unmapped = || Error::HostResource { name, why: "its memory cannot be mapped".into() };
-        let buffer = self.buffer.as_mut().ok_or_else(unmapped)?;
-        let memory = buffer.mapped_mut().and_then(|memory| memory.get_mut(..bytes.len())).ok_or_else(unmapped)?;
-        memory.copy_from_slice(bytes);
+        memory.ok_or_else(unmapped)?.copy_from_slice(bytes);
         // Submitting makes what the host wrote visible.
         let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
         Ok(HostBuffer { buffer: buffer.handle, offset: 0, size, stage, access })
@@ -58,9 +49,70 @@ impl Upload {
     /// # Safety
     /// As for [`Upload::write`].
     pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
-        if let Some(mut buffer) = self.buffer.take() {
+        if let Some(mut buffer) = self.0.take() {
             // SAFETY: the caller's.
             unsafe { buffer.destroy(host, allocator) };
+        }
+    }
+}
+
+/// A buffer that the device copies to and the host reads. Grows as needed.
+#[derive(Debug, Default)]
+pub struct Download(Option<Buffer>);
+
+impl Download {
+    /// A buffer of at least `size` bytes, made anew if it has fewer; what it held is lost then.
+    ///
+    /// # Safety
+    /// The device is done with what was read back before; `host` holds valid handles and is always the same one, and
+    /// `allocator` belongs to its device.
+    pub unsafe fn fit(&mut self, host: &Host, allocator: &mut Allocator, name: &'static str, size: u64) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe { grown(&mut self.0, host, allocator, readback(name, size)).map(drop) }
+    }
+
+    /// The buffer; none before [`Download::fit`].
+    pub fn buffer(&self) -> Option<&Buffer> {
+        self.0.as_ref()
+    }
+
+    /// What the device copied, once it has been waited for.
+    pub fn bytes(&self) -> &[u8] {
+        self.0.as_ref().and_then(Buffer::mapped).unwrap_or_default()
+    }
+
+    /// Destroys the buffer.
+    ///
+    /// # Safety
+    /// As for [`Download::fit`].
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        if let Some(mut buffer) = self.0.take() {
+            // SAFETY: the caller's.
+            unsafe { buffer.destroy(host, allocator) };
+        }
+    }
+}
+
+/// The buffer, made anew if it is smaller than described.
+///
+/// # Safety
+/// `host` and `allocator` are those that it was made with, and the device is done with it.
+unsafe fn grown<'a>(
+    buffer: &'a mut Option<Buffer>,
+    host: &Host,
+    allocator: &mut Allocator,
+    desc: BufferDesc,
+) -> Result<&'a mut Buffer> {
+    // A buffer of no bytes does not exist.
+    let desc = BufferDesc { size: desc.size.max(16), ..desc };
+    // SAFETY: the caller's.
+    unsafe {
+        if let Some(mut small) = buffer.take_if(|buffer| buffer.size < desc.size) {
+            small.destroy(host, allocator);
+        }
+        match buffer {
+            Some(buffer) => Ok(buffer),
+            None => Ok(buffer.insert(Buffer::new(host, allocator, &desc)?)),
         }
     }
 }

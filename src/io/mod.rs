@@ -2,6 +2,8 @@
 //!
 //! Every writer is atomic: a file appears whole or not at all (see [`write_atomic`]).
 
+use std::collections::HashMap;
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -52,7 +54,7 @@ pub struct WriteError {
 
 /// Writes `path` so that it appears whole or not at all: into a hidden file `.NAME.PID.part` beside it, synced, then
 /// renamed. Folders that are missing are made, a file of that name is replaced, and a `.part` that a killed run left
-/// behind does not disturb. On an error the `.part` is removed and what was at `path` stays.
+/// behind does not disturb (see [`remove_stale_parts`]). On an error the `.part` is removed and what was at `path` stays.
 pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
     write_atomic_io(path, write).map_err(|source| WriteError { path: path.into(), source })
 }
@@ -67,7 +69,7 @@ fn write_atomic_io(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(folder)?;
-    let mut part_name = std::ffi::OsString::from(".");
+    let mut part_name = OsString::from(".");
     part_name.push(name);
     part_name.push(format!(".{}.part", std::process::id()));
     let part = folder.join(part_name);
@@ -91,6 +93,43 @@ fn fill(part: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>)
     write(&mut writer)?;
     writer.flush()?;
     writer.get_ref().sync_all()
+}
+
+/// Removes what killed runs left of [`write_atomic`] to any of `paths`: every `.NAME.PID.part` whose process is gone.
+/// Other processes that write the same files keep theirs. Nothing is removed where processes cannot be looked up (no
+/// `/proc`), and what cannot be removed stays.
+pub fn remove_stale_parts(paths: impl IntoIterator<Item = PathBuf>) {
+    if !Path::new("/proc/self").exists() {
+        return;
+    }
+    let mut folders: HashMap<PathBuf, HashMap<OsString, Vec<PathBuf>>> = HashMap::new();
+    for path in paths {
+        let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { continue };
+        let parts = match folders.get_mut(folder) {
+            Some(parts) => parts,
+            None => folders.entry(folder.into()).or_insert_with(|| stale_parts(folder)),
+        };
+        for part in parts.remove(name).unwrap_or_default() {
+            // It was half a file that nobody will finish; the next run tries again.
+            let _ = fs::remove_file(part);
+        }
+    }
+}
+
+/// The parts in a folder whose process is gone, by the name of the file that they were to become.
+fn stale_parts(folder: &Path) -> HashMap<OsString, Vec<PathBuf>> {
+    let mut parts: HashMap<OsString, Vec<PathBuf>> = HashMap::new();
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let file = entry.file_name();
+        let name = file.to_str().and_then(|name| name.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.'));
+        let Some((name, process)) = name else { continue };
+        let is_gone = process.parse::<u32>().is_ok_and(|id| !Path::new(&format!("/proc/{id}")).exists());
+        if is_gone {
+            parts.entry(name.into()).or_default().push(entry.path());
+        }
+    }
+    parts
 }
 
 #[cfg(test)]
@@ -161,6 +200,31 @@ pub(crate) mod tests {
         write_atomic(&folder.0.join("frame.bin"), |w| w.write_all(b"new")).unwrap();
         assert_eq!(fs::read(folder.0.join("frame.bin")).unwrap(), b"new");
         assert_eq!(folder.names(), [".frame.bin.1.part", "frame.bin"]);
+    }
+
+    #[test]
+    fn parts_of_processes_that_are_gone_are_removed() {
+        if !Path::new("/proc/self").exists() {
+            return;
+        }
+        let folder = Folder::new();
+        let mut ended = std::process::Command::new("true").spawn().unwrap();
+        ended.wait().unwrap();
+        let (gone, own) = (ended.id(), std::process::id());
+        let kept = [
+            format!(".1.png.{own}.part"),
+            ".1.png.part".into(),
+            ".1.png.x.part".into(),
+            format!(".10.png.{gone}.part"),
+            "1.png".into(),
+            format!("1.png.{gone}.part"),
+        ];
+        let removed = [format!(".1.png.{gone}.part"), format!(".2.png.{gone}.part")];
+        kept.iter().chain(&removed).for_each(|name| fs::write(folder.0.join(name), b"half").unwrap());
+        remove_stale_parts(["1.png", "2.png", "3.png", "no folder/1.png"].map(|name| folder.0.join(name)));
+        let mut kept = kept;
+        kept.sort();
+        assert_eq!(folder.names(), kept);
     }
 
     #[test]

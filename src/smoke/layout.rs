@@ -35,8 +35,10 @@ macro_rules! buffers {
         pub const BUFFERS: u16 = Order::COUNT as u16;
         /// What shaders call them.
         const BLOCKS: [&str; BUFFERS as usize] = [$($name),*];
-        /// What debuggers and errors call them.
+        /// What debuggers call them.
         const NAMES: [&str; BUFFERS as usize] = [$(concat!("smoke ", $name)),*];
+        /// What errors call their sizes.
+        const SIZES: [&str; BUFFERS as usize] = [$(concat!("smoke's buffer ", $name, " (in bytes)")),*];
     };
 }
 
@@ -283,15 +285,14 @@ impl Layout {
             DENSITY | VELOCITY | OCCUPANCY | BIRTH_COUNTS | FIELD | FIELD_COLUMNS | CONTINUATIONS => {
                 "use a smaller volume"
             }
-            PARTICLES | DYING | DYING_STEPS | SPHERES | GROUPS | SEARCHES | LIST_COUNTS | LIVE | VISIBLE => {
-                "use fewer particles or less fade"
-            }
+            PARTICLES | DYING | DYING_STEPS | SPHERES | VIEW_SPHERES | GROUPS | SEARCHES | LIST_COUNTS | LIVE
+            | VISIBLE => "use fewer particles or less fade",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "render a smaller picture",
         };
         for (index, needed) in self.bytes.iter().enumerate() {
             if *needed > limit {
-                let what = NAMES[index];
+                let what = SIZES[index];
                 return Err(Error::Limit { what, needed: *needed, limit, advice: advice(BufferId(index as u16)) });
             }
         }
@@ -411,4 +412,43 @@ pub fn growth_rows(shape: &Shape) -> u32 {
     // The nearest outside voxel is at most this far (its other axes add at most a voxel each, also as Euclid counts).
     let shells = ((reach + 2.0 * largest) / smallest).ceil() + 1.0;
     ((shells + 1.0) * (4.0 * (shells + 1.0).powi(2) - 1.0) / 3.0).min(f64::from(u32::MAX)) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::smoke::Settings;
+
+    #[test]
+    fn what_is_too_large_says_what_to_change() {
+        let desc = Desc {
+            size: [8, 8],
+            target_format: vk::Format::R32G32B32A32_SFLOAT,
+            dimensions: [4; 3],
+            velocity: false,
+            point_light: false,
+            seed: 0,
+            settings: Settings { particles: 1, ..Settings::default() },
+            layers: true,
+            skipping: true,
+        };
+        let limit = 1 << 27;
+        let layout = Layout::new(&desc, limit).expect("small");
+        for (id, name, advice) in [
+            (DEPTH, "Depth", "render a smaller picture"),
+            (PICTURE, "Picture", "render a smaller picture"),
+            (BLOCK_MASKS, "BlockMasks", "render a smaller picture"),
+            (ROW_ITEMS, "RowItems", "render a smaller picture"),
+            (OUTLINE_LAYER, "OutlineLayer", "render a smaller picture"),
+            (SPHERES, "Spheres", "use fewer particles or less fade"),
+            (CASTERS, "Casters", "use fewer particles, less fade, or shadow = \"map\""),
+            (FIELD, "Field", "use a smaller volume"),
+        ] {
+            let mut layout = layout.clone();
+            layout.set(id, limit + 16);
+            let said = layout.check(limit).expect_err(name).to_string();
+            let expected = format!("needs 134217744, this device allows 134217728; {advice}");
+            assert_eq!(said, format!("smoke's buffer {name} (in bytes) {expected}"));
+        }
+    }
 }

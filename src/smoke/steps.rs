@@ -81,6 +81,10 @@ impl Steps<'_> {
             self.background(&frame.background, target.extent);
         }
         if self.desc.settings.particles == 0 {
+            if self.desc.layers && frame.target.is_some() {
+                self.plan.update(self.passes.params, CONTROL, &Control::reset());
+                self.clear();
+            }
             for name in PARTICLE_STEPS.into_iter().chain(PICTURE_STEPS) {
                 self.plan.skip(name, "no particles");
             }

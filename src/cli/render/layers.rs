@@ -53,18 +53,6 @@ pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, filtered: boo
         LayerData::Value(read(outline, pixels)),
         LayerData::Colour(read(picture, pixels)),
     ];
-    named(data)
-}
-
-/// The layers of a frame without particles, for which no pass runs.
-pub(super) fn empty(pixels: usize) -> Vec<Layer> {
-    let value = |value: f32| LayerData::Value(vec![value; pixels]);
-    let colour = || LayerData::Colour(vec![[0.0; 4]; pixels]);
-    let table = LayerData::Table { columns: 5, values: Vec::new() };
-    named([table, value(0.0), value(f32::INFINITY), value(0.0), value(0.0), value(0.0), colour(), value(0.0), colour()])
-}
-
-fn named(data: [LayerData; LAYERS.len()]) -> Vec<Layer> {
     LAYERS.into_iter().zip(data).map(|((name, _), data)| Layer { name, data }).collect()
 }
 
@@ -131,8 +119,5 @@ mod tests {
         assert_eq!(values(&layers, "smoke.depth"), [2.0, f32::INFINITY]);
         assert_eq!(values(&layers, "smoke.smooth"), [0.25, 0.0]);
         assert_eq!(values(&decode(bytes, 2, false), "smoke.smooth"), [1.0, 0.0], "without sigma nothing is smoothed");
-        let empty = empty(2);
-        assert_eq!(empty.iter().map(|l| l.name).collect::<Vec<_>>(), LAYERS.map(|(name, _)| name));
-        assert_eq!(values(&empty, "smoke.depth"), [f32::INFINITY; 2]);
     }
 }

@@ -78,6 +78,14 @@ impl Outputs {
         folder.join(format!("{name}.{frame:04}.{extension}"))
     }
 
+    /// All files of a frame; `layers` as for [`Outputs::finished`].
+    pub(super) fn files<'a>(&'a self, frame: u32, layers: &'a [(&str, bool)]) -> impl Iterator<Item = PathBuf> + 'a {
+        let files = self.layers.iter().flat_map(move |folder| {
+            layers.iter().map(move |(name, is_table)| self.layer(folder, name, *is_table, frame))
+        });
+        files.chain([self.picture(frame)])
+    }
+
     /// Makes the folders and tries to write in them, so that a long rendering does not fail at its first frame.
     pub(super) fn probe(&self, frame: u32, others: &[&Path]) -> Result<(), Failure> {
         probe(&self.picture(frame))?;

@@ -169,7 +169,7 @@ fn messenger_info(messages: &Messages) -> vk::DebugUtilsMessengerCreateInfoEXT<'
 /// Must not unwind into C: it neither indexes nor unwraps.
 unsafe extern "system" fn collect(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
-    types: vk::DebugUtilsMessageTypeFlagsEXT,
+    _types: vk::DebugUtilsMessageTypeFlagsEXT,
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     messages: *mut c_void,
 ) -> vk::Bool32 {
@@ -180,10 +180,8 @@ unsafe extern "system" fn collect(
         };
         let text = |c: Option<&CStr>| c.map(CStr::to_string_lossy).unwrap_or_default().into_owned();
         let id = text(data.message_id_name_as_c_str());
-        // The layer's remarks about its own settings are not about what it validates. And the recorder keeps images in
-        // GENERAL all through a frame on purpose: that a copy could do with a layout of its own is advice, no fault.
-        let advice = types == vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE && id.ends_with("InvalidImageLayout");
-        if id != "VALIDATION-SETTINGS" && !advice {
+        // The layer's remarks about its own settings are not about what it validates.
+        if id != "VALIDATION-SETTINGS" {
             let line = format!("{severity:?} {id}: {}", text(data.message_as_c_str()));
             messages.lock().unwrap_or_else(PoisonError::into_inner).push(line);
         }
