@@ -4,15 +4,25 @@
 
 mod common;
 
+#[path = "smoke/extremes.rs"]
+mod extremes;
+#[path = "smoke/frame.rs"]
+mod frame;
 #[path = "smoke/gaussian.rs"]
 mod gaussian;
 #[path = "smoke/groups.rs"]
 mod groups;
+#[path = "smoke/host.rs"]
+mod host;
 #[path = "smoke/particles.rs"]
 mod particles;
 #[path = "smoke/radius.rs"]
 mod radius;
+#[path = "smoke/sequence.rs"]
+mod sequence;
 #[path = "smoke/shadow.rs"]
 mod shadow;
 #[path = "smoke/spheres.rs"]
 mod spheres;
+#[path = "smoke/tone.rs"]
+mod tone;

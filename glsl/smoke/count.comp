@@ -1,5 +1,5 @@
 // Counts the live and the visible spheres of each run of slots, and finds the depth range of the live ones and their
-// bounds in light space.
+// bounds in light space. Puts them into view space for all that follows.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
@@ -10,11 +10,11 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 2) writeonly buffer ListCounts { uvec2 list_counts[]; };
 layout(std430, binding = 3) buffer ControlBuffer { Control control; };
+layout(std430, binding = 4) writeonly buffer ViewSpheres { vec4 view_spheres[]; };
 
 shared uint extremes[8];  // depth low, high; light-space low x, y, z, high x, y, z
 
-void measure(vec4 sphere) {
-    float depth = to_view(sphere.xyz).z;
+void measure(vec4 sphere, float depth) {
     if (depth >= params.lens.z) {
         atomicMin(extremes[0], ordered(depth));
         atomicMax(extremes[1], ordered(depth));
@@ -38,8 +38,10 @@ void main() {
     for (uint slot = first; slot < min(first + LIST_RUN, params.counts.z); ++slot) {
         vec4 sphere = spheres[slot];
         if (is_live(sphere)) {
-            count += uvec2(1u, is_visible(sphere) ? 1u : 0u);
-            measure(sphere);
+            vec4 view_sphere = vec4(to_view(sphere.xyz), sphere.w);
+            view_spheres[slot] = view_sphere;
+            count += uvec2(1u, is_visible(view_sphere) ? 1u : 0u);
+            measure(sphere, view_sphere.z);
         }
     }
     if (first < params.counts.z) {

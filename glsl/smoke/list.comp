@@ -7,6 +7,7 @@
 #include "list.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
+layout(std430, binding = 7) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 layout(std430, binding = 2) readonly buffer ListCounts { uvec2 list_counts[]; };
 layout(std430, binding = 3) readonly buffer HistoryBuffer { History history; };
 layout(std430, binding = 4) buffer Groups { uint groups[]; };
@@ -37,12 +38,12 @@ void main() {
     }
     uvec2 at = list_counts[gl_GlobalInvocationID.x];
     for (uint slot = first; slot < min(first + LIST_RUN, params.counts.z); ++slot) {
-        vec4 sphere = spheres[slot];
         uint group = 0u;
-        if (is_live(sphere)) {
-            group = group_of(to_view(sphere.xyz).z, params.frame.x == 0u ? 0u : groups[slot]);
+        if (is_live(spheres[slot])) {
+            vec4 view_sphere = view_spheres[slot];
+            group = group_of(view_sphere.z, params.frame.x == 0u ? 0u : groups[slot]);
             live_list[at.x++] = slot;
-            if (is_visible(sphere)) {
+            if (is_visible(view_sphere)) {
                 visible_list[at.y++] = slot;
             }
         }

@@ -4,6 +4,6 @@ bool is_live(vec4 sphere) {
     return sphere.w > 0.0;
 }
 
-bool is_visible(vec4 sphere) {
-    return is_live(sphere) && can_be_seen(to_view(sphere.xyz), sphere.w);
+bool is_visible(vec4 view_sphere) {
+    return can_be_seen(view_sphere.xyz, view_sphere.w);
 }

@@ -8,6 +8,7 @@ layout(std430, binding = 3) readonly buffer OccupiedTiles { uint occupied_tiles[
 layout(std430, binding = 4) writeonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 5) writeonly buffer Depth { float depth[]; };
 layout(std430, binding = 6) buffer Shadow { float shadow[]; };
+layout(std430, binding = 9) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 #include "view.glsl"
 #include "pixel.glsl"
 
@@ -32,11 +33,11 @@ void shade(uvec2 at) {
     Surface surface;
     surface.slot = (code >> 8) - 1u;
     vec4 sphere = spheres[surface.slot];
-    vec3 c = to_view(sphere.xyz);
-    vec3 ray = pixel_ray(vec2(at) + 0.5);
-    float view_depth = front_depth(ray, c, sphere.w);
+    float view_depth;
+    vec3 normal;
+    hit_sphere(pixel_ray(vec2(at) + 0.5), view_spheres[surface.slot], view_depth, normal);
     surface.centre = sphere.xyz;
-    surface.normal = to_world_direction((view_depth * ray - c) / sphere.w);
+    surface.normal = to_world_direction(normal);
     surface.offset = surface.normal * sphere.w;
     bool point = params.light.w != 0.0;
     vec3 to_light = point ? (params.light.xyz - sphere.xyz) - surface.offset : params.light.xyz;

@@ -19,6 +19,9 @@ layout(binding = 0) uniform SmokeParams {
     vec4 right;        // rows of the view rotation
     vec4 up;
     vec4 forward;
+    vec4 right_low;    // what they lost in rounding
+    vec4 up_low;
+    vec4 forward_low;
     vec4 lens;         // half extent at depth 1 along x and y, near, far
     uvec4 image;       // width, height, tiles across, tiles down
     uvec4 grid;        // voxels along x, y, z; words a row

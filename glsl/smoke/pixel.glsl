@@ -2,7 +2,8 @@
 const float LUMINANCE_ONE = 16777215.0;
 
 uint pack_pixel(float luminance, uint id) {
-    return uint(clamp(luminance, 0.0, 1.0) * LUMINANCE_ONE + 0.5) << 8 | id;
+    // Rounding carries 1 to 2^24, which has no room.
+    return min(uint(clamp(luminance, 0.0, 1.0) * LUMINANCE_ONE + 0.5), uint(LUMINANCE_ONE)) << 8 | id;
 }
 
 float pixel_luminance(uint pixel) {

@@ -9,8 +9,10 @@ layout(location = 0) out uint seen;
 layout(depth_less) out float gl_FragDepth;
 
 void main() {
-    float depth = front_depth(pixel_ray(gl_FragCoord.xy), view_sphere.xyz, view_sphere.w);
-    if (!(depth >= params.lens.z && depth <= params.lens.w)) {
+    float depth;
+    vec3 normal;
+    bool hit = hit_sphere(pixel_ray(gl_FragCoord.xy), view_sphere, depth, normal);
+    if (!(hit && depth >= params.lens.z && depth <= params.lens.w)) {
         discard;
     }
     gl_FragDepth = params.lens.z / depth;

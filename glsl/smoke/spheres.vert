@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "view.glsl"
-layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
+layout(std430, binding = 1) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 layout(std430, binding = 2) readonly buffer Visible { uint visible_list[]; };
 layout(std430, binding = 3) readonly buffer Groups { uint groups[]; };
 layout(location = 0) flat out vec4 view_sphere;
@@ -17,10 +17,9 @@ vec2 tangent_range(float x, float z, float r) {
 
 void main() {
     uint slot = visible_list[gl_InstanceIndex];
-    vec4 sphere = spheres[slot];
-    vec3 c = to_view(sphere.xyz);
-    float r = sphere.w;
-    view_sphere = vec4(c, r);
+    view_sphere = view_spheres[slot];
+    vec3 c = view_sphere.xyz;
+    float r = view_sphere.w;
     code = (slot + 1u) << 8 | groups[slot];
     vec4 bounds = vec4(-1.0, -1.0, 1.0, 1.0);
     if (c.z > r * 1.001) {

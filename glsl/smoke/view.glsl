@@ -1,10 +1,27 @@
 // Between world, view and pixels. View space: x right, y up, z = view depth, in metres.
+#include "../common/exact.glsl"
+
+// One row of the view rotation times the way from the eye, each given as a sum of two floats.
+float along_row(vec3 row, vec3 row_low, vec3 q, vec3 q_low) {
+    vec2 x = two_product(row.x, q.x);
+    vec2 y = two_product(row.y, q.y);
+    vec2 z = two_product(row.z, q.z);
+    vec2 xy = two_sum(x.x, y.x);
+    vec2 xyz = two_sum(xy.x, z.x);
+    float low = x.y + y.y + z.y + xy.y + xyz.y + dot(row, q_low) + dot(row_low, q);
+    return xyz.x + low;
+}
+
+// World to view space, rounded once: what a small sphere far away looks like depends on the last bits.
 vec3 to_view(vec3 p) {
-    precise vec3 q = (p - params.eye.xyz) - params.eye_low.xyz;
-    precise float x = params.right.x * q.x + params.right.y * q.y + params.right.z * q.z;
-    precise float y = params.up.x * q.x + params.up.y * q.y + params.up.z * q.z;
-    precise float z = params.forward.x * q.x + params.forward.y * q.y + params.forward.z * q.z;
-    return vec3(x, y, z);
+    vec2 x = two_sum(p.x, -params.eye.x);
+    vec2 y = two_sum(p.y, -params.eye.y);
+    vec2 z = two_sum(p.z, -params.eye.z);
+    vec3 q = vec3(x.x, y.x, z.x);
+    vec3 q_low = vec3(x.y, y.y, z.y) - params.eye_low.xyz;
+    return vec3(along_row(params.right.xyz, params.right_low.xyz, q, q_low),
+                along_row(params.up.xyz, params.up_low.xyz, q, q_low),
+                along_row(params.forward.xyz, params.forward_low.xyz, q, q_low));
 }
 
 vec3 to_world_direction(vec3 v) {
@@ -25,12 +42,17 @@ bool can_be_seen(vec3 c, float r) {
         && abs(c.y) - c.z * slope.y <= reach.y;
 }
 
-// Depth of the front of a sphere along a pixel's ray; negative if the ray passes by. The distance from the centre to
-// the ray is taken from the perpendicular itself, which does not cancel as b^2 - ac does.
-float front_depth(vec3 ray, vec3 c, float r) {
+// The front of a sphere along a pixel's ray: depth, and the unit normal; false if the ray passes by. Everything is taken
+// from the perpendicular from the centre to the ray, made perpendicular twice, so that nothing large cancels.
+bool hit_sphere(vec3 ray, vec4 sphere, out float depth, out vec3 normal) {
     precise float a = dot(ray, ray);
-    precise float closest = dot(ray, c) / a;
-    precise vec3 across = c - closest * ray;
-    precise float inside = r * r - dot(across, across);
-    return inside < 0.0 ? -1.0 : closest - sqrt(inside / a);
+    precise float closest = dot(ray, sphere.xyz) / a;
+    precise vec3 across = sphere.xyz - closest * ray;
+    precise float rest = dot(ray, across) / a;
+    across -= rest * ray;
+    precise float inside = sphere.w * sphere.w - dot(across, across);
+    precise float half_chord = sqrt(max(inside, 0.0) / a);
+    depth = closest + (rest - half_chord);
+    normal = (across + half_chord * ray) / -sphere.w;
+    return inside >= 0.0;
 }

@@ -1,28 +1,17 @@
 // Between positions and voxels.
+#include "../common/exact.glsl"
+
 float voxel_centre(int index, int axis) {
     precise float c = params.origin[axis] + (float(index) + 0.5) * params.voxel[axis];
     return c;
 }
 
-// Whether p < origin + index * side in exact arithmetic: error-free product (Dekker) and sums (Knuth), so that a
-// particle on a face is on the same side for everybody.
+// Whether p < origin + index * side in exact arithmetic, so that a particle on a face is on the same side for everybody.
 bool is_below_face(float p, int index, int axis) {
-    precise float side = params.voxel[axis];
-    precise float k = float(index);
-    precise float product = k * side;
-    precise float split_s = side * 4097.0;
-    precise float high_s = split_s - (split_s - side);
-    precise float low_s = side - high_s;
-    precise float split_k = k * 4097.0;
-    precise float high_k = split_k - (split_k - k);
-    precise float low_k = k - high_k;
-    precise float product_error = ((high_k * high_s - product) + high_k * low_s + low_k * high_s) + low_k * low_s;
-    precise float origin = params.origin[axis];
-    precise float offset = p - origin;
-    precise float back = offset - p;
-    precise float offset_error = (p - (offset - back)) - (origin + back);
-    precise float difference = offset - product;
-    precise float rest = offset_error - product_error;
+    vec2 product = two_product(float(index), params.voxel[axis]);
+    vec2 offset = two_sum(p, -params.origin[axis]);
+    precise float difference = offset.x - product.x;
+    precise float rest = offset.y - product.y;
     return difference + rest < 0.0;
 }
 

@@ -50,6 +50,7 @@ buffers! {
     DYING = "Dying",
     DYING_STEPS = "DyingSteps",
     SPHERES = "Spheres",
+    VIEW_SPHERES = "ViewSpheres",
     GROUPS = "Groups",
     FIELD = "Field",
     FIELD_COLUMNS = "FieldColumns",
@@ -200,6 +201,7 @@ impl Layout {
         self.set(DYING, dying * 16);
         self.set(DYING_STEPS, dying * 16);
         self.set(SPHERES, spheres * 16);
+        self.set(VIEW_SPHERES, spheres * 16);
         self.set(GROUPS, spheres * 4);
         self.set(SEARCHES, particles * 8);
         self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_RUN)) * 8);

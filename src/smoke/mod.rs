@@ -59,6 +59,8 @@ struct State {
     frames: u32,
     /// Frames since particles or their radii could last have changed.
     quiet: u32,
+    /// A volume came in a hold: particles meet it when they move on.
+    unmet: bool,
     shape: Shape,
     /// The light of the shadows on the device; none if there are none.
     shadowed: Option<Light>,
@@ -247,7 +249,8 @@ impl Smoke {
         state.begun = true;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());
-        let moving = self.desc.velocity || self.desc.settings.lifetime.is_some() || new_volume;
+        let moving = self.desc.velocity || self.desc.settings.lifetime.is_some() || new_volume || state.unmet;
+        state.unmet = !restart && !advance && (state.unmet || new_volume);
         state.quiet = if restart || (moving && advance) { 0 } else { state.quiet + u32::from(advance) };
         let still = match () {
             _ if restart || !self.desc.skipping && advance => None,

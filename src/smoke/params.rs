@@ -36,6 +36,9 @@ pub struct SmokeParams {
     pub right: [f32; 4],
     pub up: [f32; 4],
     pub forward: [f32; 4],
+    pub right_low: [f32; 4],
+    pub up_low: [f32; 4],
+    pub forward_low: [f32; 4],
     pub lens: [f32; 4],
     pub image: [u32; 4],
     pub grid: [u32; 4],
@@ -191,8 +194,11 @@ impl SmokeParams {
         self.eye = high.extend(0.0).to_array();
         self.eye_low = (camera.eye - high.as_dvec3()).as_vec3().extend(0.0).to_array();
         let rotation = camera.rotation();
-        let row = |axis| rotation.row(axis).as_vec3().extend(0.0).to_array();
-        (self.right, self.up, self.forward) = (row(0), row(1), row(2));
+        let row = |axis| rotation.row(axis).as_vec3();
+        let low = |axis| (rotation.row(axis) - row(axis).as_dvec3()).as_vec3();
+        let padded = |v: glam::Vec3| v.extend(0.0).to_array();
+        (self.right, self.up, self.forward) = (padded(row(0)), padded(row(1)), padded(row(2)));
+        (self.right_low, self.up_low, self.forward_low) = (padded(low(0)), padded(low(1)), padded(low(2)));
         let half = camera.half_extent(desc.size).as_vec2();
         self.lens = [half.x, half.y, camera.near as f32, camera.far as f32];
         self.image = [desc.size[0], desc.size[1], layout.tiles[0], layout.tiles[1]];

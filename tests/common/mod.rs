@@ -6,11 +6,13 @@
 //! `CELFX_DEVICE` chooses a device as `--device` does.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod allocations;
 pub mod bench;
 pub mod picture;
 pub mod rig;
 pub mod scenes;
 
+pub use allocations::allocated;
 use std::ops::{Deref, DerefMut};
 use std::sync::PoisonError;
 

@@ -117,8 +117,11 @@ impl Rig {
         let spheres = self.sphere_count();
         let particles = self.desc.settings.particles as usize;
         let mut bits = vec![("picture", bytemuck::cast_slice(&self.picture()).to_vec())];
+        // Ages stand still while motion is skipped, which is only where nothing depends on them any more.
+        let mut lives: Vec<u32> = self.read(layout::PARTICLES, 8 * particles);
+        lives.iter_mut().skip(3).step_by(8).for_each(|age| *age = u32::from(*age == u32::MAX));
+        bits.push(("particles", lives));
         for (name, id, words) in [
-            ("particles", layout::PARTICLES, 8 * particles),
             ("spheres", layout::SPHERES, 4 * spheres),
             ("groups", layout::GROUPS, spheres),
             ("pixels", layout::PIXELS, count),

@@ -192,7 +192,7 @@ impl Ghost {
 /// With a lifetime, particles of the first frame have lived for a while, so that they don't all end together.
 fn first_age(settings: &Settings, seed: u32, slot: u32) -> u32 {
     let word = u64::from(hash(seed, slot, 0, 4));
-    settings.lifetime.map_or(0, |lifetime| (word * u64::from(lifetime) >> 32) as u32)
+    settings.lifetime.map_or(0, |lifetime| ((word * u64::from(lifetime)) >> 32) as u32)
 }
 
 /// Smooth growth over `fade` frames: smoothstep((age + 1) / (fade + 1)), 1 from age `fade` on.

@@ -1,0 +1,271 @@
+//! What a host does with the effect: frames in flight, other sizes, wrong input.
+
+use ash::vk;
+use celfx::error::Error;
+use celfx::gpu::buffer::{Buffer, BufferDesc};
+use celfx::gpu::image::{Image, ImageDesc};
+use celfx::gpu::profiler::Timing;
+use celfx::host::{Host, HostBuffer, HostImage, ImageState};
+use celfx::io::volume::Volume;
+use celfx::offline::TARGET_FORMAT;
+use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, VolumeInput};
+use gpu_allocator::MemoryLocation;
+
+use crate::common::scenes::{camera, desc, direction, moving_puffs};
+use crate::common::{TestDevice, allocated, device};
+
+const SIZE: [u32; 2] = [80, 60];
+const COPIED: ImageState = ImageState {
+    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
+    access: vk::AccessFlags2::TRANSFER_READ,
+    layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+};
+
+fn effect() -> Desc {
+    Desc { velocity: true, ..desc(SIZE, [20; 3], Settings { particles: 200, ..Settings::default() }) }
+}
+
+/// What one frame in flight needs of a host.
+struct Slot {
+    density: Buffer,
+    velocity: Buffer,
+    target: Image,
+    picture: Buffer,
+}
+
+impl Slot {
+    fn new(device: &mut TestDevice, size: [u32; 2]) -> Slot {
+        let (host, allocator) = device.parts();
+        let mut buffer = |name, size, usage, location| {
+            // SAFETY: the handles are the device's own.
+            unsafe { Buffer::new(&host, allocator, &BufferDesc { name, size, usage, location }) }.expect("a buffer")
+        };
+        let source = vk::BufferUsageFlags::TRANSFER_SRC;
+        let density = buffer("density", 4 * 8000, source, MemoryLocation::CpuToGpu);
+        let velocity = buffer("velocity", 12 * 8000, source, MemoryLocation::CpuToGpu);
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let picture = buffer("picture", 16 * pixels, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu);
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::TRANSFER_DST;
+        let image =
+            ImageDesc { name: "target", extent: size, layers: 1, array_view: false, format: TARGET_FORMAT, usage };
+        // SAFETY: the handles are the device's own.
+        let target = unsafe { Image::new(&host, allocator, &image) }.expect("a target");
+        Slot { density, velocity, target, picture }
+    }
+
+    /// The frame `i` of a sequence, its volume written.
+    fn frame(&mut self, i: u32, size: [u32; 2]) -> Frame {
+        let Volume { dimensions, voxel_size, origin, density, velocity } = moving_puffs(20, i as f32 / 24.0);
+        let fill = |buffer: &mut Buffer, bytes: &[u8]| {
+            buffer.mapped_mut().expect("mapped memory").copy_from_slice(bytes);
+            let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+            HostBuffer { buffer: buffer.handle, offset: 0, size: buffer.size, stage, access }
+        };
+        let density = fill(&mut self.density, bytemuck::cast_slice(&density));
+        let velocity = fill(&mut self.velocity, bytemuck::cast_slice(velocity.as_deref().expect("velocities")));
+        let target = HostImage {
+            image: self.target.handle,
+            view: self.target.view,
+            format: TARGET_FORMAT,
+            extent: size,
+            state_in: ImageState { layout: vk::ImageLayout::UNDEFINED, ..COPIED },
+            state_out: COPIED,
+        };
+        Frame {
+            sequence: if i == 0 { Sequence::Restart } else { Sequence::Advance },
+            dt: 1.0 / 24.0,
+            camera: camera(2.0 * f64::from(i)),
+            light: direction(-1.0, -1.5, -1.0),
+            volume: Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: Some(velocity) }),
+            target: Some(target),
+            background: Background::Clear([0.0; 4]),
+        }
+    }
+
+    fn pixels(&self) -> Vec<u8> {
+        self.picture.mapped().expect("mapped memory").to_vec()
+    }
+
+    fn destroy(mut self, device: &mut TestDevice) {
+        let (host, allocator) = device.parts();
+        // SAFETY: every submission has been waited for.
+        unsafe {
+            for buffer in [&mut self.density, &mut self.velocity, &mut self.picture] {
+                buffer.destroy(&host, allocator);
+            }
+            self.target.destroy(&host, allocator);
+        }
+    }
+}
+
+/// Copies the picture to where the host reads it.
+unsafe fn read(host: &Host, commands: vk::CommandBuffer, slot: &Slot, [width, height]: [u32; 2]) {
+    let layers = vk::ImageSubresourceLayers {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        mip_level: 0,
+        base_array_layer: 0,
+        layer_count: 1,
+    };
+    let extent = vk::Extent3D { width, height, depth: 1 };
+    let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent)];
+    let barriers = [vk::MemoryBarrier2::default()
+        .src_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
+        .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+        .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+        .dst_access_mask(vk::AccessFlags2::HOST_READ)];
+    // SAFETY: the caller's; the effect left the image in this layout.
+    unsafe {
+        let (image, layout) = (slot.target.handle, COPIED.layout);
+        host.device.cmd_copy_image_to_buffer(commands, image, layout, slot.picture.handle, &regions);
+        let dependency = vk::DependencyInfo::default().memory_barriers(&barriers);
+        host.device.cmd_pipeline_barrier2(commands, &dependency);
+    }
+}
+
+/// Renders a sequence with so many frames on their way; the pictures. Recording allocates nothing after two frames.
+fn sequence(in_flight: usize, frames: u32) -> Option<Vec<Vec<u8>>> {
+    let mut device = device()?;
+    let (host, allocator) = device.parts();
+    // SAFETY: the handles are the device's own, and the device has what is required.
+    let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
+    let mut slots: Vec<Slot> = (0..in_flight).map(|_| Slot::new(&mut device, SIZE)).collect();
+    let mut on_their_way = std::collections::VecDeque::new();
+    let mut pictures = Vec::new();
+    for i in 0..frames {
+        let slot = i as usize % in_flight;
+        if on_their_way.len() == in_flight {
+            device.wait(on_their_way.pop_front().expect("a submission")).expect("it ends");
+            pictures.push(slots[slot].pixels());
+        }
+        let frame = slots[slot].frame(i, SIZE);
+        let commands = device.begin().expect("commands");
+        // SAFETY: frames are submitted in order to one queue; this slot's last frame has been waited for.
+        let allocations = unsafe {
+            let host = device.host();
+            let before = allocated();
+            smoke.record(&host, commands.raw(), &frame, &mut Timing::None).expect("a frame");
+            let allocations = allocated() - before;
+            read(&host, commands.raw(), &slots[slot], SIZE);
+            allocations
+        };
+        assert!(i < 2 || allocations == 0, "frame {i}: recording allocated {allocations} times");
+        on_their_way.push_back(device.start(commands, "frame").expect("it starts"));
+    }
+    for (n, submission) in on_their_way.into_iter().enumerate() {
+        device.wait(submission).expect("it ends");
+        pictures.push(slots[(frames as usize - in_flight + n) % in_flight].pixels());
+    }
+    slots.into_iter().for_each(|slot| slot.destroy(&mut device));
+    let (host, allocator) = device.parts();
+    // SAFETY: every submission has been waited for.
+    unsafe { smoke.destroy(&host, allocator) };
+    Some(pictures)
+}
+
+#[test]
+fn frames_in_flight_are_those_that_are_waited_for() {
+    let Some(waited) = sequence(1, 9) else { return };
+    for in_flight in [2, 3] {
+        let Some(flying) = sequence(in_flight, 9) else { return };
+        assert_eq!(flying.len(), waited.len());
+        for (i, (a, b)) in flying.iter().zip(&waited).enumerate() {
+            assert!(a == b, "{in_flight} in flight: frame {i} differs");
+        }
+    }
+    assert!(waited.windows(2).all(|pair| pair[0] != pair[1]), "frames that are all the same show nothing");
+}
+
+/// Renders one frame of an effect that exists.
+fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<u8> {
+    let mut slot = Slot::new(device, size);
+    let frame = slot.frame(0, size);
+    let done = device.one_time("frame", |host, commands| {
+        // SAFETY: everything is the test's own and waited for.
+        unsafe {
+            smoke.record(host, commands, &frame, &mut Timing::None)?;
+            read(host, commands, &slot, size);
+        }
+        Ok(())
+    });
+    done.expect("a frame");
+    let pixels = slot.pixels();
+    slot.destroy(device);
+    pixels
+}
+
+#[test]
+fn resizing_is_like_making_anew() {
+    let Some(mut device) = device() else { return };
+    let (host, allocator) = device.parts();
+    // SAFETY: the handles are the device's own.
+    let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
+    for size in [[33, 90], [200, 10], SIZE, [1, 1]] {
+        let before = smoke.desc().size;
+        one_frame(&mut device, &mut smoke, before);
+        let (host, allocator) = device.parts();
+        // SAFETY: every frame has been waited for.
+        let mut fresh = unsafe {
+            smoke.resize(&host, allocator, size).expect("another size");
+            Smoke::new(&host, allocator, Desc { size, ..effect() }).expect("an effect")
+        };
+        let resized = one_frame(&mut device, &mut smoke, size);
+        assert!(resized == one_frame(&mut device, &mut fresh, size), "{size:?}");
+        let (host, allocator) = device.parts();
+        // SAFETY: every frame has been waited for.
+        unsafe { fresh.destroy(&host, allocator) };
+    }
+    // A size that cannot be leaves the effect as it was.
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    let refused = unsafe { smoke.resize(&host, allocator, [1 << 20, 4]) };
+    assert!(matches!(refused, Err(Error::Limit { .. })), "{refused:?}");
+    one_frame(&mut device, &mut smoke, [1, 1]);
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe { smoke.destroy(&host, allocator) };
+}
+
+#[test]
+fn frames_that_do_not_fit_are_refused_by_name() {
+    let Some(mut device) = device() else { return };
+    let (host, allocator) = device.parts();
+    // SAFETY: the handles are the device's own.
+    let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
+    let mut slot = Slot::new(&mut device, SIZE);
+    let good = slot.frame(0, SIZE);
+    let volume = good.volume.expect("a volume");
+    let target = good.target.expect("a target");
+    let with_volume = |volume| Frame { volume: Some(volume), ..good };
+    let cases = [
+        ("volume", Frame { volume: None, ..good }),
+        ("volume", with_volume(VolumeInput { dimensions: [21, 20, 20], ..volume })),
+        ("volume", with_volume(VolumeInput { dimensions: [0, 20, 20], ..volume })),
+        ("volume", with_volume(VolumeInput { voxel_size: [0.1, -0.1, 0.1], ..volume })),
+        ("volume", with_volume(VolumeInput { origin: [f32::NAN, 0.0, 0.0], ..volume })),
+        ("volume", with_volume(VolumeInput { velocity: None, ..volume })),
+        ("volume", with_volume(VolumeInput { density: HostBuffer { size: 100, ..volume.density }, ..volume })),
+        ("frame.dt", Frame { dt: 0.0, ..good }),
+        ("frame.sequence", Frame { sequence: Sequence::Advance, ..good }),
+        ("light", Frame { light: crate::common::scenes::point(0.0, 1.0, 0.0), ..good }),
+        ("camera", Frame { camera: celfx::view::Camera { near: 0.0, ..good.camera }, ..good }),
+        ("target", Frame { target: Some(HostImage { extent: [79, 60], ..target }), ..good }),
+        ("target", Frame { target: Some(HostImage { format: vk::Format::R8G8B8A8_UNORM, ..target }), ..good }),
+        ("background", Frame { background: Background::Copy(HostImage { extent: [1, 1], ..target }), ..good }),
+    ];
+    for (name, frame) in cases {
+        let refused = device.one_time("frame", |host, commands| {
+            // SAFETY: everything is the test's own.
+            unsafe { smoke.record(host, commands, &frame, &mut Timing::None) }
+        });
+        let text = refused.expect_err(name).to_string();
+        assert!(text.starts_with(name), "{name}: {text}");
+    }
+    // None of them has changed anything.
+    one_frame(&mut device, &mut smoke, SIZE);
+    slot.destroy(&mut device);
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe { smoke.destroy(&host, allocator) };
+}

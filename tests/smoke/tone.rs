@@ -1,0 +1,114 @@
+//! Tones and lines, given what they are made from: the smoothed luminance is read back, depth is the test's own.
+
+use celfx::smoke::reference::tone;
+use celfx::smoke::settings::{Operator, Outline, Tone};
+use celfx::smoke::{Settings, layout};
+use celfx::view::{Camera, Light};
+
+use crate::common::bench::{Bench, Given};
+use crate::common::scenes::{camera, desc, random, volume};
+use crate::common::unpacked;
+
+const SIZE: [u32; 2] = [97, 70];
+const COUNT: usize = 97 * 70;
+/// Sides of the volume's voxels in metres; the smallest is the unit of lines.
+const VOXEL: [f32; 3] = [0.1, 0.08, 0.2];
+
+/// A hard image: three groups with slanted borders, holes, slopes, steps, and noise in a corner.
+fn image() -> (Vec<u32>, Vec<f32>) {
+    let pixel = |i: usize| {
+        let [x, y] = [i as u32 % SIZE[0], i as u32 / SIZE[0]];
+        let noise = |d| random(21, i as u32, d);
+        let hole = (x as i32 - 50).pow(2) + (y as i32 - 30).pow(2) < 60 || x < 3 && y > 40;
+        let id = if hole { 0 } else { 1 + u32::from(3 * x > 2 * y + 30) + u32::from(x + 4 * y > 250) };
+        let corner = x > 80 && y < 20;
+        let luminance = if corner { noise(0) } else { 0.5 + 0.4 * (x as f32 * 0.06).sin() * (y as f32 * 0.09).cos() };
+        let step = [0.0, 0.03, 0.5][id.saturating_sub(1) as usize];
+        let depth = 4.0 + step + 0.001 * x as f32 + if corner { 0.1 * noise(1) } else { 0.02 * (y as f32 * 0.2).sin() };
+        let depth = if id == 0 { f32::INFINITY } else { depth };
+        (((luminance * 16_777_215.0) as u32) << 8 | id, depth)
+    };
+    let (pixels, depth): (Vec<u32>, Vec<f32>) = (0..COUNT).map(pixel).unzip();
+    (pixels.into_iter().map(|p| if p & 255 == 0 { 0 } else { p }).collect(), depth)
+}
+
+/// Runs the steps from tiles to the composite on the image, and compares with the reference.
+fn assert_drawn(name: &str, settings: Settings) {
+    let settings = Settings { particles: 1, fade: 0, groups: 3, ..settings };
+    let Some(mut bench) = Bench::new(desc(SIZE, [2; 3], settings.clone())) else { return };
+    let (pixels, depth) = image();
+    let camera = Camera { near: 0.01, ..camera(0.0) };
+    let empty = volume([2; 3], VOXEL, [0.0; 3], |_, _, _| 0.0);
+    let mut given = Given { camera, light: Light::default(), volume: &empty, frames: 0, rendered: true, omit: &[] };
+    // Images leave layout UNDEFINED, and layers are cleared, in the first frame.
+    bench.run(&given);
+    bench.write_seen(&pixels.iter().map(|p| if *p == 0 { 0 } else { 256 | p & 255 }).collect::<Vec<_>>());
+    bench.write(layout::PIXELS, &pixels);
+    bench.write(layout::DEPTH, &depth);
+    given.omit = &["smoke.clear", "smoke.shadow", "smoke.spheres", "smoke.luminance"];
+    bench.run(&given);
+
+    let (luminance, id) = unpacked(&pixels);
+    let smooth = match settings.sigma > 0.0 {
+        true => bench.read::<f32>(layout::SMOOTH, COUNT).into_iter().map(f64::from).collect(),
+        false => luminance,
+    };
+    let depth: Vec<f64> = depth.into_iter().map(f64::from).collect();
+    let tones = tone::tones(SIZE, &smooth, &id, &settings.tones, settings.tone_softness.into());
+    let voxel = f64::from(VOXEL.into_iter().fold(f32::MAX, f32::min));
+    let lines = tone::outline(SIZE, &depth, &camera, voxel, &settings.outline);
+    let picture = tone::composite(&tones, &lines, &id, settings.outline.colour);
+    let drawn: Vec<[f32; 4]> = bench.read(layout::PICTURE, COUNT);
+    let tone_layer: Vec<[f32; 4]> = bench.read(layout::TONE_LAYER, COUNT);
+    let line_layer: Vec<f32> = bench.read(layout::OUTLINE_LAYER, COUNT);
+    let mut worst = [0.0_f64; 3];
+    for pixel in 0..COUNT {
+        let apart = |a: f32, e: f64| (f64::from(a) - e).abs();
+        worst[0] = worst[0].max(apart(line_layer[pixel], lines[pixel]));
+        for c in 0..3 {
+            worst[1] = worst[1].max(apart(tone_layer[pixel][c], tones[pixel][c]));
+        }
+        for c in 0..4 {
+            worst[2] = worst[2].max(apart(drawn[pixel][c], picture[pixel][c]));
+        }
+    }
+    println!("{name}: lines {:.1e}, tones {:.1e}, picture {:.1e}", worst[0], worst[1], worst[2]);
+    // The same values go in, so only a dozen roundings of f32 remain. In a line's l' differences of depth are squared in
+    // units of a voxel, but what is not clipped is below 1; a tone's share divides by a slope, and is clipped, too.
+    assert!(worst.iter().all(|worst| *worst <= 1e-5), "{name}: {worst:?}");
+    let inked = lines.iter().filter(|o| **o > 0.5).count();
+    assert_eq!(inked > 100, settings.outline.strength > 0.0, "{name}: {inked} pixels of ink");
+}
+
+fn tones(count: usize) -> Vec<Tone> {
+    (0..count)
+        .map(|i| Tone { from: i as f32 / count as f32, colour: [i as f32 * 0.2, 1.0 - i as f32 * 0.1, 0.5] })
+        .collect()
+}
+
+#[test]
+fn tones_are_those_of_the_reference() {
+    for count in [1, 2, 3, 5] {
+        for tone_softness in [0.0, 0.5, 4.0] {
+            let name = format!("{count} tones, softness {tone_softness}");
+            assert_drawn(&name, Settings { tones: tones(count), tone_softness, ..Settings::default() });
+        }
+    }
+    // Without a Gaussian the luminance itself is cut.
+    assert_drawn("no Gaussian", Settings { sigma: 0.0, ..Settings::default() });
+    let late = vec![Tone { from: 0.3, colour: [1.0; 3] }, Tone { from: 1.0, colour: [0.0; 3] }];
+    assert_drawn("the first from reads as 0", Settings { tones: late, tone_softness: 0.0, ..Settings::default() });
+}
+
+#[test]
+fn lines_are_those_of_the_reference() {
+    for operator in [Operator::Roberts, Operator::Second] {
+        for (width, strength) in [(1.0, 1.0), (1.5, 0.1), (1.5, 1.0), (3.0, 20.0), (16.0, 1.0)] {
+            let outline = Outline { strength, width, colour: [0.1, 0.0, 0.6], operator };
+            let name = format!("{operator:?}, width {width}, strength {strength}");
+            assert_drawn(&name, Settings { outline, sigma: 0.0, ..Settings::default() });
+        }
+    }
+    let none = Outline { strength: 0.0, ..Outline::default() };
+    assert_drawn("no line", Settings { outline: none, ..Settings::default() });
+}
