@@ -1,12 +1,13 @@
 //! A tiny benchmark on the device: files and rows.
 #![cfg(feature = "cli")]
 
+#[allow(unused_imports, reason = "each test file uses its part")]
 mod common;
 
 use std::path::Path;
 
 use celfx::bench::{Request, Watch, What, run};
-use celfx::gpu::headless::{Headless, Options};
+use celfx::gpu::headless::Options;
 
 struct Silent;
 
