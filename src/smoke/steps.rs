@@ -48,14 +48,39 @@ pub fn chosen_grow(settings: &Settings, shape: &Shape) -> Grow {
         && field_fits(shape);
     match settings.grow {
         Grow::Chosen if !field_works => Grow::Pyramid,
-        Grow::Chosen => {
-            // Measured on lavapipe (`celfx bench smoke`, rows `grow`): the field costs as much as some 4 searched
-            // particles per 1000 voxels.
-            let per_search = 250.0;
-            let field_pays = f64::from(settings.particles) * per_search > shape.voxels() as f64;
-            if field_pays { Grow::Field } else { Grow::Pyramid }
-        }
+        Grow::Chosen => cheapest_grow(settings.particles, shape),
         other => other,
+    }
+}
+
+/// By what each way costs beyond the occupancy bits, which all need, when the volume is new in every frame. Fitted to
+/// milliseconds on two cores under lavapipe (`celfx bench smoke --only grow`, a plume in a cube of `side` voxels):
+///
+/// | side, particles | growth | field | pyramid |
+/// |---|---|---|---|
+/// | 16, 500 | 0.24 | 0.36 | 0.37 |
+/// | 16, 10,000 | 1.5 | 1.1 | 2.5 |
+/// | 48, 500 | 0.65 | 1.06 | 0.94 |
+/// | 48, 2,000 | 1.5 | 1.16 | 1.48 |
+/// | 64, 2,000 | | 2.2 | 2.0 |
+/// | 64, 10,000 | | 2.8 | 7.2 |
+/// | 128, 2,000 | | 14.6 | 6.0 |
+/// | 128, 10,000 | | 15.4 | 14.9 |
+/// | 128, 50,000 | | 18.5 | 58 |
+/// | 256, 10,000 | | 120 | 47 |
+/// | 256, 50,000 | | 122 | 127 |
+fn cheapest_grow(particles: u32, shape: &Shape) -> Grow {
+    let (particles, voxels) = (f64::from(particles), shape.voxels() as f64);
+    let field = 0.2 + 5.2e-6 * voxels + 8e-5 * particles;
+    let pyramid = 0.1 + (1.6e-4 + 7.2e-6 * voxels.cbrt()) * particles;
+    // The paper's loop costs the cube of the radius, so it is only for volumes where no radius is large.
+    let is_small =
+        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).turns();
+    let growth = if is_small { 2e-4 * particles } else { f64::INFINITY };
+    match () {
+        _ if growth <= field.min(pyramid) => Grow::Growth,
+        _ if field <= pyramid => Grow::Field,
+        _ => Grow::Pyramid,
     }
 }
 
@@ -349,5 +374,44 @@ impl Tables {
             [r, g, b, tone.from]
         });
         Tables { weights, tones: tones.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chosen(dimensions: [u32; 3], voxel_size: [f32; 3], particles: u32) -> Grow {
+        let settings = Settings { particles, ..Settings::default() };
+        chosen_grow(&settings, &Shape { dimensions, voxel_size, origin: [0.0; 3] })
+    }
+
+    /// The best of those measured, or one at most 1.2 times as slow.
+    #[test]
+    fn the_cheapest_search_is_chosen() {
+        for (side, particles, best) in [
+            (16, 500, Grow::Growth),
+            (16, 10_000, Grow::Field),
+            (48, 2000, Grow::Field),
+            (64, 1000, Grow::Pyramid),
+            (64, 10_000, Grow::Field),
+            (128, 2000, Grow::Pyramid),
+            (128, 50_000, Grow::Field),
+            (256, 10_000, Grow::Pyramid),
+            (256, 1_000_000, Grow::Field),
+        ] {
+            assert_eq!(chosen([side; 3], [0.1; 3], particles), best, "{side}, {particles}");
+        }
+        assert_eq!(chosen([15, 20, 15], [0.12; 3], 500), Grow::Growth, "the paper's volume");
+    }
+
+    #[test]
+    fn only_searches_that_work_are_chosen() {
+        assert_eq!(chosen([15, 20, 15], [0.1, 0.1, 0.25], 500), Grow::Pyramid, "not cubic");
+        assert_eq!(chosen([501; 3], [0.1; 3], 1_000_000), Grow::Pyramid, "a field of bytes ends at 255");
+        // Rows so long that the loop budget cuts the search: the buffers are not made for so many parts.
+        let long = Shape { dimensions: [4096, 16, 16], voxel_size: [0.1; 3], origin: [0.0; 3] };
+        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).turns());
+        assert_ne!(chosen(long.dimensions, long.voxel_size, 10), Grow::Growth);
     }
 }

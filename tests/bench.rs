@@ -1,0 +1,97 @@
+//! A tiny benchmark on the device: files and rows.
+#![cfg(feature = "cli")]
+
+#[allow(unused_imports, reason = "each test file uses its part")]
+mod common;
+
+use std::path::Path;
+
+use celfx::bench::{Request, Watch, What, run};
+use celfx::gpu::headless::Options;
+
+struct Silent;
+
+impl Watch for Silent {
+    fn progress(&self, _: &str) {}
+
+    fn is_interrupted(&self) -> bool {
+        false
+    }
+}
+
+struct Impatient;
+
+impl Watch for Impatient {
+    fn progress(&self, _: &str) {}
+
+    fn is_interrupted(&self) -> bool {
+        true
+    }
+}
+
+fn request(only: &str) -> Request {
+    let device = Options { validate: true, device: std::env::var("CELFX_DEVICE").ok(), ..Options::default() };
+    Request { what: What::Smoke, quick: true, only: Some(only.into()), device }
+}
+
+/// Rows of `bench.json` after a benchmark under validation; a message of it is an error.
+fn rows(only: &str, folder: &Path) -> Vec<serde_json::Value> {
+    let table = run(&request(only), folder, &Silent).expect("a benchmark that succeeds");
+    let json = std::fs::read_to_string(folder.join("bench.json")).expect("bench.json");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    for limit in ["copy_gb_s", "fma_gflop_s"] {
+        assert!(json["limits"][limit].as_f64().is_some_and(|value| value > 0.0), "{limit}: {json}");
+    }
+    assert!(json["device"].as_str().is_some_and(|name| table.contains(name)), "{table}");
+    for plot in ["smoke.svg", "smoke.png"] {
+        assert!(std::fs::metadata(folder.join(plot)).is_ok_and(|file| file.len() > 1000), "{plot}");
+    }
+    json["rows"].as_array().expect("rows").clone()
+}
+
+#[test]
+fn one_workload_of_each_pass() {
+    if common::device().is_none() {
+        return;
+    }
+    let folder = std::env::temp_dir().join(format!("celfx-bench-{}", std::process::id()));
+
+    // All ways to search a radius agree with the brute force to rounding.
+    let grow = rows("15x15x20", &folder);
+    let names: Vec<&str> = grow.iter().filter_map(|row| row["variant"].as_str()).collect();
+    assert_eq!(names, ["growth", "field", "pyramid", "chosen"]);
+    for row in &grow {
+        assert_eq!((&row["workload"], &row["runs"]), (&"15x15x20/500".into(), &1.into()));
+        assert!(row["gpu_ms"].as_f64().is_some_and(|ms| ms > 0.0), "{row}");
+        // Half an ulp of a coordinate of 2 m, in voxels of 0.12 m, twice.
+        assert!(row["error_max"].as_f64().is_some_and(|error| error < 2e-6), "{row}");
+    }
+
+    // The exact forms of the masked Gaussian are exact, the wrong one and the one without mask are not.
+    for row in rows("/512x512 sigma 4", &folder) {
+        let error = row["error_max"].as_f64().expect("an error");
+        match row["variant"].as_str().expect("a name") {
+            "direct" | "per_id_image" | "per_id_tiles" => assert!(error < 2e-6, "{row}"),
+            _ => assert!(error > 0.05, "{row}"),
+        }
+        assert!(row["of_limit"].as_f64().is_some_and(|share| share > 0.0), "{row}");
+    }
+
+    // Exact shadows differ from those in f64 at borders only; a shadow map blurs them.
+    for row in rows("shadow/exact/paper", &folder) {
+        assert!(row["error_p99"].as_f64().is_some_and(|error| error == 0.0), "{row}");
+    }
+    std::fs::remove_dir_all(&folder).expect("the folder is removed");
+}
+
+#[test]
+fn an_interruption_writes_nothing() {
+    if common::device().is_none() {
+        return;
+    }
+    let folder = std::env::temp_dir().join(format!("celfx-bench-interrupted-{}", std::process::id()));
+    let ended = run(&request(""), &folder, &Impatient);
+    assert!(matches!(ended, Err(celfx::bench::BenchError::Interrupted)), "{ended:?}");
+    assert!(!folder.join("bench.json").exists());
+    std::fs::remove_dir_all(&folder).expect("the folder is removed");
+}
