@@ -37,8 +37,17 @@ fn built_in_shots_name_every_key_and_say_its_default() {
     for (name, text) in BUILTIN {
         let shot = Shot::load(name, &[]).expect("a built-in shot");
         // What each shot sets for itself; all else that it shows is the default.
-        let Settings { particles, still, lifetime, radius, scale, sigma, .. } = shot.smoke.settings;
-        let expected = Settings { particles, still, lifetime, radius, scale, sigma, ..defaults.smoke.settings.clone() };
+        let Settings { particles, lifetime, radius, scale, groups, hysteresis, sigma, .. } = shot.smoke.settings;
+        let expected = Settings {
+            particles,
+            lifetime,
+            radius,
+            scale,
+            groups,
+            hysteresis,
+            sigma,
+            ..defaults.smoke.settings.clone()
+        };
         assert_eq!(shot.smoke.settings, expected, "{name}");
         assert_eq!((shot.light(1), shot.fps, shot.frames), (defaults.light(1), 24.0, [1, 48]), "{name}");
         for (key, _) in keys::KEYS.iter().filter(|(key, _)| *key != "camera.file" && !key.starts_with("smoke.emitter."))
