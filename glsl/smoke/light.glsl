@@ -3,7 +3,7 @@
 // of a cell is in order of buckets, nearest to the light first: what lies behind a surface is never looked at.
 const float FACE_MARGIN = 1.0001;
 
-const uint BUCKETS = 16u;
+const uint BUCKETS = 64u;
 
 uint first_cell(uint face, uint level) {
     return face * params.shadow.y + ((1u << 2u * level) - 1u) / 3u;

@@ -7,7 +7,7 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 1) buffer Cells { uint cell_ends[]; };
 layout(std430, binding = 2) buffer HistoryBuffer { History history; };
 
-const uint BUCKETS = 16u;
+const uint BUCKETS = 64u;
 
 shared uint sums[256];
 shared uint longest[16];

@@ -155,7 +155,9 @@ impl Layout {
         let batch_groups = (ROW_SUM_BYTES / per_group).clamp(1, u64::from(settings.group_count())) as u32;
         let faces = if desc.point_light { 6 } else { 1 };
         let exact = settings.shadow == Shadow::Exact;
-        let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32 + 1).min(8);
+        // As many finest cells as particles, within what one workgroup can sum up in its loop budget.
+        let most = if desc.point_light { 6 } else { 7 };
+        let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32).min(most);
         let light_levels = if exact { finest + 1 } else { 1 };
         let casters = |across: u64| spheres * (across + 1) * (across + 1) * u64::from(faces) * 4;
         let cells_across = [8, 4].into_iter().find(|across| casters(*across) <= limit.min(16 << 20)).unwrap_or(1);

@@ -23,7 +23,7 @@ pub const BIRTH_BLOCK: u32 = 256;
 /// Sphere slots that one invocation counts and lists.
 pub const LIST_RUN: u32 = 16;
 /// Buckets of a light-space tile's list.
-pub const BUCKETS: u32 = 16;
+pub const BUCKETS: u32 = 64;
 /// Levels that the occupancy pyramid can have.
 pub const MAX_LEVELS: usize = 12;
 
