@@ -280,3 +280,13 @@ fn smoke_in_a_host_of_its_own() {
     // SAFETY: every frame has been waited for.
     unsafe { smoke.destroy(&host, allocator) };
 }
+
+/// The README shows the part between the marks word for word.
+#[test]
+fn the_readme_shows_this_host() {
+    let source = include_str!("embed.rs");
+    let (_, rest) = source.split_once("    // README begin\n").expect("the first mark");
+    let (shown, _) = rest.split_once("    // README end").expect("the second mark");
+    let lines: Vec<&str> = shown.lines().map(|line| line.strip_prefix("    ").unwrap_or(line)).collect();
+    assert!(include_str!("../README.md").contains(&lines.join("\n")), "README.md shows an older tests/embed.rs");
+}

@@ -4,7 +4,7 @@
 use ash::vk;
 use celfx::error::Error;
 use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_TURNS, Layout, Pyramid, growth_rows};
-use celfx::smoke::params::{Particle, SLOT_PIXELS, TILE};
+use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE};
 use celfx::smoke::settings::{Emitter, Grow, Outline, Placement, Radius, Shadow, Tone};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 
@@ -117,10 +117,10 @@ fn limit(desc: &Desc) -> (&'static str, u64, u64, String) {
 #[test]
 fn what_is_too_large_is_refused_by_name() {
     let (what, needed, allowed, text) = limit(&desc([16_384, 16_384], [8; 3], many(10, 0)));
-    assert!(what.starts_with("smoke ") && needed > allowed && allowed == RANGE, "{text}");
+    assert!(what.starts_with("smoke's buffer ") && needed > allowed && allowed == RANGE, "{text}");
     assert!(text.contains("render a smaller picture"), "{text}");
     let (what, needed, _, text) = limit(&desc([64, 64], [8; 3], many(1_000_000, 64)));
-    assert!(what.starts_with("smoke "), "{text}");
+    assert!(what.starts_with("smoke's buffer "), "{text}");
     assert!(needed > RANGE && text.contains("fewer particles"), "{text}");
     let (_, needed, allowed, text) = limit(&desc([64, 64], [512; 3], many(10, 0)));
     assert!(needed > allowed && text.contains("use a smaller volume"), "{text}");
@@ -252,4 +252,17 @@ fn settings_out_of_range_are_refused_by_key() {
     assert!(Smoke::memory(&desc([0, 64], [8; 3], s()), RANGE).is_err());
     assert!(Smoke::memory(&desc([64, 64], [8, 0, 8], s()), RANGE).is_err());
     assert!(Smoke::memory(&desc([64, 64], [8, 1 << 17, 8], s()), RANGE).is_err());
+}
+
+#[test]
+fn the_sum_over_light_space_tiles_keeps_the_loop_budget() {
+    for point_light in [false, true] {
+        for particles in [1, 500, 10_000, 1_000_000] {
+            let desc = Desc { point_light, ..desc([64, 64], [8; 3], many(particles, 0)) };
+            let layout = Layout::new(&desc, RANGE).unwrap();
+            // `shadow_scan`: 256 lanes go over their share of the counters twice, and over the other lanes' sums.
+            let share = (layout.light_cells * layout.light_faces).div_ceil(256) * BUCKETS;
+            assert!(2 * share + 256 <= 50_000, "{particles}, {point_light}: {share}");
+        }
+    }
 }
