@@ -235,6 +235,7 @@ fn the_steps_of_a_frame_in_order() {
         "smoke.list",
         "smoke.shadow",
         "smoke.clear",
+        "smoke.occlusion",
         "smoke.spheres",
         "smoke.tiles",
         "smoke.luminance",

@@ -1,6 +1,8 @@
 // Light-space tiles: square grids, one a level, level l with 2^l cells a side; a face for a directional light, six for a
 // point light. A sphere stands in the cells that it touches at the level where its diameter is two to four cells. The list
 // of a cell is in order of buckets, nearest to the light first: what lies behind a surface is never looked at.
+#include "../common/sphere.glsl"
+
 const float FACE_MARGIN = 1.0001;
 
 const uint BUCKETS = 64u;
@@ -33,12 +35,6 @@ vec2 face_position(vec3 p, uint face) {
     }
     vec2 across = vec2(dot(params.light_right.xyz, p), dot(params.light_up.xyz, p));
     return (across - params.light_frame.xy) * params.light_frame.z;
-}
-
-// Bounds of x / z over a circle with centre (x, z) and radius r, z > r.
-vec2 tangent_range(float x, float z, float r) {
-    float t = sqrt(max((z - r) * (z + r) + x * x, 0.0));
-    return vec2((x * t - z * r) / (z * t + x * r), (x * t + z * r) / (z * t - x * r));
 }
 
 // Bounds of a sphere on a face, 0 to 1 (low xy, high xy); low > high where it does not touch the face.

@@ -44,6 +44,7 @@ layout(binding = 0) uniform SmokeParams {
     uvec4 filtering;   // window, window in blocks, tones, row of the ring of dying spheres
     vec4 ink;          // outline: strength, width, smallest depth unit, pixel footprint at depth 1
     vec4 ink_colour;   // linear RGB; softness of tones
+    uvec4 blocks;      // blocks of the occlusion test: side in pixels, across, down
     uvec4 levels[12];  // occupancy pyramid: first word, rows along y, rows along z
 } params;
 

@@ -56,6 +56,8 @@ buffers! {
     SPHERES = "Spheres",
     VIEW_SPHERES = "ViewSpheres",
     GROUPS = "Groups",
+    OCCLUSION = "Occlusion",
+    QUADS = "Quads",
     FIELD = "Field",
     FIELD_COLUMNS = "FieldColumns",
     SEARCHES = "Searches",
@@ -120,6 +122,10 @@ pub struct Layout {
     pub spheres: u32,
     /// Screen tiles across and down.
     pub tiles: [u32; 2],
+    /// Side of a block of the occlusion test in pixels.
+    pub occlusion_side: u32,
+    /// Blocks of the occlusion test across and down, at most 128.
+    pub occlusion_blocks: [u32; 2],
     /// Groups whose row sums are in memory at a time.
     pub batch_groups: u32,
     /// Batches of them.
@@ -161,9 +167,12 @@ impl Layout {
         let light_levels = if exact { finest + 1 } else { 1 };
         let casters = |across: u64| spheres * (across + 1) * (across + 1) * u64::from(faces) * 4;
         let cells_across = [8, 4].into_iter().find(|across| casters(*across) <= limit.min(16 << 20)).unwrap_or(1);
+        let occlusion_side = BLOCK * desc.size[0].max(desc.size[1]).div_ceil(128 * BLOCK);
         let mut layout = Layout {
             spheres: spheres as u32,
             tiles,
+            occlusion_side,
+            occlusion_blocks: desc.size.map(|side| side.div_ceil(occlusion_side)),
             batch_groups,
             batches: settings.group_count().div_ceil(batch_groups),
             batch_capacity: (tile_count * u64::from(batch_groups)) as u32,
@@ -209,6 +218,7 @@ impl Layout {
         self.set(SPHERES, spheres * 16);
         self.set(VIEW_SPHERES, spheres * 16);
         self.set(GROUPS, spheres * 4);
+        self.set(QUADS, spheres * 16);
         self.set(SEARCHES, particles * 8);
         self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_RUN)) * 8);
         self.set(LIVE, spheres * 4);
@@ -264,6 +274,7 @@ impl Layout {
         self.set(BLOCK_MASKS, blocks * 4);
         self.set(TILE_GROUPS, tiles * 32);
         self.set(OCCUPIED_TILES, tiles * 4);
+        self.set(OCCLUSION, u64::from(self.occlusion_blocks[0]) * u64::from(self.occlusion_blocks[1]) * 4);
         self.set(PIXELS, pixels * 4);
         self.set(DEPTH, pixels * 4);
         self.set(SHADOW, kept(desc.layers || self.luminance_parts > 1, pixels * 4));
@@ -287,8 +298,8 @@ impl Layout {
             DENSITY | VELOCITY | OCCUPANCY | BIRTH_COUNTS | FIELD | FIELD_COLUMNS | CONTINUATIONS => {
                 "use a smaller volume"
             }
-            PARTICLES | DYING | DYING_STEPS | SPHERES | VIEW_SPHERES | GROUPS | SEARCHES | LIST_COUNTS | LIVE
-            | VISIBLE => "use fewer particles or less fade",
+            PARTICLES | DYING | DYING_STEPS | SPHERES | VIEW_SPHERES | QUADS | GROUPS | SEARCHES | LIST_COUNTS
+            | LIVE | VISIBLE => "use fewer particles or less fade",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "render a smaller picture",
         };

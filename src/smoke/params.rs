@@ -61,6 +61,7 @@ pub struct SmokeParams {
     pub filtering: [u32; 4],
     pub ink: [f32; 4],
     pub ink_colour: [f32; 4],
+    pub blocks: [u32; 4],
     pub levels: [[u32; 4]; MAX_LEVELS],
 }
 
@@ -202,6 +203,8 @@ impl SmokeParams {
         let half = camera.half_extent(desc.size).as_vec2();
         self.lens = [half.x, half.y, camera.near as f32, camera.far as f32];
         self.image = [desc.size[0], desc.size[1], layout.tiles[0], layout.tiles[1]];
+        let [across, down] = layout.occlusion_blocks;
+        self.blocks = [layout.occlusion_side, across, down, 0];
     }
 
     fn set_volume(&mut self, settings: &Settings, shape: &Shape) {

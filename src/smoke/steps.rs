@@ -11,8 +11,9 @@ use crate::smoke::settings::{Grow, Radius, Settings, Shadow};
 
 /// Names that are skipped as one.
 const PARTICLE_STEPS: [&str; 4] = ["smoke.occupancy", "smoke.advect", "smoke.grow", "smoke.list"];
-const PICTURE_STEPS: [&str; 9] = [
+const PICTURE_STEPS: [&str; 10] = [
     "smoke.shadow",
+    "smoke.occlusion",
     "smoke.spheres",
     "smoke.tiles",
     "smoke.luminance",
@@ -243,6 +244,7 @@ impl Steps<'_> {
         let settings = &self.desc.settings;
         self.shadow();
         self.clear();
+        self.occlusion();
         self.plan.step(self.passes.spheres, draw(offset_of!(Control, draw)));
         let threads = [self.layout.tiles[0] * 8, self.layout.tiles[1] * 16, 1];
         self.plan.step(self.passes.tiles, Command::Dispatch { threads });
@@ -269,6 +271,14 @@ impl Steps<'_> {
         }
         self.plan.step(self.passes.tone, tiles);
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
+    }
+
+    /// Quads no larger than what can be seen of their spheres.
+    fn occlusion(&mut self) {
+        let live = dispatch(offset_of!(Control, live_groups));
+        self.plan.step(self.passes.occlusion_reset, Command::Fill { buffer: OCCLUSION, word: f32::INFINITY.to_bits() });
+        self.plan.step(self.passes.occluders, live);
+        self.plan.step(self.passes.quads, live);
     }
 
     /// What reads beyond occupied tiles must find them empty; layers are whole images.

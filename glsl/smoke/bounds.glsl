@@ -1,0 +1,14 @@
+// Where a sphere stands on the screen.
+#include "../common/sphere.glsl"
+
+// Whether the tangents from the eye bound it; if not, the eye plane cuts it or nearly does.
+bool is_bounded(vec4 view_sphere) {
+    return view_sphere.z > view_sphere.w * 1.001;
+}
+
+// Bounds in pixels (low xy, high xy) of the perspective image of a sphere that is bounded.
+vec4 pixel_bounds(vec4 view_sphere) {
+    vec2 across = tangent_range(view_sphere.x, view_sphere.z, view_sphere.w) / params.lens.x;
+    vec2 down = -tangent_range(view_sphere.y, view_sphere.z, view_sphere.w).yx / params.lens.y;
+    return (vec4(across.x, down.x, across.y, down.y) * 0.5 + 0.5) * vec4(params.image.xy, params.image.xy);
+}
