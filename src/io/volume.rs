@@ -44,24 +44,7 @@ pub struct Grids {
 /// f32 or f64, which become f32), `voxel_size` (a number or three, metres, above 0) and optionally `origin` [3]
 /// (default 0, 0, 0), both of any float or integer type. At most [`MAX_VOXELS`] voxels, at least one.
 pub fn read(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("npz") => read_npz(path, grids),
-        Some("vdb") => Err(ReadError::file(path, "OpenVDB files cannot be read yet", "an .npz file")),
-        _ => Err(ReadError::file(path, "not a volume by its name", "a name that ends in .npz")),
-    }
-}
-
-/// What the volumes of a sequence hold, as far as headers tell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Extent {
-    /// Most voxels along x, y, z.
-    pub dimensions: [u32; 3],
-    /// Whether there are velocities.
-    pub velocity: bool,
-}
-
-fn read_npz(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
-    let mut archive = Archive::open(path)?;
+    let mut archive = open(path)?;
     let dimensions = density_header(&mut archive, path, grids)?;
     let density = values(&mut archive, density_name(grids), MAX_VOXELS)?;
     let velocity = match velocity_header(&mut archive, path, grids, dimensions)? {
@@ -75,6 +58,24 @@ fn read_npz(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
         density,
         velocity: velocity.map(|v| v.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()),
     })
+}
+
+/// Opens a file that is a volume by its name.
+fn open(path: &Path) -> Result<Archive, ReadError> {
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("npz") => Archive::open(path),
+        Some("vdb") => Err(ReadError::file(path, "OpenVDB files cannot be read yet", "an .npz file")),
+        _ => Err(ReadError::file(path, "not a volume by its name", "a name that ends in .npz")),
+    }
+}
+
+/// What the volumes of a sequence hold, as far as headers tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extent {
+    /// Most voxels along x, y, z.
+    pub dimensions: [u32; 3],
+    /// Whether there are velocities.
+    pub velocity: bool,
 }
 
 /// The values of an array whose header has been read.
@@ -282,7 +283,7 @@ impl VolumeSequence {
                     return Ok(Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() });
                 }
             };
-            let mut archive = Archive::open(path)?;
+            let mut archive = open(path)?;
             let dimensions = density_header(&mut archive, path, &self.grids)?;
             let velocity = velocity_header(&mut archive, path, &self.grids, dimensions)?;
             let largest = extent.get_or_insert(Extent { dimensions, velocity });
