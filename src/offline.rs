@@ -181,6 +181,7 @@ impl Offline {
             volume,
             // The background covers what the frame before left, whose copy has been waited for.
             target: self.image(&self.parts.target, ImageState::default()).filter(|_| scene.rendered),
+            depth: None,
             background: match self.image(&self.parts.backdrop, COPIED_FROM).filter(|_| self.background.is_none()) {
                 Some(backdrop) => Background::Copy(backdrop),
                 None => Background::Clear(self.background.unwrap_or_default()),

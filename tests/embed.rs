@@ -196,6 +196,7 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
         seed: 1,
         settings: Settings { particles: 1000, ..Settings::default() },
         layers: false,
+        depth: None,
         skipping: true,
     };
     let (host, allocator) = device.parts();
@@ -222,6 +223,7 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
                 state_out: SHOWN, // and wants it back in
             }),
             background: Background::Keep, // smoke goes over what the host has drawn
+            depth: None,
         };
         let mut timing = Timing::Queries { pool: slot.queries, first: 0 };
         unsafe { smoke.record(&device.host(), commands.raw(), &frame, &mut timing)? };

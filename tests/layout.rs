@@ -23,6 +23,7 @@ fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
         seed: 0,
         settings,
         layers: true,
+        depth: None,
         skipping: true,
     }
 }

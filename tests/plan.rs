@@ -151,6 +151,7 @@ fn desc(settings: Settings) -> Desc {
         seed: 0,
         settings,
         layers: false,
+        depth: None,
         skipping: true,
     }
 }
@@ -195,6 +196,7 @@ impl Effect {
             volume: None,
             target: Some(target),
             background: Background::Clear([0.0; 4]),
+            depth: None,
         }
     }
 

@@ -4,6 +4,8 @@
 
 mod common;
 
+#[path = "smoke/depth.rs"]
+mod depth;
 #[path = "smoke/extremes.rs"]
 mod extremes;
 #[path = "smoke/frame.rs"]

@@ -173,6 +173,7 @@ impl Rig {
             volume: *input,
             target: shot.rendered.then_some(target),
             background: Background::Clear([0.0; 4]),
+            depth: None,
         };
         let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
             // SAFETY: the device's own handles; every frame is submitted in order and waited for.

@@ -116,6 +116,7 @@ fn used(usage: &Usage) -> ImageState {
         Usage::COPY_SOURCE => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
         Usage::COPY_TARGET => vk::ImageLayout::TRANSFER_DST_OPTIMAL,
         Usage::COLOUR => vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        Usage::DEPTH => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
         _ => vk::ImageLayout::GENERAL,
     };
     ImageState { stage: usage.stage, access: usage.access(), layout }
@@ -286,7 +287,7 @@ impl Walk<'_> {
             let depth_stencil = vk::ClearDepthStencilValue { depth: depth.clear.unwrap_or_default(), stencil: 0 };
             vk::RenderingAttachmentInfo::default()
                 .image_view(self.resources.attachment_view(depth.image, depth.layer))
-                .image_layout(vk::ImageLayout::GENERAL)
+                .image_layout(self.layout(depth.image, &Usage::DEPTH))
                 .load_op(load(depth.clear.is_some()))
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(vk::ClearValue { depth_stencil })

@@ -14,6 +14,8 @@ pub struct Desc {
     pub size: [u32; 2],
     /// Format of the target images; any that can be a colour attachment.
     pub target_format: vk::Format,
+    /// How the host's depth images hold depth, if they are to occlude the smoke.
+    pub depth: Option<DepthFormat>,
     /// The largest volume along each axis, in voxels.
     pub dimensions: [u32; 3],
     /// Whether volumes come with velocities.
@@ -28,6 +30,33 @@ pub struct Desc {
     pub layers: bool,
     /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
     pub skipping: bool,
+}
+
+/// How the host's depth images hold depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DepthFormat {
+    /// A format that can be a depth attachment.
+    pub format: vk::Format,
+    /// Whether nearer is larger.
+    pub reversed: bool,
+}
+
+/// The depth of what the host has drawn: it occludes the smoke, and the smoke writes its own.
+#[derive(Clone, Copy, Debug)]
+pub struct HostDepth {
+    /// A depth image of the target's size. Usage: `DEPTH_STENCIL_ATTACHMENT`.
+    pub image: HostImage,
+    /// What it holds at view depth z metres: `terms[0] + terms[1] / z`.
+    pub terms: [f32; 2],
+}
+
+impl HostDepth {
+    /// The terms of a perspective projection with Vulkan's depth range; `far` may be infinite.
+    pub fn perspective(near: f32, far: f32, reversed: bool) -> [f32; 2] {
+        let share = if far.is_finite() { near / (far - near) } else { 0.0 };
+        let scale = near * (1.0 + share);
+        if reversed { [-share, scale] } else { [1.0 + share, -scale] }
+    }
 }
 
 /// How a frame follows the one recorded before it.
@@ -86,6 +115,8 @@ pub struct Frame {
     pub target: Option<HostImage>,
     /// What is under it.
     pub background: Background,
+    /// The host's depth, given exactly if the effect was made for one and there is a target.
+    pub depth: Option<HostDepth>,
 }
 
 /// Shape and place of a volume.
@@ -163,15 +194,27 @@ impl Frame {
         if first && self.sequence != Sequence::Restart {
             return Err(Error::setting("frame.sequence", format!("{:?}", self.sequence), "Restart in the first frame"));
         }
+        if let Some(depth) = &self.depth
+            && !depth.terms.iter().all(|term| term.is_finite())
+        {
+            return Err(Error::setting("frame.depth.terms", format!("{:?}", depth.terms), "two finite numbers"));
+        }
+        if self.target.is_some() && self.depth.is_some() != desc.depth.is_some() {
+            let expected = if desc.depth.is_some() { "expected" } else { "not expected" };
+            return Err(Error::HostResource { name: "depth", why: format!("{expected}: the effect was made so") });
+        }
         let background = match &self.background {
             Background::Copy(image) => Some(("background", image)),
             _ => None,
         };
-        for (name, image) in self.target.iter().map(|image| ("target", image)).chain(background) {
-            if image.extent != desc.size || image.format != desc.target_format {
+        let pictures = self.target.iter().map(|image| ("target", image)).chain(background);
+        let pictures = pictures.map(|(name, image)| (name, image, desc.target_format));
+        let depth = self.depth.iter().zip(desc.depth).map(|(depth, made)| ("depth", &depth.image, made.format));
+        for (name, image, format) in pictures.chain(depth) {
+            if image.extent != desc.size || image.format != format {
                 let why = format!(
                     "{:?} pixels of {:?}; expected {:?} of {:?}",
-                    image.extent, image.format, desc.size, desc.target_format
+                    image.extent, image.format, desc.size, format
                 );
                 return Err(Error::HostResource { name, why });
             }

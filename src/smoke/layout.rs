@@ -114,6 +114,8 @@ pub const SHADOW_MAP: ImageId = ImageId(2);
 pub const TARGET: ImageId = ImageId(3);
 /// The host's background.
 pub const BACKGROUND: ImageId = ImageId(4);
+/// The host's depth.
+pub const HOST_DEPTH: ImageId = ImageId(5);
 
 /// Sizes of everything, from what the effect is made for.
 #[derive(Clone, Debug)]
@@ -443,6 +445,7 @@ mod tests {
             seed: 0,
             settings: Settings { particles: 1, ..Settings::default() },
             layers: true,
+            depth: None,
             skipping: true,
         };
         let limit = 1 << 27;

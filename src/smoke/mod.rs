@@ -16,7 +16,7 @@ pub mod steps;
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-pub use frame::{Background, Desc, Frame, Sequence, Shape, VolumeInput};
+pub use frame::{Background, DepthFormat, Desc, Frame, HostDepth, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
 
 use crate::error::{Error, Result};
@@ -169,6 +169,8 @@ impl Smoke {
             _ => None,
         };
         self.resources.set_host_image(layout::BACKGROUND, background);
+        let depth = frame.depth.filter(|_| frame.target.is_some());
+        self.resources.set_host_image(layout::HOST_DEPTH, depth.map(|depth| depth.image));
         let mut recording = Recording {
             host,
             commands,
@@ -192,7 +194,7 @@ impl Smoke {
     /// As for [`Smoke::record`].
     #[cfg(feature = "cli")]
     pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-        for image in [layout::TARGET, layout::BACKGROUND] {
+        for image in [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH] {
             self.resources.set_host_image(image, None);
         }
         let Smoke { passes, pipelines, resources, recorder, .. } = self;
@@ -325,6 +327,7 @@ unsafe fn create_resources(
         for image in layout.images(desc) {
             resources.add_image(host, allocator, &image)?;
         }
+        resources.add_host_image();
         resources.add_host_image();
         resources.add_host_image();
     }

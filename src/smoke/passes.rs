@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::plan::{ColourAttachment, DepthAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
 use crate::shaders::smoke as glsl;
-use crate::smoke::frame::Desc;
+use crate::smoke::frame::{DepthFormat, Desc};
 use crate::smoke::layout::*;
 use crate::smoke::settings::{Integrator, Operator, Shadow};
 
@@ -197,11 +197,22 @@ fn tone(desc: &Desc) -> Pass {
 }
 
 fn composite(desc: &Desc) -> Pass {
+    // Equal depth passes: what is drawn twice stays.
+    let compare = |reversed| if reversed { vk::CompareOp::GREATER_OR_EQUAL } else { vk::CompareOp::LESS_OR_EQUAL };
     let raster = Raster {
         vertex: &glsl::composite_vertex::SHADER,
-        fragment: &glsl::composite_fragment::SHADER,
+        fragment: match desc.depth {
+            Some(_) => &glsl::composite_depth_fragment::SHADER,
+            None => &glsl::composite_fragment::SHADER,
+        },
         colour: Some(ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: true }),
-        depth: None,
+        depth: desc.depth.map(|DepthFormat { format, reversed }| DepthAttachment {
+            image: HOST_DEPTH,
+            format,
+            clear: None,
+            compare: compare(reversed),
+            layer: 0,
+        }),
         extent: desc.size,
     };
     Pass::raster("smoke.composite", raster)

@@ -127,7 +127,7 @@ impl Steps<'_> {
         self.volume();
         self.particles();
         match frame.target {
-            Some(_) => self.picture(),
+            Some(_) => self.picture(frame),
             None => {
                 let reason = "no target: the frame only moves the particles on";
                 PICTURE_STEPS.into_iter().for_each(|name| self.plan.skip(name, reason));
@@ -240,7 +240,7 @@ impl Steps<'_> {
         }
     }
 
-    fn picture(&mut self) {
+    fn picture(&mut self, frame: &Frame) {
         let settings = &self.desc.settings;
         self.shadow();
         self.clear();
@@ -270,7 +270,13 @@ impl Steps<'_> {
             false => self.plan.skip("smoke.outline", "strength is 0"),
         }
         self.plan.step(self.passes.tone, tiles);
-        self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
+        let tiles = draw(offset_of!(Control, tile_draw));
+        match &frame.depth {
+            Some(depth) => {
+                self.plan.step_with(self.passes.composite, tiles, &CompositeConstants { terms: depth.terms })
+            }
+            None => self.plan.step(self.passes.composite, tiles),
+        }
     }
 
     /// Quads no larger than what can be seen of their spheres.

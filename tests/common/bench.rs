@@ -208,6 +208,7 @@ impl Bench {
             volume: Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: None }),
             target,
             background: Background::Clear([0.0; 4]),
+            depth: None,
         };
         let shape = Shape { dimensions, voxel_size, origin };
         let moment = Moment { shape, restart, new_volume: true, first: true, still: None, same_shadow: None };

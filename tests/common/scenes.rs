@@ -24,6 +24,7 @@ pub fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
         seed: 1,
         settings,
         layers: true,
+        depth: None,
         skipping: true,
     }
 }

@@ -8,26 +8,26 @@ use celfx::gpu::profiler::Timing;
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
 use celfx::io::volume::Volume;
 use celfx::offline::TARGET_FORMAT;
-use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, VolumeInput};
+use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, VolumeInput};
 use gpu_allocator::MemoryLocation;
 
 use crate::common::allocations::allocated;
 use crate::common::scenes::{camera, desc, direction, moving_puffs};
 use crate::common::{TestDevice, device};
 
-const SIZE: [u32; 2] = [80, 60];
-const COPIED: ImageState = ImageState {
+pub const SIZE: [u32; 2] = [80, 60];
+pub const COPIED: ImageState = ImageState {
     stage: vk::PipelineStageFlags2::ALL_TRANSFER,
     access: vk::AccessFlags2::TRANSFER_READ,
     layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
 };
 
-fn effect() -> Desc {
+pub fn effect() -> Desc {
     Desc { velocity: true, ..desc(SIZE, [20; 3], Settings { particles: 200, ..Settings::default() }) }
 }
 
 /// What one frame in flight needs of a host.
-struct Slot {
+pub struct Slot {
     density: Buffer,
     velocity: Buffer,
     target: Image,
@@ -35,7 +35,7 @@ struct Slot {
 }
 
 impl Slot {
-    fn new(device: &mut TestDevice, size: [u32; 2]) -> Slot {
+    pub fn new(device: &mut TestDevice, size: [u32; 2]) -> Slot {
         let (host, allocator) = device.parts();
         let mut buffer = |name, size, usage, location| {
             // SAFETY: the handles are the device's own.
@@ -57,7 +57,7 @@ impl Slot {
     }
 
     /// The frame `i` of a sequence, its volume written.
-    fn frame(&mut self, i: u32, size: [u32; 2]) -> Frame {
+    pub fn frame(&mut self, i: u32, size: [u32; 2]) -> Frame {
         let Volume { dimensions, voxel_size, origin, density, velocity } = moving_puffs(20, i as f32 / 24.0);
         let fill = |buffer: &mut Buffer, bytes: &[u8]| {
             buffer.mapped_mut().expect("mapped memory").copy_from_slice(bytes);
@@ -82,14 +82,15 @@ impl Slot {
             volume: Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: Some(velocity) }),
             target: Some(target),
             background: Background::Clear([0.0; 4]),
+            depth: None,
         }
     }
 
-    fn pixels(&self) -> Vec<u8> {
+    pub fn pixels(&self) -> Vec<u8> {
         self.picture.mapped().expect("mapped memory").to_vec()
     }
 
-    fn destroy(mut self, device: &mut TestDevice) {
+    pub fn destroy(mut self, device: &mut TestDevice) {
         let (host, allocator) = device.parts();
         // SAFETY: every submission has been waited for.
         unsafe {
@@ -102,7 +103,7 @@ impl Slot {
 }
 
 /// Copies the picture to where the host reads it.
-unsafe fn read(host: &Host, commands: vk::CommandBuffer, slot: &Slot, [width, height]: [u32; 2]) {
+pub unsafe fn read(host: &Host, commands: vk::CommandBuffer, slot: &Slot, [width, height]: [u32; 2]) {
     let layers = vk::ImageSubresourceLayers {
         aspect_mask: vk::ImageAspectFlags::COLOR,
         mip_level: 0,
@@ -253,6 +254,7 @@ fn frames_that_do_not_fit_are_refused_by_name() {
         ("camera", Frame { camera: celfx::view::Camera { near: 0.0, ..good.camera }, ..good }),
         ("target", Frame { target: Some(HostImage { extent: [79, 60], ..target }), ..good }),
         ("target", Frame { target: Some(HostImage { format: vk::Format::R8G8B8A8_UNORM, ..target }), ..good }),
+        ("depth", Frame { depth: Some(HostDepth { image: target, terms: [0.0, 0.1] }), ..good }),
         ("background", Frame { background: Background::Copy(HostImage { extent: [1, 1], ..target }), ..good }),
     ];
     for (name, frame) in cases {

@@ -43,6 +43,7 @@ pub(super) fn desc(size: [u32; 2], volume: &Volume, settings: Settings, layers: 
         seed: 0,
         settings,
         layers,
+        depth: None,
         skipping: true,
     }
 }

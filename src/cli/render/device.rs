@@ -44,6 +44,7 @@ impl<'a> Renderer<'a> {
             seed: shot.seed,
             settings: shot.smoke.settings.clone(),
             layers,
+            depth: None,
             skipping: true,
         };
         let mut offline = Offline::new(headless, desc.clone())?;
