@@ -341,12 +341,7 @@ pub enum Command {
         /// Its offset in bytes.
         offset: u64,
     },
-    /// Quads, one an instance.
-    Draw {
-        /// Number of quads.
-        instances: u32,
-    },
-    /// Quads from a buffer.
+    /// Quads, one an instance, their number from a buffer.
     DrawIndirect {
         /// Holds a `VkDrawIndirectCommand`.
         arguments: BufferId,

@@ -1,5 +1,5 @@
 // Light-space tiles: square grids, one a level, level l with 2^l cells a side; a face for a directional light, six for a
-// point light. A sphere stands in the cells that it touches at the level where its diameter is two to four cells. The list
+// point light. A sphere stands in the cells that it touches at the level where its diameter is at most CELLS_ACROSS cells. The list
 // of a cell is in order of buckets, nearest to the light first: what lies behind a surface is never looked at.
 #include "../common/sphere.glsl"
 

@@ -13,7 +13,7 @@ use crate::gpu::kernel::Pipelines;
 use crate::gpu::profiler::{Mode, Profiler, Timing};
 use crate::gpu::recorder::{Recorder, Recording};
 use crate::gpu::resources::Resources;
-use crate::gpu::transfer::{COPIED_FROM, Copy, Upload, readback, record_readback};
+use crate::gpu::transfer::{COPIED_FROM, Copy, Upload, readback, record_readback, record_zeroes};
 use crate::host::{Host, HostBuffer, HostImage, ImageState};
 use crate::io::volume::Volume;
 use crate::plan::{BufferId, Command, Pass, Plan};
@@ -252,7 +252,7 @@ impl Rig {
         let done = self.headless.one_time("zeroes", |host, commands| {
             for (buffer, offset, size) in own {
                 // SAFETY: the device's own handles; nothing else uses the buffers yet.
-                unsafe { host.device.cmd_fill_buffer(commands, buffer, offset, size & !3, 0) };
+                unsafe { record_zeroes(host, commands, buffer, offset, size) };
             }
             Ok(())
         });

@@ -209,9 +209,14 @@ unsafe fn write_set(host: &Host, pass: &Pass, resources: &Resources, set: vk::De
     }
 }
 
-/// Map entries for specialisation constants 0, 1, 2..., 32 bits each.
-pub(crate) fn specialisation_entries(count: usize) -> Vec<vk::SpecializationMapEntry> {
-    (0..count as u32).map(|id| vk::SpecializationMapEntry { constant_id: id, offset: id * 4, size: 4 }).collect()
+/// Specialisation constants 0, 1, 2... of a pass, 32 bits each; `entries` is room for where they stand.
+pub(crate) fn specialisation<'a>(
+    pass: &'a Pass,
+    entries: &'a mut Vec<vk::SpecializationMapEntry>,
+) -> vk::SpecializationInfo<'a> {
+    let ids = 0..pass.specialisation.len() as u32;
+    *entries = ids.map(|id| vk::SpecializationMapEntry { constant_id: id, offset: id * 4, size: 4 }).collect();
+    vk::SpecializationInfo::default().map_entries(entries).data(bytemuck::cast_slice(&pass.specialisation))
 }
 
 /// Creates a shader module.
@@ -227,9 +232,8 @@ unsafe fn create_compute(
     shader: &Shader,
     layout: vk::PipelineLayout,
 ) -> Result<vk::Pipeline> {
-    let entries = specialisation_entries(pass.specialisation.len());
-    let specialisation =
-        vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&pass.specialisation));
+    let mut entries = Vec::new();
+    let specialisation = specialisation(pass, &mut entries);
     // SAFETY: the caller's; the module is only needed until the pipeline is made.
     unsafe {
         let module = create_module(host, shader)?;

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::gpu::kernel::{create_module, specialisation_entries};
+use crate::gpu::kernel::{create_module, specialisation};
 use crate::host::Host;
 use crate::plan::{Pass, Raster};
 
@@ -17,9 +17,8 @@ pub(crate) unsafe fn create(
     raster: &Raster,
     layout: vk::PipelineLayout,
 ) -> Result<vk::Pipeline> {
-    let entries = specialisation_entries(pass.specialisation.len());
-    let specialisation =
-        vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&pass.specialisation));
+    let mut entries = Vec::new();
+    let specialisation = specialisation(pass, &mut entries);
     // SAFETY: the caller's; modules are only needed until the pipeline is made.
     unsafe {
         let vertex = create_module(host, raster.vertex)?;

@@ -303,7 +303,6 @@ impl Walk<'_> {
         unsafe {
             device.cmd_begin_rendering(self.commands, &info);
             match step.command {
-                Command::Draw { instances } => device.cmd_draw(self.commands, 4, instances, 0, 0),
                 Command::DrawIndirect { arguments, offset } => {
                     let (buffer, start, _) = self.resources.buffer(arguments);
                     device.cmd_draw_indirect(self.commands, buffer, start + offset, 1, 16);

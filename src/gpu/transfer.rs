@@ -170,6 +170,15 @@ pub unsafe fn record_readback(
     barrier((Stage::ALL_TRANSFER, Access::TRANSFER_WRITE), (Stage::HOST, Access::HOST_READ));
 }
 
+/// Records zeroes over a range of a buffer.
+///
+/// # Safety
+/// `host` holds valid handles and `commands` is in recording state outside of a render pass; nothing else uses the range.
+pub unsafe fn record_zeroes(host: &Host, commands: vk::CommandBuffer, buffer: vk::Buffer, offset: u64, size: u64) {
+    // SAFETY: the caller's; fills are whole words.
+    unsafe { host.device.cmd_fill_buffer(commands, buffer, offset, size & !3, 0) };
+}
+
 /// Records the upload of a picture's pixels into a fresh image and leaves it in state [`COPIED_FROM`].
 ///
 /// # Safety
