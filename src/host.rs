@@ -10,6 +10,7 @@
 
 use ash::vk;
 
+use crate::error::{Error, Result};
 pub use crate::gpu::capabilities::check_device;
 
 /// The host's Vulkan objects, borrowed for the length of a call.
@@ -69,6 +70,54 @@ pub struct HostBuffer {
     pub stage: vk::PipelineStageFlags2,
     /// How they touched it.
     pub access: vk::AccessFlags2,
+}
+
+/// What is under an effect.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Background {
+    /// What the target holds.
+    #[default]
+    Keep,
+    /// Linear RGBA, premultiplied.
+    Clear([f32; 4]),
+    /// An image of the target's size and format. Usage: `TRANSFER_SRC`; target: `TRANSFER_DST`.
+    Copy(HostImage),
+}
+
+/// How the host's depth images hold depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DepthFormat {
+    /// A format that can be a depth attachment.
+    pub format: vk::Format,
+    /// Whether nearer is larger.
+    pub reversed: bool,
+}
+
+/// The depth of what the host has drawn: it occludes effects. The smoke writes its own into it, the flame only reads it.
+#[derive(Clone, Copy, Debug)]
+pub struct HostDepth {
+    /// A depth image of the target's size. Usage: `DEPTH_STENCIL_ATTACHMENT` for smoke, `TRANSFER_SRC` for flame.
+    pub image: HostImage,
+    /// What it holds at view depth z metres: `terms[0] + terms[1] / z`.
+    pub terms: [f32; 2],
+}
+
+impl HostDepth {
+    /// The terms of a perspective projection with Vulkan's depth range; `far` may be infinite.
+    pub fn perspective(near: f32, far: f32, reversed: bool) -> [f32; 2] {
+        let share = if far.is_finite() { near / (far - near) } else { 0.0 };
+        let scale = near * (1.0 + share);
+        if reversed { [-share, scale] } else { [1.0 + share, -scale] }
+    }
+}
+
+/// Refuses an image that is not of this size and format.
+pub(crate) fn check_image(name: &'static str, image: &HostImage, size: [u32; 2], format: vk::Format) -> Result<()> {
+    if image.extent == size && image.format == format {
+        return Ok(());
+    }
+    let why = format!("{:?} pixels of {:?}; expected {size:?} of {format:?}", image.extent, image.format);
+    Err(Error::HostResource { name, why })
 }
 
 /// Device memory in bytes, known before anything is created.

@@ -3,6 +3,7 @@
 
 pub mod barrier;
 pub mod error;
+pub mod flame;
 pub mod gpu;
 pub mod host;
 pub mod plan;

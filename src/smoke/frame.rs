@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::host::{HostBuffer, HostImage};
+use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_image};
 use crate::smoke::Settings;
 use crate::view::{Camera, Light};
 
@@ -32,33 +32,6 @@ pub struct Desc {
     pub skipping: bool,
 }
 
-/// How the host's depth images hold depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DepthFormat {
-    /// A format that can be a depth attachment.
-    pub format: vk::Format,
-    /// Whether nearer is larger.
-    pub reversed: bool,
-}
-
-/// The depth of what the host has drawn: it occludes the smoke, and the smoke writes its own.
-#[derive(Clone, Copy, Debug)]
-pub struct HostDepth {
-    /// A depth image of the target's size. Usage: `DEPTH_STENCIL_ATTACHMENT`.
-    pub image: HostImage,
-    /// What it holds at view depth z metres: `terms[0] + terms[1] / z`.
-    pub terms: [f32; 2],
-}
-
-impl HostDepth {
-    /// The terms of a perspective projection with Vulkan's depth range; `far` may be infinite.
-    pub fn perspective(near: f32, far: f32, reversed: bool) -> [f32; 2] {
-        let share = if far.is_finite() { near / (far - near) } else { 0.0 };
-        let scale = near * (1.0 + share);
-        if reversed { [-share, scale] } else { [1.0 + share, -scale] }
-    }
-}
-
 /// How a frame follows the one recorded before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sequence {
@@ -84,18 +57,6 @@ pub struct VolumeInput {
     pub density: HostBuffer,
     /// Three `f32` a voxel (x, y, z; m/s). Usage: `TRANSFER_SRC`. Given exactly if the effect was made for velocities.
     pub velocity: Option<HostBuffer>,
-}
-
-/// What is under the smoke.
-#[derive(Clone, Copy, Debug, Default)]
-pub enum Background {
-    /// What the target holds.
-    #[default]
-    Keep,
-    /// Linear RGBA, premultiplied.
-    Clear([f32; 4]),
-    /// An image of the target's size and format. Usage: `TRANSFER_SRC`; target: `TRANSFER_DST`.
-    Copy(HostImage),
 }
 
 /// One frame.
@@ -203,21 +164,14 @@ impl Frame {
             let expected = if desc.depth.is_some() { "expected" } else { "not expected" };
             return Err(Error::HostResource { name: "depth", why: format!("{expected}: the effect was made so") });
         }
-        let background = match &self.background {
-            Background::Copy(image) => Some(("background", image)),
-            _ => None,
-        };
-        let pictures = self.target.iter().map(|image| ("target", image)).chain(background);
-        let pictures = pictures.map(|(name, image)| (name, image, desc.target_format));
-        let depth = self.depth.iter().zip(desc.depth).map(|(depth, made)| ("depth", &depth.image, made.format));
-        for (name, image, format) in pictures.chain(depth) {
-            if image.extent != desc.size || image.format != format {
-                let why = format!(
-                    "{:?} pixels of {:?}; expected {:?} of {:?}",
-                    image.extent, image.format, desc.size, format
-                );
-                return Err(Error::HostResource { name, why });
-            }
+        if let Some(target) = &self.target {
+            check_image("target", target, desc.size, desc.target_format)?;
+        }
+        if let Background::Copy(background) = &self.background {
+            check_image("background", background, desc.size, desc.target_format)?;
+        }
+        for (depth, made) in self.depth.iter().zip(desc.depth) {
+            check_image("depth", &depth.image, desc.size, made.format)?;
         }
         Ok(())
     }

@@ -16,7 +16,8 @@ pub mod steps;
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-pub use frame::{Background, DepthFormat, Desc, Frame, HostDepth, Sequence, Shape, VolumeInput};
+pub use crate::host::{Background, DepthFormat, HostDepth};
+pub use frame::{Desc, Frame, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
 
 use crate::error::{Error, Result};

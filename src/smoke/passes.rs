@@ -2,9 +2,10 @@
 
 use ash::vk;
 
+use crate::host::DepthFormat;
 use crate::plan::{ColourAttachment, DepthAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
 use crate::shaders::smoke as glsl;
-use crate::smoke::frame::{DepthFormat, Desc};
+use crate::smoke::frame::Desc;
 use crate::smoke::layout::*;
 use crate::smoke::settings::{Integrator, Operator, Shadow};
 

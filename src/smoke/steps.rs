@@ -2,8 +2,9 @@
 
 use std::mem::offset_of;
 
+use crate::host::Background;
 use crate::plan::{Command, PassId, Plan};
-use crate::smoke::frame::{Background, Desc, Frame, Shape};
+use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::*;
 use crate::smoke::params::*;
 use crate::smoke::passes::Passes;

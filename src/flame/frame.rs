@@ -1,0 +1,153 @@
+//! What a host says of one frame.
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::flame::Settings;
+use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_image};
+use crate::view::Camera;
+
+/// What a flame effect is made for. All of it is fixed until `resize`.
+#[derive(Clone, Debug)]
+pub struct Desc {
+    /// Pixels of the picture, each at least 1.
+    pub size: [u32; 2],
+    /// Format of the target images; any that can be a colour attachment.
+    pub target_format: vk::Format,
+    /// What is in front of the fire and behind it, if frames say so.
+    pub scene: Option<SceneFormat>,
+    /// The most particles of a frame.
+    pub particles: u32,
+    /// The highest temperature of a frame in kelvin, above 0: hotter particles count as this hot.
+    pub hottest: f32,
+    /// Same seed, same render particles.
+    pub seed: u32,
+    /// The look.
+    pub settings: Settings,
+    /// Whether every buffer that is a layer is kept for reading after the frame.
+    pub layers: bool,
+    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
+    pub skipping: bool,
+}
+
+/// How frames hand over the depth of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneFormat {
+    /// A depth image of the host.
+    Image(DepthFormat),
+    /// View depth in metres, `f32` a pixel, rows from the top, infinity where nothing is: as the smoke effect leaves it.
+    Buffer,
+}
+
+/// The depth of the scene: what is nearer hides fire.
+#[derive(Clone, Copy, Debug)]
+pub enum SceneDepth {
+    /// A depth image of the target's size. Usage: `TRANSFER_SRC`.
+    Image(HostDepth),
+    /// View depth in metres a pixel ([`SceneFormat::Buffer`]). Usage: `TRANSFER_SRC`.
+    Buffer(HostBuffer),
+}
+
+/// Particles on the device.
+#[derive(Clone, Copy, Debug)]
+pub struct ParticleInput {
+    /// How many; at most what the effect was made for.
+    pub count: u32,
+    /// The highest temperature among them in kelvin, or any bound above it: lets a frame be skipped in which none can be
+    /// seen. Infinity if nothing is known.
+    pub hottest: f32,
+    /// Four `f32` a particle: position in metres (x, y, z), temperature in kelvin. A particle that is not finite, or not
+    /// above 0 K, is left out. Usage: `TRANSFER_SRC`.
+    pub position_temperature: HostBuffer,
+    /// A `u32` a particle that keeps its random draws over frames; none: its row. Usage: `TRANSFER_SRC`.
+    pub ids: Option<HostBuffer>,
+}
+
+/// One frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// What sees it.
+    pub camera: Camera,
+    /// This frame's particles; none if they are those of the last one recorded. The first frame needs some (their number
+    /// may be 0).
+    pub particles: Option<ParticleInput>,
+    /// Number of the frame: with `flicker`, what draws are taken from.
+    pub number: u32,
+    /// Adds this frame's repetitions to those of the frame before, of which nothing else may have changed: particles,
+    /// camera, scene. Not with `adaptive`.
+    pub accumulate: bool,
+    /// Where it goes. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background.
+    pub target: HostImage,
+    /// What is under it.
+    pub background: Background,
+    /// The depth of the scene, given exactly if the effect was made for one.
+    pub scene: Option<SceneDepth>,
+}
+
+impl ParticleInput {
+    fn validate(&self, desc: &Desc) -> Result<()> {
+        let refuse = |why: String| Err(Error::HostResource { name: "particles", why });
+        let ParticleInput { count, hottest, position_temperature, ids } = *self;
+        if count > desc.particles {
+            return refuse(format!("{count} of them; the effect was made for at most {}", desc.particles));
+        }
+        if hottest.is_nan() {
+            return refuse("their highest temperature is NaN; expected a bound in kelvin, or infinity".to_owned());
+        }
+        let bytes = u64::from(count);
+        if position_temperature.size < 16 * bytes || ids.is_some_and(|ids| ids.size < 4 * bytes) {
+            return refuse(format!("their buffers are smaller than {count} particles need"));
+        }
+        Ok(())
+    }
+}
+
+impl Frame {
+    #[allow(dead_code)]
+    pub(crate) fn validate(&self, desc: &Desc, first: bool) -> Result<()> {
+        self.camera.validate()?;
+        match &self.particles {
+            Some(particles) => particles.validate(desc)?,
+            None if first => {
+                let why = "the first frame needs some".to_owned();
+                return Err(Error::HostResource { name: "particles", why });
+            }
+            None => {}
+        }
+        if self.accumulate && desc.settings.adaptive > 0.0 {
+            return Err(Error::setting("frame.accumulate", true, "not with flame.adaptive"));
+        }
+        check_image("target", &self.target, desc.size, desc.target_format)?;
+        if let Background::Copy(background) = &self.background {
+            check_image("background", background, desc.size, desc.target_format)?;
+        }
+        match (&self.scene, desc.scene) {
+            (None, None) => Ok(()),
+            (Some(SceneDepth::Image(depth)), Some(SceneFormat::Image(made))) => {
+                if !depth.terms.iter().all(|term| term.is_finite()) {
+                    let terms = format!("{:?}", depth.terms);
+                    return Err(Error::setting("frame.scene.terms", terms, "two finite numbers"));
+                }
+                check_image("scene", &depth.image, desc.size, made.format)
+            }
+            (Some(SceneDepth::Buffer(buffer)), Some(SceneFormat::Buffer)) => {
+                let needed = 4 * u64::from(desc.size[0]) * u64::from(desc.size[1]);
+                match buffer.size < needed {
+                    true => {
+                        let why = format!("{} bytes; {needed} expected, 4 a pixel", buffer.size);
+                        Err(Error::HostResource { name: "scene", why })
+                    }
+                    false => Ok(()),
+                }
+            }
+            (given, made) => {
+                let given = given.map(|given| match given {
+                    SceneDepth::Image(_) => "an image",
+                    SceneDepth::Buffer(_) => "a buffer",
+                });
+                let why = format!("{}; the effect was made for {made:?}", given.unwrap_or("none"));
+                Err(Error::HostResource { name: "scene", why })
+            }
+        }
+    }
+}
