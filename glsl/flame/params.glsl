@@ -53,6 +53,8 @@ struct Control {
     uvec4 tile_groups;     // dispatch over occupied tiles
     uvec4 active_groups;   // dispatch over tiles that need more repetitions
     uvec4 tile_draw;       // draw of occupied tiles
+    uvec4 share_groups;    // dispatches that make the kernel table anew
+    uvec4 kernel_groups;
     uvec4 sprite_draw;     // draw of all sprites of a repetition
 };
 

@@ -11,6 +11,7 @@ layout(push_constant) uniform ScanConstants {
     uint cells;   // cells of all levels
     uint turns;   // loop turns that an invocation may take
     uint visits;  // loop turns that an entry takes, unless 0: its render particles
+    uint repetitions;
 } constants;
 
 shared uint sums[256];
@@ -64,7 +65,7 @@ void main() {
         uint repetitions = segments > 1u ? 1u : max(constants.turns / max(total * visits, 1u), 1u);
         control.segments = segments;
         control.segment_entries = segments > 1u ? entries_at_once : max(total, 1u);
-        control.part_repetitions = min(repetitions, params.counts.w);
+        control.part_repetitions = min(repetitions, constants.repetitions);
         control.listed = total;
     }
 }

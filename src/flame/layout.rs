@@ -5,8 +5,11 @@ use ash::vk;
 use crate::error::{Error, Result};
 use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, SceneFormat};
-use crate::flame::params::{CELLS_ACROSS, Control, FlameParams, MASK_LEVELS, MASK_SIDE, Particle, TILE, buckets};
-use crate::flame::settings::{Method, Mode};
+use crate::flame::params::{
+    CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_LEVELS, MASK_SIDE, Particle,
+    SHARE_SIDE, TILE, buckets,
+};
+use crate::flame::settings::{MOST_COUNT, Method, Mode};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
@@ -41,6 +44,8 @@ buffers! {
     SCENE_WORDS = "SceneWords",
     SCENE = "Scene",
     MASK = "Mask",
+    KERNEL_STATE = "KernelState",
+    SHARES = "Shares",
     SUMS = "Sums",
     WINNERS = "Winners",
     PICTURE = "Picture",
@@ -57,16 +62,22 @@ pub const HOST_IDS: BufferId = BufferId(BUFFERS + 1);
 pub const HOST_SCENE: BufferId = BufferId(BUFFERS + 2);
 /// The mask, level beside level, variant below variant.
 pub const LEVELS: ImageId = ImageId(0);
+/// The table of the expected image.
+pub const KERNEL: ImageId = ImageId(1);
 /// The host's target.
-pub const TARGET: ImageId = ImageId(1);
+pub const TARGET: ImageId = ImageId(2);
 /// The host's background.
-pub const BACKGROUND: ImageId = ImageId(2);
+pub const BACKGROUND: ImageId = ImageId(3);
 /// The host's depth image.
-pub const HOST_DEPTH: ImageId = ImageId(3);
+pub const HOST_DEPTH: ImageId = ImageId(4);
 
 /// What a shader's slot stands for: each buffer and image goes by one name everywhere.
 pub fn resource(slot: &Slot) -> Option<Resource> {
-    let image = (slot.name == "levels").then_some(LEVELS);
+    let image = match slot.name {
+        "levels" => Some(LEVELS),
+        "kernel" => Some(KERNEL),
+        _ => None,
+    };
     let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
@@ -128,34 +139,38 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Repetitions are done in as many dispatches as the longest possible list asks for.
+    /// Repetitions, or the bins of the expected image, are done in as many dispatches as the longest possible list asks for.
     fn cut_stages(&mut self, desc: &Desc) -> Result<()> {
         let settings = &desc.settings;
-        let mean = f64::from(settings.count) * f64::from(desc.hottest) / f64::from(settings.hottest);
-        let most = (mean.min(f64::from(crate::flame::settings::MOST_COUNT)).floor() as u64 + 1).max(1);
+        let expected = settings.mode == Mode::Expected;
         let particles = u64::from(desc.particles.max(1));
         let turns = u64::from(TURNS);
-        let segments = particles.div_ceil((turns / most).max(1));
-        let at_once = if segments > 1 { 1 } else { (turns / (particles * most)).max(1) };
-        let mut ends = vec![settings.repetitions];
-        if settings.adaptive > 0.0 && settings.mode == Mode::Stochastic {
-            ends = (0..).map(|i| FIRST_STAGE << i).take_while(|end| *end < settings.repetitions).collect();
-            ends.push(settings.repetitions);
+        let visits = if expected { 1 } else { most_count(desc) };
+        let segments = particles.div_ceil((turns / visits).max(1));
+        let at_once = if segments > 1 { 1 } else { (turns / (particles * visits)).max(1) };
+        let all = if expected { settings.bins } else { settings.repetitions };
+        let mut ends = Vec::new();
+        if settings.adaptive > 0.0 && !expected {
+            ends.extend((0..).map(|i| FIRST_STAGE << i).take_while(|end| *end < all));
         }
-        let (mut first, mut arguments, mut all) = (0, 0, 0_u64);
+        ends.push(all);
+        let (mut first, mut arguments, mut sum) = (0, 0, 0_u64);
         for last in ends {
             let parts = segments * u64::from(last - first).div_ceil(at_once);
-            all += parts;
+            sum += parts;
             let parts = parts.min(MOST_PARTS) as u32;
             self.stages.push(Stage { first, last, parts, arguments });
             (first, arguments) = (last, arguments + 2 * parts);
         }
-        match all > MOST_PARTS && settings.mode == Mode::Stochastic {
+        match sum > MOST_PARTS {
             true => Err(Error::Limit {
-                what: "the flame's repetitions (dispatches of the longest list possible)",
-                needed: all,
+                what: "the flame (dispatches over the longest list possible)",
+                needed: sum,
                 limit: MOST_PARTS,
-                advice: "use fewer particles, a smaller flame.count or fewer flame.repetitions",
+                advice: match expected {
+                    true => "use fewer particles or fewer flame.bins",
+                    false => "use fewer particles, a smaller flame.count or fewer flame.repetitions",
+                },
             }),
             false => Ok(()),
         }
@@ -182,6 +197,9 @@ impl Layout {
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
         self.set(MASK, texels * 4);
+        if desc.settings.mode == Mode::Expected {
+            self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
+        }
         let arguments: u64 = self.stages.iter().map(|stage| u64::from(2 * stage.parts)).sum();
         self.set(PART_ARGUMENTS, arguments * 16);
     }
@@ -234,15 +252,20 @@ impl Layout {
     }
 
     /// Descriptions of the own images, in order.
-    pub fn images(&self, desc: &Desc) -> [ImageDesc; 1] {
-        [ImageDesc {
+    pub fn images(&self, desc: &Desc) -> [ImageDesc; 2] {
+        let levels = ImageDesc {
             name: "flame levels",
             extent: [MASK_SIDE * MASK_LEVELS, MASK_SIDE * desc.settings.variants],
             layers: 1,
             array_view: false,
             format: vk::Format::R32_SFLOAT,
             usage: vk::ImageUsageFlags::STORAGE,
-        }]
+        };
+        let extent = match desc.settings.mode {
+            Mode::Expected => [KERNEL_DEPTHS * KERNEL_PLACES, KERNEL_PLACES * KERNEL_CLASSES],
+            Mode::Stochastic => [1, 1],
+        };
+        [levels, ImageDesc { name: "flame kernel", extent, ..levels }]
     }
 
     /// Device memory, before alignment.
@@ -260,6 +283,14 @@ impl Layout {
         }
         memory
     }
+}
+
+/// The most render particles that a particle can have.
+pub fn most_count(desc: &Desc) -> u64 {
+    let settings = &desc.settings;
+    let mean = f64::from(settings.count) * f64::from(desc.hottest) / f64::from(settings.hottest);
+    // Rounding may differ on the device.
+    (mean * 1.000001).min(f64::from(MOST_COUNT)) as u64 + 1
 }
 
 /// Levels of cells: tiles, and squares of 2 x 2 of the level before, up to where a particle that covers the picture stands.

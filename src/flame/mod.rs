@@ -37,6 +37,7 @@ use colour::Table;
 use layout::Layout;
 use params::{FlameParams, Given};
 use passes::Passes;
+use reference::mask::Mask;
 use settings::{Colour, MOST_REPETITIONS};
 use steps::{Moment, Steps};
 
@@ -64,6 +65,8 @@ pub struct Flame {
 struct State {
     /// The camera of the last frame; none before the first.
     camera: Option<Camera>,
+    /// The camera of the last frame that could see fire.
+    lit: Option<Camera>,
     given: Given,
     /// A bound of its particles' temperatures.
     hottest: f32,
@@ -106,7 +109,8 @@ impl Flame {
         let (steps, bytes) = steps::capacity(&layout, &table);
         let plan = Plan::with_capacity(steps, bytes);
         let recorder = Recorder::new(&resources);
-        let max_alpha = 1.0;
+        // The largest alpha that the device's mask can have, which is the reference's but for rounding.
+        let max_alpha = (Mask::new(desc.seed, desc.settings.variants).largest() * 1.000001) as f32;
         let state = State::default();
         Ok(Flame { desc, layout, passes, table, max_alpha, plan, resources, pipelines, recorder, state })
     }
@@ -261,7 +265,9 @@ impl Flame {
         state.repetitions = state.given.before + repetitions;
         state.camera = Some(frame.camera);
         let first = self.state.camera.is_none();
-        Ok((Moment { given: state.given, first, dark: self.dark(&state) }, state))
+        let dark = self.dark(&state);
+        state.lit = if dark.is_none() { Some(frame.camera) } else { state.lit };
+        Ok((Moment { given: state.given, camera: self.state.lit, first, dark }, state))
     }
 
     /// Only what is the same can be added to.

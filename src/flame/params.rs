@@ -20,6 +20,14 @@ pub const MASK_SIDE: u32 = 64;
 pub const MASK_LEVELS: u32 = 7;
 /// Levels that the cells of the screen can have.
 pub const MAX_LEVELS: usize = 12;
+/// Classes of the kernel table, by threshold.
+pub const KERNEL_CLASSES: u32 = 48;
+/// Its places along x and along y.
+pub const KERNEL_PLACES: u32 = 49;
+/// Its depths.
+pub const KERNEL_DEPTHS: u32 = 25;
+/// Most texels of pass shares along a side.
+pub const SHARE_SIDE: u32 = 32;
 /// Depth buckets of the stochastic mode.
 pub const BUCKETS: u32 = 32;
 
@@ -68,6 +76,8 @@ pub struct Control {
     pub tile_groups: [u32; 4],
     pub active_groups: [u32; 4],
     pub tile_draw: [u32; 4],
+    pub share_groups: [u32; 4],
+    pub kernel_groups: [u32; 4],
     pub sprite_draw: [u32; 4],
 }
 
@@ -94,14 +104,16 @@ macro_rules! push_constants {
 
 push_constants! {
     /// Of `scan`.
-    ScanConstants { cells: u32, turns: u32, visits: u32 }
+    ScanConstants { cells: u32, turns: u32, visits: u32, repetitions: u32 }
     /// Of `tiles` and `adapt`.
     PartsConstants { first: u32, most: u32, repetitions: u32, stages: u32 }
     /// Of `mips`.
     MipsConstants { level: u32 }
     /// Of `scene`.
     SceneConstants { terms: [f32; 2], kind: u32 }
-    /// Of `accumulate`.
+    /// Of `rebuild`.
+    RebuildConstants { force: u32 }
+    /// Of `accumulate` and `expected`, whose repetitions are bins.
     AccumulateConstants { part: u32, repetitions: u32, last: u32, before: u32 }
 }
 

@@ -3,7 +3,7 @@
 use crate::flame::colour::{Form, Table};
 use crate::flame::frame::Desc;
 use crate::flame::layout::*;
-use crate::flame::settings::{Sampling, Shape};
+use crate::flame::settings::{Mode, Sampling, Shape};
 use crate::plan::{Blend, BufferId, ColourAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
 use crate::shaders::flame as glsl;
 
@@ -30,6 +30,10 @@ pub struct Passes {
     pub(super) accumulate: [PassId; 2],
     pub(super) converge: PassId,
     pub(super) adapt: PassId,
+    pub(super) weigh: PassId,
+    pub(super) rebuild: PassId,
+    pub(super) shares: PassId,
+    pub(super) kernel: PassId,
     pub(super) clear: PassId,
     pub(super) resolve: PassId,
     pub(super) composite: PassId,
@@ -90,11 +94,24 @@ impl Passes {
             scan: d.compute("flame.bin", &glsl::scan::SHADER),
             fill: d.compute("flame.bin", &glsl::fill::SHADER),
             tiles: d.compute("flame.bin", &glsl::tiles::SHADER),
-            accumulate: [0, 1].map(|magnified| d.add(accumulate(desc, magnified))),
+            accumulate: match desc.settings.mode {
+                Mode::Stochastic => [0, 1].map(|magnified| d.add(accumulate(desc, magnified))),
+                Mode::Expected => [d.add(expected(desc)); 2],
+            },
             converge: d.compute("flame.accumulate", &glsl::converge::SHADER),
             adapt: d.compute("flame.accumulate", &glsl::adapt::SHADER),
+            weigh: d.compute("flame.prepare", &glsl::weigh::SHADER),
+            rebuild: d.compute("flame.kernel", &glsl::rebuild::SHADER),
+            shares: d.compute("flame.kernel", &glsl::shares::SHADER),
+            kernel: d.add(
+                Pass::compute("flame.kernel", &glsl::kernel::SHADER)
+                    .specialise([u32::from(desc.settings.shape == Shape::Cube)]),
+            ),
             clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST]),
-            resolve: d.add(Pass::compute("flame.resolve", &glsl::resolve::SHADER).specialise([u32::from(desc.layers)])),
+            resolve: d.add(
+                Pass::compute("flame.resolve", &glsl::resolve::SHADER)
+                    .specialise([u32::from(desc.layers), u32::from(desc.settings.mode == Mode::Expected)]),
+            ),
             composite: d.add(composite(desc)),
             list: d.0,
         }
@@ -110,6 +127,10 @@ fn accumulate(desc: &Desc, magnified: u32) -> Pass {
         magnified,
         u32::from(desc.scene.is_some()),
     ])
+}
+
+fn expected(desc: &Desc) -> Pass {
+    Pass::compute("flame.accumulate", &glsl::expected::SHADER).specialise([u32::from(desc.scene.is_some())])
 }
 
 fn composite(desc: &Desc) -> Pass {

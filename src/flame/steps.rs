@@ -9,11 +9,13 @@ use crate::flame::frame::{Desc, Frame, SceneDepth, SceneFormat};
 use crate::flame::layout::*;
 use crate::flame::params::{
     AccumulateConstants, Control, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants, PartsConstants,
-    ScanConstants, SceneConstants,
+    RebuildConstants, ScanConstants, SceneConstants,
 };
 use crate::flame::passes::Passes;
+use crate::flame::settings::{Mode, Shape};
 use crate::host::{Background, HostDepth};
 use crate::plan::{Command, Plan};
+use crate::view::Camera;
 
 /// What follows from particles: left out where none can be seen.
 const FIRE_STEPS: [&str; 6] =
@@ -24,6 +26,8 @@ const FIRE_STEPS: [&str; 6] =
 pub struct Moment {
     /// Its particles.
     pub given: Given,
+    /// The camera of the last frame that saw fire.
+    pub camera: Option<Camera>,
     /// Tables and mask are not on the device yet.
     pub first: bool,
     /// Why no fire can be seen, if it is known before the device has looked.
@@ -64,6 +68,7 @@ impl Steps<'_> {
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.scene(frame);
         self.lists();
+        self.kernel(frame);
         self.repetitions();
         self.plan.step(self.passes.resolve, dispatch(offset_of!(Control, tile_groups)));
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
@@ -142,12 +147,33 @@ impl Steps<'_> {
         self.plan.step(self.passes.prepare, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
-        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, visits: 0 };
+        let (visits, repetitions) = match self.desc.settings.mode {
+            Mode::Stochastic => (0, self.desc.settings.repetitions),
+            Mode::Expected => (1, self.desc.settings.bins),
+        };
+        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, visits, repetitions };
         self.plan.step_with(self.passes.scan, one_group, &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {
             self.plan.step_with(self.passes.tiles, one_group, &parts_of(stage));
         }
+    }
+
+    /// The table of the expected image, where it is not that of this frame.
+    fn kernel(&mut self, frame: &Frame) {
+        let settings = &self.desc.settings;
+        if settings.mode == Mode::Stochastic {
+            return self.plan.skip("flame.kernel", "mode is \"stochastic\"");
+        }
+        // A cube is seen from another side by another camera.
+        let turned = settings.shape == Shape::Cube && self.moment.camera != Some(frame.camera);
+        let force = u32::from(self.moment.camera.is_none() || turned);
+        let threads = [self.moment.given.count, 1, 1];
+        self.plan.step(self.passes.weigh, Command::Dispatch { threads });
+        let once = Command::Dispatch { threads: [1, 1, 1] };
+        self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
+        self.plan.step(self.passes.shares, dispatch(offset_of!(Control, share_groups)));
+        self.plan.step(self.passes.kernel, dispatch(offset_of!(Control, kernel_groups)));
     }
 
     fn repetitions(&mut self) {
