@@ -29,6 +29,7 @@ layout(push_constant) uniform AccumulateConstants {
 #include "mask_level.glsl"
 #include "mask_value.glsl"
 #include "sprite.glsl"
+#include "sums.glsl"
 
 const uint LANES = 32u;
 const uint BLOCKS = 4u;
@@ -158,12 +159,6 @@ void test_queue(uint block, vec2 centre, uint level) {
     }
 }
 
-// Adds `x` to a sum of two words.
-void add(inout uvec3 low, inout uvec3 high, uvec3 x) {
-    low += x;
-    high += uvec3(lessThan(low, x));
-}
-
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint tile_index = active_tiles[gl_WorkGroupID.x];
@@ -185,9 +180,7 @@ void main() {
     uint column = pixel.y * params.image.x + pixel.x;
     bool inside[ROWS];
     uint scene_depth[ROWS];
-    uvec3 sum_low[ROWS], sum_high[ROWS], square_low[ROWS], square_high[ROWS];
-    uint hits[ROWS];
-    float depth_sum[ROWS];
+    Sum sum[ROWS];
     bool is_first = constants.before + first == 0u;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         inside[y] = pixel.x < params.image.x && pixel.y + uint(y) < params.image.y;
@@ -198,19 +191,10 @@ void main() {
                 scene_depth[y] = floatBitsToUint(scene[at]);
             }
         }
-        uvec4 a = uvec4(0u), b = uvec4(0u), c = uvec4(0u), d = uvec4(0u);
+        sum[y] = no_sum();
         if (inside[y] && !is_first) {
-            a = sums[4u * at];
-            b = sums[4u * at + 1u];
-            c = sums[4u * at + 2u];
-            d = sums[4u * at + 3u];
+            sum[y] = load_sum(at);
         }
-        sum_low[y] = a.xyz;
-        hits[y] = a.w;
-        sum_high[y] = b.xyz;
-        depth_sum[y] = uintBitsToFloat(b.w);
-        square_low[y] = c.xyz;
-        square_high[y] = d.xyz;
     }
     if (lane < BLOCKS) {
         queue_length[lane] = 0u;
@@ -266,22 +250,14 @@ void main() {
                 winners[column + uint(y) * params.image.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
             }
             if (is_last_segment && nearest_row[y] != 0u) {
-                uvec4 light = particles[nearest_row[y] - 1u].light;
-                uvec3 colour = uvec3(light.x & 0xffffu, light.x >> 16u, light.y);
-                add(sum_low[y], sum_high[y], colour);
-                add(square_low[y], square_high[y], colour * colour);
-                hits[y] += 1u;
-                depth_sum[y] += uintBitsToFloat(nearest_depth[y]);
+                add_winner(sum[y], particles[nearest_row[y] - 1u].light, nearest_depth[y]);
             }
         }
     }
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         uint at = column + uint(y) * params.image.x;
         if (inside[y] && is_last_segment) {
-            sums[4u * at] = uvec4(sum_low[y], hits[y]);
-            sums[4u * at + 1u] = uvec4(sum_high[y], floatBitsToUint(depth_sum[y]));
-            sums[4u * at + 2u] = uvec4(square_low[y], 0u);
-            sums[4u * at + 3u] = uvec4(square_high[y], 0u);
+            store_sum(at, sum[y]);
         }
     }
 }

@@ -1,9 +1,9 @@
 // Alpha of the mask where a sprite meets a pixel, `t` in texels of its level from its corner; 0 outside.
-layout(constant_id = 3) const uint MAGNIFIED = 0;  // 1: level 0, look-ups are bilinear
+layout(constant_id = 3) const uint MAGNIFIED = 0;  // 1: level 0, look-ups are bilinear; 2: what the level asks for
 
 float mask_value(vec2 t, uint texel, uint level) {
     int top = int(texel >> 16u) * int(MASK_SIDE);
-    if (MAGNIFIED == 1u) {
+    if (MAGNIFIED == 1u || (MAGNIFIED == 2u && level == 0u)) {
         const int LAST = int(MASK_SIDE) - 1;
         vec2 at = t - 0.5;
         vec2 low = floor(at);

@@ -55,6 +55,7 @@ struct Control {
     uvec4 tile_draw;       // draw of occupied tiles
     uvec4 share_groups;    // dispatches that make the kernel table anew
     uvec4 kernel_groups;
+    uvec4 screen_draw;     // draw of the whole picture
     uvec4 sprite_draw;     // draw of all sprites of a repetition
 };
 
@@ -66,6 +67,12 @@ struct Particle {
     vec4 colour;    // linear RGB; w: mean number of render particles
     uvec4 draw;     // hash of its id, id, number of render particles (0: dropped), class of the kernel table
     uvec4 light;    // colour in 65535ths of the brightest: r | g << 16, b; weight of its class; its level and cells
+};
+
+// The fire as a lamp, in view space.
+struct Lamp {
+    vec4 place;   // middle; square of its width
+    vec4 colour;  // how much it brightens what is close to it
 };
 
 #endif

@@ -6,14 +6,14 @@ use crate::error::{Error, Result};
 use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, SceneFormat};
 use crate::flame::params::{
-    CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_LEVELS, MASK_SIDE, Particle,
-    SHARE_SIDE, TILE, buckets,
+    CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS, MASK_SIDE,
+    Particle, SHARE_SIDE, TILE, buckets,
 };
-use crate::flame::settings::{MOST_COUNT, Method, Mode};
+use crate::flame::settings::{MOST_COUNT, Method, Mode, Settings};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::layout::buffers;
+use crate::layout::{LOOP_BUDGET, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
 /// Loop turns that a dispatch over a tile's list may take for its render particles: what batches of one render particle each
@@ -23,6 +23,8 @@ pub const TURNS: u32 = 28_000;
 pub const FIRST_STAGE: u32 = 16;
 /// The most dispatches of a frame's repetitions.
 const MOST_PARTS: u64 = 1 << 15;
+/// The most repetitions that are drawn one after the other.
+const MOST_DRAWN: u32 = 4096;
 /// The most counters of a scan, which one workgroup walks over twice within its loop budget.
 const MOST_COUNTERS: u64 = 256 * 20_000;
 
@@ -47,6 +49,8 @@ buffers! {
     KERNEL_STATE = "KernelState",
     SHARES = "Shares",
     SUMS = "Sums",
+    SPRITE_LIST = "SpriteList",
+    LAMP = "LampBuffer",
     WINNERS = "Winners",
     PICTURE = "Picture",
     MEAN = "Mean",
@@ -64,18 +68,23 @@ pub const HOST_SCENE: BufferId = BufferId(BUFFERS + 2);
 pub const LEVELS: ImageId = ImageId(0);
 /// The table of the expected image.
 pub const KERNEL: ImageId = ImageId(1);
+/// What a repetition of the paper's way has drawn: row and depth of the nearest.
+pub const DRAWN: ImageId = ImageId(2);
+/// Its depth buffer.
+pub const DRAWN_DEPTH: ImageId = ImageId(3);
 /// The host's target.
-pub const TARGET: ImageId = ImageId(2);
+pub const TARGET: ImageId = ImageId(4);
 /// The host's background.
-pub const BACKGROUND: ImageId = ImageId(3);
+pub const BACKGROUND: ImageId = ImageId(5);
 /// The host's depth image.
-pub const HOST_DEPTH: ImageId = ImageId(4);
+pub const HOST_DEPTH: ImageId = ImageId(6);
 
 /// What a shader's slot stands for: each buffer and image goes by one name everywhere.
 pub fn resource(slot: &Slot) -> Option<Resource> {
     let image = match slot.name {
         "levels" => Some(LEVELS),
         "kernel" => Some(KERNEL),
+        "drawn" => Some(DRAWN),
         _ => None,
     };
     let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
@@ -83,7 +92,7 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
 }
 
 /// A run of repetitions after which tiles may be done.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stage {
     /// Its first repetition.
     pub first: u32,
@@ -93,6 +102,13 @@ pub struct Stage {
     pub parts: u32,
     /// Its place in the dispatches' arguments.
     pub arguments: u32,
+}
+
+impl Stage {
+    /// Repetitions that are drawn, where it has no dispatches.
+    pub fn drawn(&self) -> u32 {
+        if self.parts == 0 { self.last - self.first } else { 0 }
+    }
 }
 
 /// Sizes of everything, from what the effect is made for.
@@ -149,6 +165,11 @@ impl Layout {
         let segments = particles.div_ceil((turns / visits).max(1));
         let at_once = if segments > 1 { 1 } else { (turns / (particles * visits)).max(1) };
         let all = if expected { settings.bins } else { settings.repetitions };
+        if is_raster(desc) {
+            // No dispatches, but all of the repetitions.
+            self.stages.push(Stage { last: settings.repetitions, ..Stage::default() });
+            return check_raster(desc);
+        }
         let mut ends = Vec::new();
         if settings.adaptive > 0.0 && !expected {
             ends.extend((0..).map(|i| FIRST_STAGE << i).take_while(|end| *end < all));
@@ -211,7 +232,6 @@ impl Layout {
         let words = matches!(desc.scene, Some(SceneFormat::Image(_)));
         let stochastic = desc.settings.mode == Mode::Stochastic;
         let segmented = stochastic && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
-        let raster = stochastic && desc.settings.method == Method::Raster;
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);
         self.set(TILE_REPETITIONS, tiles * 4);
@@ -219,7 +239,10 @@ impl Layout {
         self.set(SCENE_WORDS, kept(words, pixels * 4));
         self.set(SCENE, kept(desc.scene.is_some(), pixels * 4));
         self.set(SUMS, pixels * 64);
-        self.set(WINNERS, kept(segmented && !raster, pixels * 16));
+        let sprites = u64::from(desc.particles) * most_count(desc);
+        self.set(SPRITE_LIST, kept(is_raster(desc), sprites * 8));
+        self.set(LAMP, size_of::<Lamp>() as u64);
+        self.set(WINNERS, kept(segmented && !is_raster(desc), pixels * 16));
         self.set(PICTURE, pixels * 16);
         self.set(MEAN, kept(desc.layers, pixels * 16));
         self.set(VARIANCE, kept(desc.layers, pixels * 16));
@@ -228,7 +251,7 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            POSITIONS | IDS | PARTICLES | ENTRIES => "use fewer particles",
+            POSITIONS | IDS | PARTICLES | ENTRIES | SPRITE_LIST => "use fewer particles",
             CELLS => "use fewer flame.bins or a smaller picture",
             MASK => "use fewer flame.variants",
             PART_ARGUMENTS => "use fewer particles or fewer flame.repetitions",
@@ -252,7 +275,7 @@ impl Layout {
     }
 
     /// Descriptions of the own images, in order.
-    pub fn images(&self, desc: &Desc) -> [ImageDesc; 2] {
+    pub fn images(&self, desc: &Desc) -> [ImageDesc; 4] {
         let levels = ImageDesc {
             name: "flame levels",
             extent: [MASK_SIDE * MASK_LEVELS, MASK_SIDE * desc.settings.variants],
@@ -265,7 +288,16 @@ impl Layout {
             Mode::Expected => [KERNEL_DEPTHS * KERNEL_PLACES, KERNEL_PLACES * KERNEL_CLASSES],
             Mode::Stochastic => [1, 1],
         };
-        [levels, ImageDesc { name: "flame kernel", extent, ..levels }]
+        let kernel = ImageDesc { name: "flame kernel", extent, ..levels };
+        let drawn = ImageDesc {
+            name: "flame drawn",
+            extent: if is_raster(desc) { desc.size } else { [1, 1] },
+            format: vk::Format::R32G32_UINT,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            ..levels
+        };
+        let (format, usage) = (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+        [levels, kernel, drawn, ImageDesc { name: "flame drawn depth", format, usage, ..drawn }]
     }
 
     /// Device memory, before alignment.
@@ -279,10 +311,35 @@ impl Layout {
             }
         }
         for image in self.images(desc) {
-            memory.history += u64::from(image.extent[0]) * u64::from(image.extent[1]) * 4;
+            let texel = if image.format == vk::Format::R32G32_UINT { 8 } else { 4 };
+            memory.history += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;
         }
         memory
     }
+}
+
+/// One workgroup lists the sprites, each of its invocations within the loop budget; and a step a repetition must be recorded.
+fn check_raster(desc: &Desc) -> Result<()> {
+    let sprites = u64::from(desc.particles).div_ceil(256) * (most_count(desc) + 2);
+    if sprites > u64::from(LOOP_BUDGET) {
+        let what = "the flame's list of sprites (sprites of 256 particles)";
+        let advice = "use method = \"tiles\", fewer particles or a smaller flame.count";
+        return Err(Error::Limit { what, needed: sprites, limit: LOOP_BUDGET.into(), advice });
+    }
+    let Settings { repetitions, adaptive, .. } = desc.settings;
+    match () {
+        _ if repetitions > MOST_DRAWN => {
+            let allowed = "1 to 4096 with method = \"raster\"";
+            Err(Error::setting("flame.repetitions", repetitions, allowed))
+        }
+        _ if adaptive > 0.0 => Err(Error::setting("flame.adaptive", adaptive, "0 with method = \"raster\"")),
+        _ => Ok(()),
+    }
+}
+
+/// Whether repetitions are drawn, one after the other.
+pub fn is_raster(desc: &Desc) -> bool {
+    desc.settings.mode == Mode::Stochastic && desc.settings.method == Method::Raster
 }
 
 /// The most render particles that a particle can have.

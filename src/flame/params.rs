@@ -78,6 +78,7 @@ pub struct Control {
     pub tile_draw: [u32; 4],
     pub share_groups: [u32; 4],
     pub kernel_groups: [u32; 4],
+    pub screen_draw: [u32; 4],
     pub sprite_draw: [u32; 4],
 }
 
@@ -91,6 +92,14 @@ pub struct Particle {
     pub colour: [f32; 4],
     pub draw: [u32; 4],
     pub light: [u32; 4],
+}
+
+/// `Lamp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Lamp {
+    pub place: [f32; 4],
+    pub colour: [f32; 4],
 }
 
 macro_rules! push_constants {
@@ -111,6 +120,10 @@ push_constants! {
     MipsConstants { level: u32 }
     /// Of `scene`.
     SceneConstants { terms: [f32; 2], kind: u32 }
+    /// Of `raster`.
+    RasterConstants { repetition: u32 }
+    /// Of `add`.
+    AddConstants { is_first: u32 }
     /// Of `rebuild`.
     RebuildConstants { force: u32 }
     /// Of `accumulate` and `expected`, whose repetitions are bins.
@@ -126,6 +139,7 @@ impl Control {
             tile_groups: [0, 1, 1, 0],
             active_groups: [0, 1, 1, 0],
             tile_draw: [4, 0, 0, 0],
+            screen_draw: [4, 1, 0, 0],
             sprite_draw: [4, 0, 0, 0],
             ..Control::zeroed()
         }

@@ -1,10 +1,12 @@
 //! The passes of the flame effect, declared once. Every kernel binds its slots by their names.
 
+use ash::vk;
+
 use crate::flame::colour::{Form, Table};
 use crate::flame::frame::Desc;
 use crate::flame::layout::*;
 use crate::flame::settings::{Mode, Sampling, Shape};
-use crate::plan::{Blend, BufferId, ColourAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
+use crate::plan::{Blend, BufferId, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
 use crate::shaders::flame as glsl;
 
 /// What an effect declares: its passes, and which is which.
@@ -35,6 +37,11 @@ pub struct Passes {
     pub(super) shares: PassId,
     pub(super) kernel: PassId,
     pub(super) clear: PassId,
+    pub(super) sprites: PassId,
+    pub(super) raster: PassId,
+    pub(super) add: PassId,
+    pub(super) lamp: PassId,
+    pub(super) light: PassId,
     pub(super) resolve: PassId,
     pub(super) composite: PassId,
 }
@@ -108,6 +115,11 @@ impl Passes {
                     .specialise([u32::from(desc.settings.shape == Shape::Cube)]),
             ),
             clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST]),
+            sprites: d.compute("flame.raster", &glsl::sprites::SHADER),
+            raster: d.add(raster(desc)),
+            add: d.compute("flame.raster", &glsl::add::SHADER),
+            lamp: d.compute("flame.light", &glsl::light::SHADER),
+            light: d.add(light(desc)),
             resolve: d.add(
                 Pass::compute("flame.resolve", &glsl::resolve::SHADER)
                     .specialise([u32::from(desc.layers), u32::from(desc.settings.mode == Mode::Expected)]),
@@ -118,15 +130,58 @@ impl Passes {
     }
 }
 
-fn accumulate(desc: &Desc, magnified: u32) -> Pass {
+/// What kernels that make sprites are specialised by.
+fn variant(desc: &Desc, magnified: u32) -> [u32; 5] {
     let settings = &desc.settings;
-    Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise([
+    [
         u32::from(settings.shape == Shape::Cube),
         u32::from(settings.sampling == Sampling::ShuffledSobol),
         u32::from(settings.flicker > 0.0),
         magnified,
         u32::from(desc.scene.is_some()),
-    ])
+    ]
+}
+
+fn accumulate(desc: &Desc, magnified: u32) -> Pass {
+    Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, magnified))
+}
+
+/// One repetition, drawn.
+fn raster(desc: &Desc) -> Pass {
+    let extent = if is_raster(desc) { desc.size } else { [1, 1] };
+    let (format, blend) = (vk::Format::R32G32_UINT, Blend::Replace);
+    let raster = Raster {
+        vertex: &glsl::raster_vertex::SHADER,
+        fragment: &glsl::raster_fragment::SHADER,
+        colour: Some(ColourAttachment { image: DRAWN, format, clear: Some([0; 4]), blend }),
+        depth: Some(DepthAttachment {
+            image: DRAWN_DEPTH,
+            format: vk::Format::D32_SFLOAT,
+            clear: Some(0.0),
+            compare: vk::CompareOp::GREATER,
+            layer: 0,
+        }),
+        extent,
+    };
+    // Which look-up a sprite needs is its own to find out: the mask may be magnified in one frame and not in another.
+    Pass::raster("flame.raster", raster).specialise(variant(desc, 2))
+}
+
+/// What the fire does to the scene around it.
+fn light(desc: &Desc) -> Pass {
+    let raster = Raster {
+        vertex: &glsl::light_vertex::SHADER,
+        fragment: &glsl::light_fragment::SHADER,
+        colour: Some(ColourAttachment {
+            image: TARGET,
+            format: desc.target_format,
+            clear: None,
+            blend: Blend::Brighten,
+        }),
+        depth: None,
+        extent: desc.size,
+    };
+    Pass::raster("flame.light", raster)
 }
 
 fn expected(desc: &Desc) -> Pass {

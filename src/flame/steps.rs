@@ -8,8 +8,8 @@ use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, Frame, SceneDepth, SceneFormat};
 use crate::flame::layout::*;
 use crate::flame::params::{
-    AccumulateConstants, Control, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants, PartsConstants,
-    RebuildConstants, ScanConstants, SceneConstants,
+    AccumulateConstants, AddConstants, Control, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
+    PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants,
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::{Mode, Shape};
@@ -18,8 +18,15 @@ use crate::plan::{Command, Plan};
 use crate::view::Camera;
 
 /// What follows from particles: left out where none can be seen.
-const FIRE_STEPS: [&str; 6] =
-    ["flame.scene", "flame.prepare", "flame.bin", "flame.accumulate", "flame.resolve", "flame.composite"];
+const FIRE_STEPS: [&str; 7] = [
+    "flame.scene",
+    "flame.prepare",
+    "flame.bin",
+    "flame.accumulate",
+    "flame.light",
+    "flame.resolve",
+    "flame.composite",
+];
 
 /// What this frame is to the ones before.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +77,7 @@ impl Steps<'_> {
         self.lists();
         self.kernel(frame);
         self.repetitions();
+        self.light();
         self.plan.step(self.passes.resolve, dispatch(offset_of!(Control, tile_groups)));
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }
@@ -178,6 +186,9 @@ impl Steps<'_> {
 
     fn repetitions(&mut self) {
         let before = self.moment.given.before;
+        if is_raster(self.desc) {
+            return self.drawn(before);
+        }
         for (index, stage) in self.layout.stages.iter().enumerate() {
             if index > 0 {
                 self.plan.step(self.passes.converge, dispatch(offset_of!(Control, active_groups)));
@@ -195,6 +206,28 @@ impl Steps<'_> {
                 }
             }
         }
+    }
+
+    /// The paper's way: a render pass a repetition.
+    fn drawn(&mut self, before: u32) {
+        self.plan.step(self.passes.sprites, Command::Dispatch { threads: [256, 1, 1] });
+        let [width, height] = self.desc.size;
+        for repetition in before..before + self.desc.settings.repetitions {
+            let sprites = draw(offset_of!(Control, sprite_draw));
+            self.plan.step_with(self.passes.raster, sprites, &RasterConstants { repetition });
+            let constants = AddConstants { is_first: u32::from(repetition == 0) };
+            let threads = [width * height, 1, 1];
+            self.plan.step_with(self.passes.add, Command::Dispatch { threads }, &constants);
+        }
+    }
+
+    /// What the fire does to the scene around it.
+    fn light(&mut self) {
+        if self.desc.settings.light == 0.0 || self.desc.scene.is_none() {
+            return self.plan.skip("flame.light", "light is 0, or nothing else is in the scene");
+        }
+        self.plan.step(self.passes.lamp, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.light, draw(offset_of!(Control, screen_draw)));
     }
 }
 
@@ -219,7 +252,7 @@ fn draw(member: usize) -> Command {
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(layout: &Layout, table: &Table) -> (usize, usize) {
-    let parts: u32 = layout.stages.iter().map(|stage| 2 * stage.parts + 2).sum();
+    let parts: u32 = layout.stages.iter().map(|stage| 2 * stage.parts.max(stage.drawn()) + 2).sum();
     let bytes = size_of::<FlameParams>() + size_of::<Control>() + 16 * table.entries.len();
     (40 + parts as usize, bytes)
 }

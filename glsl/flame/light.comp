@@ -1,0 +1,38 @@
+// The fire as a lamp for what else is in the scene: where it is on average, how wide, and its colour. One workgroup, always in the same order.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 256) in;
+layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
+layout(std430, binding = 2) writeonly buffer LampBuffer { Lamp lamp; };
+
+shared vec4 places[256];   // brightness times position; brightness
+shared vec4 colours[256];  // sum of colours; brightness times squared distance
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    vec4 place = vec4(0.0);
+    vec4 colour = vec4(0.0);
+    for (uint row = lane; row < params.counts.x; row += 256u) {
+        float count = particles[row].draw.z == 0u ? 0.0 : float(particles[row].draw.z);
+        vec3 own = count * particles[row].colour.rgb;
+        float brightness = max(own.r, max(own.g, own.b));
+        vec3 view = particles[row].view.xyz;
+        place += brightness > 0.0 ? brightness * vec4(view, 1.0) : vec4(0.0);
+        colour += brightness > 0.0 ? vec4(own, brightness * dot(view, view)) : vec4(0.0);
+    }
+    places[lane] = place;
+    colours[lane] = colour;
+    barrier();
+    if (lane == 0u) {
+        for (uint i = 1u; i < 256u; ++i) {
+            place += places[i];
+            colour += colours[i];
+        }
+        vec3 middle = place.xyz / max(place.w, 1e-30);
+        float spread = max(colour.w / max(place.w, 1e-30) - dot(middle, middle), 0.0);
+        float brightest = max(colour.r, max(colour.g, colour.b));
+        lamp.place = vec4(middle, max(spread, 1e-6));
+        lamp.colour = vec4(params.light.w * colour.rgb / max(brightest, 1e-30), 0.0);
+    }
+}

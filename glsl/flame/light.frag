@@ -1,0 +1,18 @@
+// How much the fire brightens what is in the scene: its colour, less with the squared distance, halved at the fire's own width.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(std430, binding = 1) readonly buffer Scene { float scene[]; };
+layout(std430, binding = 2) readonly buffer LampBuffer { Lamp lamp; };
+layout(location = 0) out vec4 brighter;
+
+void main() {
+    uvec2 at = uvec2(gl_FragCoord.xy);
+    float depth = scene[at.y * params.image.x + at.x];
+    if (!(depth < uintBitsToFloat(FAR_AWAY))) {
+        discard;
+    }
+    vec2 slope = (gl_FragCoord.xy - params.focal.yz) * params.focal.w;
+    vec3 away = depth * vec3(slope.x, -slope.y, 1.0) - lamp.place.xyz;
+    brighter = vec4(lamp.colour.rgb / (1.0 + dot(away, away) / lamp.place.w), 0.0);
+}

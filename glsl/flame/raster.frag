@@ -1,0 +1,25 @@
+// The alpha test of a sprite; what passes leaves its row and depth.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(binding = 4, r32f) uniform readonly image2D levels;
+layout(std430, binding = 5) readonly buffer Scene { float scene[]; };
+layout(constant_id = 4) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
+layout(location = 0) flat in vec4 place;
+layout(location = 1) flat in uvec4 sprite;
+layout(location = 0) out uvec2 winner;
+#include "mask_value.glsl"
+
+void main() {
+    uint level = sprite.w;
+    vec2 t = (gl_FragCoord.xy - place.xy) * place.w + 0.5 * float(MASK_SIDE >> level);
+    float value = mask_value(t, sprite.y, level);
+    bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.model.y;
+    if (HAS_SCENE == 1u) {
+        passes = passes && place.z < scene[uint(gl_FragCoord.y) * params.image.x + uint(gl_FragCoord.x)];
+    }
+    if (!passes) {
+        discard;
+    }
+    winner = uvec2(sprite.x, floatBitsToUint(place.z));
+}

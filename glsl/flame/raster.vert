@@ -1,0 +1,25 @@
+// The paper's way: a camera-facing quad for each render particle.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
+layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
+layout(std430, binding = 3) readonly buffer SpriteList { uvec2 sprite_list[]; };
+layout(push_constant) uniform RasterConstants { uint repetition; } constants;
+layout(location = 0) flat out vec4 place;    // x, y, depth, texels a pixel
+layout(location = 1) flat out uvec4 sprite;  // row + 1, texel, alpha, level
+#include "mask_level.glsl"
+#include "sprite.glsl"
+
+void main() {
+    uvec2 entry = sprite_list[gl_InstanceIndex];
+    Particle particle = particles[entry.x];
+    uint level = mask_level();
+    Sprite s = make_sprite(particle.view, particle.centre, particle.slope, particle.draw.x, entry.y, constants.repetition,
+                           vec2(0.0), level);
+    place = vec4(s.at, s.z, s.scale);
+    sprite = uvec4(entry.x + 1u, s.texel, floatBitsToUint(particle.view.w), level);
+    float half_side = s.exists ? 0.5 * float(MASK_SIDE >> level) / s.scale : 0.0;
+    vec2 corner = s.at + half_side * (2.0 * vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) - 1.0);
+    gl_Position = vec4(2.0 * corner / vec2(params.image.xy) - 1.0, s.exists ? params.lens.z / s.z : 0.0, 1.0);
+}

@@ -1,0 +1,36 @@
+// The list of all render particles of a repetition, in one workgroup: what the paper's way draws.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 256) in;
+layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
+layout(std430, binding = 2) buffer ControlBuffer { Control control; };
+layout(std430, binding = 3) writeonly buffer SpriteList { uvec2 sprite_list[]; };
+
+shared uint sums[256];
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint share = (params.counts.x + 255u) / 256u;
+    uint first = min(lane * share, params.counts.x);
+    uint last = min(first + share, params.counts.x);
+    uint sum = 0u;
+    for (uint row = first; row < last; ++row) {
+        sum += particles[row].draw.z;
+    }
+    sums[lane] = sum;
+    barrier();
+    uint at = 0u;
+    for (uint i = 0u; i < lane; ++i) {
+        at += sums[i];
+    }
+    for (uint row = first; row < last; ++row) {
+        uint count = particles[row].draw.z;
+        for (uint k = 0u; k < count; ++k) {
+            sprite_list[at++] = uvec2(row, k);
+        }
+    }
+    if (lane == 255u) {
+        control.sprite_draw = uvec4(4u, at, 0u, 0u);
+    }
+}
