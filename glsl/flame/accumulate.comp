@@ -45,7 +45,7 @@ shared uint batch_end[LANES];    // end of its render particles among those of t
 shared vec4 queue_place[BLOCKS][QUEUE];    // x, y, depth, texels a pixel
 shared uvec4 queue_sprite[BLOCKS][QUEUE];  // row + 1, id, texel, alpha
 shared uint queue_length[BLOCKS];
-shared uint farthest;  // of what is nearest in the tile's pixels
+shared uint farthest[BLOCKS];  // of what is nearest in a block's pixels
 
 // A column of a block: what is nearest in each of its pixels. Rows count from 1; 0 is nobody.
 uint nearest_depth[ROWS];
@@ -96,8 +96,9 @@ uint load_batch(uint at, uint end) {
         batch_centre[lane] = particles[row].centre;
         batch_slope[lane] = particles[row].slope;
         batch_draw[lane] = uvec4(draw.xy, row + 1u, 0u);
-        bool hidden = floatBitsToUint(max(nearest_of(view.z), 0.0)) > farthest;
-        count = hidden && params.flags.x == 1u ? 0u : draw.z;
+        uint nearest = floatBitsToUint(max(nearest_of(view.z), 0.0));
+        bool hidden = nearest > max(max(farthest[0], farthest[1]), max(farthest[2], farthest[3]));
+        count = hidden ? 0u : draw.z;
     }
     batch_end[lane] = count;
     for (uint width = 1u; width < LANES; width *= 2u) {
@@ -124,9 +125,10 @@ void queue_sprites(uint t, uint repetition, vec2 origin, uint level) {
     // Rounding: a thousandth of a pixel is more than it can be.
     float reach = slope.w * 0.5 * float(MASK_SIDE >> level) / sprite.scale + 1e-3;
     vec4 bounds = vec4(sprite.at - reach, sprite.at + reach);
+    uint depth = floatBitsToUint(sprite.z);
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         vec2 corner = float(BLOCK) * vec2(block & 1u, block >> 1u);
-        bool touches = sprite.exists && all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5)))
+        bool touches = sprite.exists && depth <= farthest[block] && all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5)))
             && all(greaterThanEqual(bounds.zw, corner + 0.5));
         if (touches) {
             uint place = atomicAdd(queue_length[block], 1u);
@@ -146,8 +148,9 @@ void test_queue(uint block, vec2 centre, uint level) {
         uint depth = floatBitsToUint(place.z);
         float alpha = uintBitsToFloat(sprite.w);
         vec2 t = (centre - place.xy) * place.w + middle;
+        Look look = begin_look(t.x, sprite.z, level);
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            float value = mask_value(vec2(t.x, t.y + float(y) * place.w), sprite.z, level);
+            float value = mask_value(look, t.y + float(y) * place.w);
             bool passes = value > 0.0 && alpha * value >= params.model.y;
             bool first = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
             bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first);
@@ -157,6 +160,20 @@ void test_queue(uint block, vec2 centre, uint level) {
             nearest_row[y] = wins ? sprite.x : nearest_row[y];
         }
     }
+}
+
+// What is nearest in a block's pixels can only come nearer: what is behind all of it need not be looked at.
+void note_farthest(uint block) {
+    if (gl_LocalInvocationID.x % BLOCK == 0u) {
+        farthest[block] = 0u;
+    }
+    barrier();
+    uint own = 0u;
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        own = max(own, nearest_depth[y]);
+    }
+    atomicMax(farthest[block], params.flags.x == 1u ? own : FAR_AWAY);
+    barrier();
 }
 
 void main() {
@@ -211,10 +228,7 @@ void main() {
                 nearest_row[y] = winner.z;
             }
         }
-        if (lane == 0u) {
-            farthest = FAR_AWAY;
-        }
-        barrier();
+        note_farthest(block);
         for (uint at = first_entry; at < last_entry; at += LANES) {
             uint total = load_batch(at, last_entry);
             uint made = 0u;
@@ -235,15 +249,8 @@ void main() {
                 if (lane < BLOCKS) {
                     queue_length[lane] = 0u;
                 }
-                farthest = 0u;
-                barrier();
+                note_farthest(block);
             }
-            uint own = 0u;
-            [[unroll]] for (int y = 0; y < ROWS; ++y) {
-                own = max(own, nearest_depth[y]);
-            }
-            atomicMax(farthest, own);
-            barrier();
         }
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
             if (inside[y] && !is_last_segment) {

@@ -1,25 +1,47 @@
-// Alpha of the mask where a sprite meets a pixel, `t` in texels of its level from its corner; 0 outside.
+// Alpha of the mask where a sprite meets a column of pixels.
 layout(constant_id = 3) const uint MAGNIFIED = 0;  // 1: level 0, look-ups are bilinear; 2: what the level asks for
 
-float mask_value(vec2 t, uint texel, uint level) {
-    int top = int(texel >> 16u) * int(MASK_SIDE);
-    if (MAGNIFIED == 1u || (MAGNIFIED == 2u && level == 0u)) {
-        const int LAST = int(MASK_SIDE) - 1;
-        vec2 at = t - 0.5;
-        vec2 low = floor(at);
-        vec2 f = at - low;
-        ivec2 a = clamp(ivec2(low), ivec2(0), ivec2(LAST));
-        ivec2 b = clamp(ivec2(low) + 1, ivec2(0), ivec2(LAST));
-        float upper = mix(imageLoad(levels, ivec2(a.x, top + a.y)).r, imageLoad(levels, ivec2(b.x, top + a.y)).r, f.x);
-        float lower = mix(imageLoad(levels, ivec2(a.x, top + b.y)).r, imageLoad(levels, ivec2(b.x, top + b.y)).r, f.x);
-        vec2 u = t * (2.0 / float(MASK_SIDE)) - 1.0;
-        return dot(u, u) < 1.0 ? mix(upper, lower, f.y) : 0.0;
-    }
+// What all pixels of a column have in common. Coordinates are texels of the mask's level from the sprite's corner.
+struct Look {
+    uint level;
+    int last;      // texel of the level along a side
+    ivec2 corner;  // of the sprite's values in `levels`
+    int column;    // of the texel that the column is in
+    float x;
+    bool inside;   // whether it is in one
+};
+
+Look begin_look(float x, uint texel, uint level) {
     uint place = texel & 0xffffu;
-    int last = int(MASK_SIDE >> level) - 1;
-    ivec2 whole = ivec2(floor(t));
-    ivec2 at = clamp(whole, ivec2(0), ivec2(last));
-    ivec2 inside = ivec2(place & ((1u << level) - 1u), place >> level);
-    float alpha = imageLoad(levels, ivec2(int(level * MASK_SIDE), top) + (at << int(level)) + inside).r;
-    return whole == at ? alpha : 0.0;
+    int column = int(floor(x));
+    Look look;
+    look.level = level;
+    look.last = int(MASK_SIDE >> level) - 1;
+    look.corner = ivec2(level * MASK_SIDE + (place & ((1u << level) - 1u)), (texel >> 16u) * MASK_SIDE + (place >> level));
+    look.column = look.corner.x + ((column & look.last) << int(level));
+    look.x = x;
+    look.inside = uint(column) <= uint(look.last);
+    return look;
+}
+
+// Between four texels; 0 outside of the disc.
+float magnified(Look look, float y) {
+    vec2 at = vec2(look.x, y) - 0.5;
+    vec2 low = floor(at);
+    vec2 f = at - low;
+    ivec2 a = look.corner + clamp(ivec2(low), ivec2(0), ivec2(look.last));
+    ivec2 b = look.corner + clamp(ivec2(low) + 1, ivec2(0), ivec2(look.last));
+    float upper = mix(imageLoad(levels, a).r, imageLoad(levels, ivec2(b.x, a.y)).r, f.x);
+    float lower = mix(imageLoad(levels, ivec2(a.x, b.y)).r, imageLoad(levels, b).r, f.x);
+    vec2 u = vec2(look.x, y) * (2.0 / float(MASK_SIDE)) - 1.0;
+    return dot(u, u) < 1.0 ? mix(upper, lower, f.y) : 0.0;
+}
+
+float mask_value(Look look, float y) {
+    if (MAGNIFIED == 1u || (MAGNIFIED == 2u && look.level == 0u)) {
+        return magnified(look, y);
+    }
+    int row = int(floor(y));
+    float alpha = imageLoad(levels, ivec2(look.column, look.corner.y + ((row & look.last) << int(look.level)))).r;
+    return look.inside && uint(row) <= uint(look.last) ? alpha : 0.0;
 }

@@ -13,7 +13,7 @@ layout(location = 0) out uvec2 winner;
 void main() {
     uint level = sprite.w;
     vec2 t = (gl_FragCoord.xy - place.xy) * place.w + 0.5 * float(MASK_SIDE >> level);
-    float value = mask_value(t, sprite.y, level);
+    float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.model.y;
     if (HAS_SCENE == 1u) {
         passes = passes && place.z < scene[uint(gl_FragCoord.y) * params.image.x + uint(gl_FragCoord.x)];
