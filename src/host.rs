@@ -120,6 +120,20 @@ pub(crate) fn check_image(name: &'static str, image: &HostImage, size: [u32; 2],
     Err(Error::HostResource { name, why })
 }
 
+/// Refuses a picture with a side that the device cannot render to.
+pub(crate) fn check_sides(size: [u32; 2], limits: &vk::PhysicalDeviceLimits) -> Result<()> {
+    let largest = limits.max_framebuffer_width.min(limits.max_framebuffer_height).min(limits.max_image_dimension2_d);
+    match size.into_iter().find(|side| *side > largest) {
+        Some(side) => Err(Error::Limit {
+            what: "a side of the picture",
+            needed: side.into(),
+            limit: largest.into(),
+            advice: "render a smaller picture",
+        }),
+        None => Ok(()),
+    }
+}
+
 /// Device memory in bytes, known before anything is created.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]

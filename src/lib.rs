@@ -6,6 +6,7 @@ pub mod error;
 pub mod flame;
 pub mod gpu;
 pub mod host;
+mod layout;
 pub mod plan;
 pub mod profile;
 #[doc(hidden)]

@@ -183,8 +183,8 @@ pub struct ColourAttachment {
     pub format: vk::Format,
     /// Clear value in bits, or none to keep what is there.
     pub clear: Option<[u32; 4]>,
-    /// Premultiplied "over" instead of replacing.
-    pub blend: bool,
+    /// How it takes what is drawn.
+    pub blend: Blend,
 }
 
 /// The depth attachment of a render pass.
@@ -389,6 +389,26 @@ pub enum Command {
         /// Pixels.
         extent: [u32; 2],
     },
+    /// Copies the depth of a depth image to the start of a buffer, rows without gaps.
+    CopyDepth {
+        /// Source.
+        from: ImageId,
+        /// Destination.
+        to: BufferId,
+        /// Pixels.
+        extent: [u32; 2],
+    },
+}
+
+/// How a colour attachment takes what is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blend {
+    /// Replaces.
+    Replace,
+    /// Premultiplied "over".
+    Over,
+    /// Brightens: `target * (1 + drawn)`; alpha stays.
+    Brighten,
 }
 
 /// One entry of a frame's list.

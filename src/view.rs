@@ -78,6 +78,33 @@ impl Camera {
     }
 }
 
+/// A camera as kernels take it: the eye and the rows of the rotation, each as a sum of two floats, and the lens. The
+/// fields of the same names lead every effect's parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CameraRows {
+    pub(crate) eye: [[f32; 4]; 2],
+    /// Right, up, forward.
+    pub(crate) rows: [[[f32; 4]; 2]; 3],
+    /// Half extent at depth 1 along x and y, near, far.
+    pub(crate) lens: [f32; 4],
+}
+
+impl CameraRows {
+    pub(crate) fn new(camera: &Camera, size: [u32; 2]) -> CameraRows {
+        let split = |v: DVec3| {
+            let high = v.as_vec3();
+            [high, (v - high.as_dvec3()).as_vec3()].map(|part| part.extend(0.0).to_array())
+        };
+        let rotation = camera.rotation();
+        let half = camera.half_extent(size).as_vec2();
+        CameraRows {
+            eye: split(camera.eye),
+            rows: [0, 1, 2].map(|axis| split(rotation.row(axis))),
+            lens: [half.x, half.y, camera.near as f32, camera.far as f32],
+        }
+    }
+}
+
 /// One light, without falloff, and the ambient share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {

@@ -1,14 +1,5 @@
-// Lays the effect's picture over the target, whatever the target's format.
+// The picture over the target.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
-layout(location = 0) out vec4 colour;
-
-void main() {
-    uvec2 at = uvec2(gl_FragCoord.xy);
-    colour = picture[at.y * params.image.x + at.x];
-    if (colour.a == 0.0) {
-        discard;
-    }
-}
+#include "../common/composite_fragment.glsl"

@@ -1,12 +1,5 @@
-// One quad an occupied tile.
+// Occupied tiles.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
-
-void main() {
-    uint tile = occupied_tiles[gl_InstanceIndex];
-    uvec2 corner = uvec2(gl_VertexIndex & 1, gl_VertexIndex >> 1);
-    uvec2 at = min((uvec2(tile % params.image.z, tile / params.image.z) + corner) * TILE, params.image.xy);
-    gl_Position = vec4(2.0 * vec2(at) / vec2(params.image.xy) - 1.0, 0.0, 1.0);
-}
+#include "../common/composite_vertex.glsl"

@@ -1,14 +1,351 @@
 //! Fire from particles by stochastic alpha test (Mabuchi, Fujishiro, Ohno: Particle-Based Flame Rendering).
+//!
+//! Physical particles with a temperature draw render particles at random around them; each is a sprite that a pixel sees
+//! where its alpha reaches a threshold; the nearest wins; repetitions are averaged. Nothing is sorted or blended.
+//! [`Flame::record`] records it all into the host's command buffer. The [`settings::Mode::Expected`] mode integrates the
+//! image that the repetitions converge to.
 
 mod cie;
 pub mod colour;
 pub mod frame;
+pub mod layout;
+pub mod params;
+pub mod passes;
 #[doc(hidden)]
 pub mod reference;
 pub mod settings;
 mod spacing;
+pub mod steps;
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
 pub use frame::{Desc, Frame, ParticleInput, SceneDepth, SceneFormat};
 pub use settings::Settings;
 pub use spacing::mean_spacing;
+
+use crate::error::{Error, Result};
+use crate::gpu::kernel::Pipelines;
+use crate::gpu::profiler::{Mode, Timing};
+use crate::gpu::recorder::{Recorder, Recording};
+use crate::gpu::resources::Resources;
+use crate::host::{Host, Memory, check_sides};
+use crate::plan::Plan;
+use crate::view::Camera;
+use colour::Table;
+use layout::Layout;
+use params::{FlameParams, Given};
+use passes::Passes;
+use reference::mask::Mask;
+use settings::{Colour, MOST_REPETITIONS};
+use steps::{Moment, Steps};
+
+/// The flame effect: pipelines, and the buffers and images of one picture size.
+///
+/// A frame depends on no other, unless it takes the last one's particles or adds to its repetitions; then recorded
+/// command buffers must be submitted in order, to the same queue. A frame may be recorded before the one before it has finished.
+#[derive(Debug)]
+pub struct Flame {
+    desc: Desc,
+    layout: Layout,
+    passes: Passes,
+    table: Table,
+    /// The largest alpha of the mask.
+    max_alpha: f32,
+    plan: Plan,
+    resources: Resources,
+    pipelines: Pipelines,
+    recorder: Recorder,
+    state: State,
+}
+
+/// What is known of the frames recorded so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    /// The camera of the last frame; none before the first.
+    camera: Option<Camera>,
+    /// The camera of the last frame that could see fire.
+    lit: Option<Camera>,
+    given: Given,
+    /// A bound of its particles' temperatures.
+    hottest: f32,
+    /// Repetitions that the sums on the device hold.
+    repetitions: u32,
+}
+
+impl Flame {
+    /// Device memory that an effect will take, before alignment. `limit` is the device's `maxStorageBufferRange`.
+    ///
+    /// # Errors
+    /// A setting out of range, or something larger than `limit`.
+    pub fn memory(desc: &Desc, limit: u64) -> Result<Memory> {
+        validate(desc)?;
+        Ok(Layout::new(desc, &table(desc), limit)?.memory(desc))
+    }
+
+    /// Creates pipelines, buffers and images; leaves nothing behind on error.
+    ///
+    /// # Errors
+    /// A setting out of range, something too large for the device, no memory, a failed Vulkan call.
+    ///
+    /// # Safety
+    /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on, and `allocator` is its.
+    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: Desc) -> Result<Flame> {
+        validate(&desc)?;
+        // SAFETY: the caller's.
+        let limits = unsafe { host.instance.get_physical_device_properties(host.physical_device) }.limits;
+        check_sides(desc.size, &limits)?;
+        let table = table(&desc);
+        let layout = Layout::new(&desc, &table, u64::from(limits.max_storage_buffer_range))?;
+        let passes = Passes::new(&desc, &table);
+        let mut resources = Resources::default();
+        // SAFETY: the caller's; what was made is destroyed unused on error.
+        let pipelines = unsafe {
+            create_resources(host, allocator, &desc, &layout, &mut resources)
+                .and_then(|()| Pipelines::new(host, &passes.list, &resources))
+                .inspect_err(|_| resources.destroy(host, allocator))?
+        };
+        let (steps, bytes) = steps::capacity(&layout, &table);
+        let plan = Plan::with_capacity(steps, bytes);
+        let recorder = Recorder::new(&resources);
+        // The largest alpha that the device's mask can have, which is the reference's but for rounding.
+        let max_alpha = (Mask::new(desc.seed, desc.settings.variants).largest() * 1.000001) as f32;
+        let state = State::default();
+        Ok(Flame { desc, layout, passes, table, max_alpha, plan, resources, pipelines, recorder, state })
+    }
+
+    /// Changes the size of the picture. The next frame must bring particles. On error the effect is as it was.
+    ///
+    /// # Errors
+    /// As [`Flame::new`].
+    ///
+    /// # Safety
+    /// As [`Flame::new`], and the GPU is done with every frame recorded so far.
+    pub unsafe fn resize(&mut self, host: &Host, allocator: &mut Allocator, size: [u32; 2]) -> Result<()> {
+        let desc = Desc { size, ..self.desc.clone() };
+        // SAFETY: the caller's.
+        unsafe {
+            let mut old = std::mem::replace(self, Flame::new(host, allocator, desc)?);
+            old.destroy(host, allocator);
+        }
+        Ok(())
+    }
+
+    /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.recorder.set_mode(mode);
+    }
+
+    /// Records a frame. Allocates nothing, submits nothing, waits for nothing.
+    ///
+    /// # Errors
+    /// The frame does not fit what the effect was made for; nothing has been recorded then.
+    ///
+    /// # Safety
+    /// `host` is the one the effect was made with. `commands` is in recording state, outside of a render pass, of a queue
+    /// family with graphics and compute. Host images and buffers are in the states that they declare. The frame is
+    /// submitted after all frames recorded before it, to the same queue.
+    pub unsafe fn record(
+        &mut self,
+        host: &Host,
+        commands: vk::CommandBuffer,
+        frame: &Frame,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        frame.validate(&self.desc, self.state.camera.is_none())?;
+        let (moment, state) = self.moment(frame)?;
+        let params = FlameParams::new(&self.desc, &self.layout, frame, &moment.given, &self.table, self.max_alpha);
+        let Flame { desc, layout, passes, plan, table, .. } = self;
+        Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, table);
+        self.hand_over(frame);
+        let mut recording = Recording {
+            host,
+            commands,
+            passes: &self.passes.list,
+            pipelines: &self.pipelines,
+            resources: &mut self.resources,
+        };
+        // SAFETY: the caller's.
+        unsafe { self.recorder.record(&self.plan, &mut recording, timing)? };
+        self.state = state;
+        Ok(())
+    }
+
+    fn hand_over(&mut self, frame: &Frame) {
+        let particles = frame.particles.filter(|particles| particles.count > 0);
+        let (buffer, image) = match frame.scene {
+            Some(SceneDepth::Buffer(buffer)) => (Some(buffer), None),
+            Some(SceneDepth::Image(depth)) => (None, Some(depth.image)),
+            None => (None, None),
+        };
+        let background = match frame.background {
+            Background::Copy(image) => Some(image),
+            _ => None,
+        };
+        self.resources.set_host_buffer(layout::HOST_POSITIONS, particles.map(|p| p.position_temperature));
+        self.resources.set_host_buffer(layout::HOST_IDS, particles.and_then(|p| p.ids));
+        self.resources.set_host_buffer(layout::HOST_SCENE, buffer);
+        self.resources.set_host_image(layout::TARGET, Some(frame.target));
+        self.resources.set_host_image(layout::BACKGROUND, background);
+        self.resources.set_host_image(layout::HOST_DEPTH, image);
+    }
+
+    /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none
+    /// of them may touch the host's images or buffers.
+    ///
+    /// # Errors
+    /// A step does not fit the effect's buffers.
+    ///
+    /// # Safety
+    /// As for [`Flame::record`].
+    #[cfg(feature = "cli")]
+    #[allow(dead_code)]
+    pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
+        for image in [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH] {
+            self.resources.set_host_image(image, None);
+        }
+        let Flame { passes, pipelines, resources, recorder, .. } = self;
+        let mut recording = Recording { host, commands, passes: &passes.list, pipelines, resources };
+        // SAFETY: the caller's.
+        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+    }
+
+    /// The list of the frame recorded last.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The most steps that a frame can have, and the most bytes of its updates.
+    pub fn plan_capacity(&self) -> (usize, usize) {
+        steps::capacity(&self.layout, &self.table)
+    }
+
+    /// The declared passes, which the plan's steps refer to.
+    pub fn passes(&self) -> &[crate::plan::Pass] {
+        &self.passes.list
+    }
+
+    /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in [`layout`].
+    /// The last access to it was a shader's or a transfer's write.
+    pub fn buffer(&self, id: crate::plan::BufferId) -> (vk::Buffer, u64, u64) {
+        self.resources.buffer(id)
+    }
+
+    /// What the effect was made for.
+    pub fn desc(&self) -> &Desc {
+        &self.desc
+    }
+
+    /// Destroys what celfx made.
+    ///
+    /// # Safety
+    /// The GPU is done with every recorded frame; `host` and `allocator` are those it was made with. Nothing else is
+    /// called afterwards.
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        unsafe {
+            self.pipelines.destroy(host);
+            self.resources.destroy(host, allocator);
+        }
+    }
+
+    /// What this frame is to the ones before, and the state after it.
+    fn moment(&self, frame: &Frame) -> Result<(Moment, State)> {
+        let mut state = self.state;
+        if let Some(particles) = &frame.particles {
+            state.given = Given { count: particles.count, ids: particles.ids.is_some(), before: 0 };
+            state.hottest = particles.hottest.min(self.desc.hottest);
+        }
+        let repetitions = self.desc.settings.repetitions;
+        state.given.before = if frame.accumulate { self.state.repetitions } else { 0 };
+        if frame.accumulate {
+            self.check_accumulation(frame, state.given.before + repetitions)?;
+        }
+        state.repetitions = state.given.before + repetitions;
+        state.camera = Some(frame.camera);
+        let first = self.state.camera.is_none();
+        let dark = self.dark(&state);
+        state.lit = if dark.is_none() { Some(frame.camera) } else { state.lit };
+        Ok((Moment { given: state.given, camera: self.state.lit, first, dark }, state))
+    }
+
+    /// Only what is the same can be added to.
+    fn check_accumulation(&self, frame: &Frame, repetitions: u32) -> Result<()> {
+        let refuse = |allowed: &str| Err(Error::setting("frame.accumulate", true, allowed));
+        match () {
+            _ if self.state.repetitions == 0 => refuse("false in the first frame: there is nothing to add to"),
+            _ if frame.particles.is_some() => refuse("not with new particles"),
+            _ if self.state.camera != Some(frame.camera) => refuse("not with another camera"),
+            _ if repetitions > MOST_REPETITIONS => refuse("up to 1048576 repetitions in all"),
+            _ => Ok(()),
+        }
+    }
+
+    /// Why no fire can be seen, as far as the host can tell.
+    fn dark(&self, state: &State) -> Option<&'static str> {
+        let settings = &self.desc.settings;
+        let size = settings.size_pixels.unwrap_or(settings.sprite());
+        let alpha = settings.alpha_scale * state.hottest / settings.hottest * self.max_alpha;
+        match () {
+            _ if state.given.count == 0 => Some("no particles"),
+            _ if settings.count == 0.0 => Some("count is 0: no render particles"),
+            _ if size == 0.0 => Some("sprites have no size"),
+            // A little more than the device's rounding.
+            _ if alpha * 1.000001 < settings.threshold || settings.threshold > 1.0 => {
+                Some("no particle can pass the alpha test")
+            }
+            _ => None,
+        }
+    }
+}
+
+fn table(desc: &Desc) -> Table {
+    let settings = &desc.settings;
+    let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
+    match &settings.colour {
+        Colour::Physical => Table::physical(hottest, adaptation, hottest.max(desc.hottest.into())),
+        Colour::Displayable => Table::displayable(hottest, falloff, adaptation),
+        Colour::Ramp(colours) => Table::ramp(hottest, colours),
+    }
+}
+
+fn validate(desc: &Desc) -> Result<()> {
+    desc.settings.validate()?;
+    if desc.settings.spread.is_none() {
+        let allowed = "metres, 0 or above; celfx::flame::mean_spacing finds the usual one";
+        return Err(Error::setting("flame.spread", "none", allowed));
+    }
+    if desc.size.contains(&0) {
+        return Err(Error::setting("size", format!("{:?}", desc.size), "at least 1 pixel a side"));
+    }
+    if !(desc.hottest > 0.0 && desc.hottest.is_finite()) {
+        return Err(Error::setting("flame's hottest particle", desc.hottest, "kelvin, above 0, finite"));
+    }
+    Ok(())
+}
+
+unsafe fn create_resources(
+    host: &Host,
+    allocator: &mut Allocator,
+    desc: &Desc,
+    layout: &Layout,
+    resources: &mut Resources,
+) -> Result<()> {
+    // SAFETY: the caller's.
+    unsafe {
+        for buffer in layout.buffers() {
+            resources.add_buffer(host, allocator, &buffer)?;
+        }
+        for _ in [layout::HOST_POSITIONS, layout::HOST_IDS, layout::HOST_SCENE] {
+            resources.add_host_buffer();
+        }
+        for image in layout.images(desc) {
+            resources.add_image(host, allocator, &image)?;
+        }
+        for _ in [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH] {
+            resources.add_host_image();
+        }
+    }
+    Ok(())
+}

@@ -5,7 +5,7 @@ use ash::vk;
 use crate::error::{Error, Result};
 use crate::gpu::kernel::{create_module, specialisation};
 use crate::host::Host;
-use crate::plan::{Pass, Raster};
+use crate::plan::{Blend, Pass, Raster};
 
 /// Creates the pipeline of a render pass.
 ///
@@ -86,15 +86,20 @@ unsafe fn create_pipeline(
     result.map(|pipelines| pipelines[0]).map_err(|(_, error)| error)
 }
 
-fn blend(over: bool) -> vk::PipelineColorBlendAttachmentState {
+fn blend(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
+    use vk::BlendFactor as Factor;
+    let (source, target, target_alpha) = match blend {
+        Blend::Replace | Blend::Over => (Factor::ONE, Factor::ONE_MINUS_SRC_ALPHA, Factor::ONE_MINUS_SRC_ALPHA),
+        Blend::Brighten => (Factor::DST_COLOR, Factor::ONE, Factor::ONE),
+    };
     vk::PipelineColorBlendAttachmentState::default()
         .color_write_mask(vk::ColorComponentFlags::RGBA)
-        .blend_enable(over)
-        .src_color_blend_factor(vk::BlendFactor::ONE)
-        .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+        .blend_enable(blend != Blend::Replace)
+        .src_color_blend_factor(source)
+        .dst_color_blend_factor(target)
         .color_blend_op(vk::BlendOp::ADD)
-        .src_alpha_blend_factor(vk::BlendFactor::ONE)
-        .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+        .src_alpha_blend_factor(if blend == Blend::Brighten { Factor::ZERO } else { Factor::ONE })
+        .dst_alpha_blend_factor(target_alpha)
         .alpha_blend_op(vk::BlendOp::ADD)
 }
 

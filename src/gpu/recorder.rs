@@ -365,6 +365,21 @@ impl Walk<'_> {
                     let (from, to) = (self.resources.image(from), self.resources.image(to));
                     device.cmd_copy_image(self.commands, from, layouts.0, to, layouts.1, &regions);
                 }
+                Command::CopyDepth { from, to, extent: [width, height] } => {
+                    let layers = vk::ImageSubresourceLayers {
+                        aspect_mask: vk::ImageAspectFlags::DEPTH,
+                        mip_level: 0,
+                        base_array_layer: 0,
+                        layer_count: 1,
+                    };
+                    let (to, buffer_offset, _) = self.resources.buffer(to);
+                    let regions = [vk::BufferImageCopy::default()
+                        .buffer_offset(buffer_offset)
+                        .image_subresource(layers)
+                        .image_extent(vk::Extent3D { width, height, depth: 1 })];
+                    let (image, layout) = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
+                    device.cmd_copy_image_to_buffer(self.commands, image, layout, to, &regions);
+                }
                 _ => debug_assert!(false, "a transfer pass copies, clears, fills or updates"),
             }
         }

@@ -6,6 +6,8 @@ use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
+pub use crate::layout::LOOP_BUDGET;
+use crate::layout::buffers;
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
@@ -14,8 +16,6 @@ use crate::smoke::params::{
 };
 use crate::smoke::settings::{Grow, Shadow};
 
-/// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
-pub const LOOP_BUDGET: u32 = 48_000;
 /// Entries of light-space tiles that one dispatch works on for a pixel. An invocation of `luminance` shades four pixels,
 /// one after the other, and each also walks the levels of tiles.
 pub const LUMINANCE_TURNS: u32 = LOOP_BUDGET / 4 - 16;
@@ -24,25 +24,8 @@ const MOST_GROUPS: u64 = 65_535;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
 const ROW_SUM_BYTES: u64 = 64 << 20;
 
-macro_rules! buffers {
-    ($($id:ident = $name:literal),* $(,)?) => {
-        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
-        #[repr(u16)]
-        #[derive(Clone, Copy)]
-        enum Order { $($id),*, COUNT }
-        $(#[doc = concat!("`", $name, "` in the shaders.")] pub const $id: BufferId = BufferId(Order::$id as u16);)*
-        /// Number of own buffers.
-        pub const BUFFERS: u16 = Order::COUNT as u16;
-        /// What shaders call them.
-        const BLOCKS: [&str; BUFFERS as usize] = [$($name),*];
-        /// What debuggers call them.
-        const NAMES: [&str; BUFFERS as usize] = [$(concat!("smoke ", $name)),*];
-        /// What errors call their sizes.
-        const SIZES: [&str; BUFFERS as usize] = [$(concat!("smoke's buffer ", $name, " (in bytes)")),*];
-    };
-}
-
 buffers! {
+    "smoke"
     PARAMS = "SmokeParams",
     DENSITY = "Density",
     VELOCITY = "Velocity",

@@ -25,7 +25,7 @@ use crate::gpu::kernel::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording};
 use crate::gpu::resources::Resources;
-use crate::host::{Host, Memory};
+use crate::host::{Host, Memory, check_sides};
 use crate::plan::Plan;
 use crate::view::Light;
 use layout::Layout;
@@ -88,19 +88,7 @@ impl Smoke {
         validate(&desc)?;
         // SAFETY: the caller's.
         let limits = unsafe { host.instance.get_physical_device_properties(host.physical_device) }.limits;
-        for side in desc.size {
-            let largest =
-                limits.max_framebuffer_width.min(limits.max_framebuffer_height).min(limits.max_image_dimension2_d);
-            if side > largest {
-                let (needed, limit) = (u64::from(side), u64::from(largest));
-                return Err(Error::Limit {
-                    what: "a side of the picture",
-                    needed,
-                    limit,
-                    advice: "render a smaller picture",
-                });
-            }
-        }
+        check_sides(desc.size, &limits)?;
         let layout = Layout::new(&desc, u64::from(limits.max_storage_buffer_range))?;
         let passes = Passes::new(&desc, &layout);
         let tables = Tables::new(&desc.settings, &layout);

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::{Layout, Pyramid};
 use crate::smoke::settings::{Emitter, Settings};
-use crate::view::{Camera, Light, LightSource};
+use crate::view::{Camera, CameraRows, Light, LightSource};
 
 /// Side of a screen tile in pixels.
 pub const TILE: u32 = 32;
@@ -193,17 +193,10 @@ impl SmokeParams {
     }
 
     fn set_camera(&mut self, desc: &Desc, layout: &Layout, camera: &Camera) {
-        let high = camera.eye.as_vec3();
-        self.eye = high.extend(0.0).to_array();
-        self.eye_low = (camera.eye - high.as_dvec3()).as_vec3().extend(0.0).to_array();
-        let rotation = camera.rotation();
-        let row = |axis| rotation.row(axis).as_vec3();
-        let low = |axis| (rotation.row(axis) - row(axis).as_dvec3()).as_vec3();
-        let padded = |v: glam::Vec3| v.extend(0.0).to_array();
-        (self.right, self.up, self.forward) = (padded(row(0)), padded(row(1)), padded(row(2)));
-        (self.right_low, self.up_low, self.forward_low) = (padded(low(0)), padded(low(1)), padded(low(2)));
-        let half = camera.half_extent(desc.size).as_vec2();
-        self.lens = [half.x, half.y, camera.near as f32, camera.far as f32];
+        let CameraRows { eye, rows, lens } = CameraRows::new(camera, desc.size);
+        [self.eye, self.eye_low] = eye;
+        [[self.right, self.right_low], [self.up, self.up_low], [self.forward, self.forward_low]] = rows;
+        self.lens = lens;
         self.image = [desc.size[0], desc.size[1], layout.tiles[0], layout.tiles[1]];
         let [across, down] = layout.occlusion_blocks;
         self.blocks = [layout.occlusion_side, across, down, 0];

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::host::DepthFormat;
-use crate::plan::{ColourAttachment, DepthAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
+use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
 use crate::shaders::smoke as glsl;
 use crate::smoke::frame::Desc;
 use crate::smoke::layout::*;
@@ -165,7 +165,8 @@ fn shadow_map(desc: &Desc, face: u32) -> Pass {
 
 fn spheres(desc: &Desc) -> Pass {
     let format = vk::Format::D32_SFLOAT;
-    let seen = ColourAttachment { image: SEEN, format: vk::Format::R32_UINT, clear: Some([0; 4]), blend: false };
+    let seen =
+        ColourAttachment { image: SEEN, format: vk::Format::R32_UINT, clear: Some([0; 4]), blend: Blend::Replace };
     let raster = Raster {
         vertex: &glsl::spheres_vertex::SHADER,
         fragment: &glsl::spheres_fragment::SHADER,
@@ -206,7 +207,7 @@ fn composite(desc: &Desc) -> Pass {
             Some(_) => &glsl::composite_depth_fragment::SHADER,
             None => &glsl::composite_fragment::SHADER,
         },
-        colour: Some(ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: true }),
+        colour: Some(ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over }),
         depth: desc.depth.map(|DepthFormat { format, reversed }| DepthAttachment {
             image: HOST_DEPTH,
             format,

@@ -1,0 +1,11 @@
+// Lays an effect's picture over the target, whatever the target's format.
+layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
+layout(location = 0) out vec4 colour;
+
+void main() {
+    uvec2 at = uvec2(gl_FragCoord.xy);
+    colour = picture[at.y * params.image.x + at.x];
+    if (colour.a == 0.0) {
+        discard;
+    }
+}

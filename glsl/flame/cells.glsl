@@ -1,0 +1,61 @@
+// Which cells of the screen a particle's sprites can touch, and in which depth bucket they begin. Level l has square cells
+// of TILE * 2^l pixels; a particle stands at the finest level where it touches at most CELLS_ACROSS cells across and down.
+#include "../common/sphere.glsl"
+#include "../common/bits.glsl"
+
+// Half a sprite in metres at a view depth.
+float half_sprite(float z) {
+    float side = 0.5 * params.space.y;
+    // No sprite is narrower than a pixel.
+    return max((params.flags.w & 1u) != 0u ? side * params.focal.w * z : side, 0.5 * params.focal.w * z);
+}
+
+// Bounds of a particle's sprites in pixels (low x, low y, high x, high y), of which the share `reach` matters.
+vec4 pixel_bounds(vec3 view, float reach) {
+    float near = max(view.z - params.space.z, params.lens.z);
+    float far = min(view.z + params.space.z, params.lens.w);
+    if (near > far) {
+        return vec4(1.0, 1.0, 0.0, 0.0);
+    }
+    float r = params.space.z + reach * half_sprite(view.z + params.space.z);
+    // Depth alone does not bound what is around the camera.
+    if (view.z <= 1.001 * r) {
+        return vec4(0.0, 0.0, vec2(params.image.xy));
+    }
+    vec2 across = tangent_range(view.x, view.z, r);
+    vec2 down = tangent_range(-view.y, view.z, r);
+    // Rounding: a thousandth of a pixel is more than it can be.
+    return params.focal.yzyz + params.focal.x * vec4(across.x, down.x, across.y, down.y) + vec4(-1e-3, -1e-3, 1e-3, 1e-3)
+        + 1e-5 * abs(params.focal.x * vec4(across.x, down.x, across.y, down.y)) * vec4(-1.0, -1.0, 1.0, 1.0);
+}
+
+// Whether such bounds hold the centre of a pixel.
+bool on_screen(vec4 bounds) {
+    return bounds.x <= bounds.z && all(lessThan(bounds.xy, vec2(params.image.xy))) && all(greaterThan(bounds.zw, vec2(0.0)));
+}
+
+// The level at which a particle of such bounds stands, and its first and last cell there.
+uint cells_of(vec4 bounds, out uvec4 cells) {
+    vec4 tile = floor(bounds / float(TILE));
+    uvec4 tiles = uvec4(clamp(tile, vec4(0.0), vec4(vec2(params.image.zw - 1u), vec2(params.image.zw - 1u))));
+    uint level = 0u;
+    while (max((tiles.z >> level) - (tiles.x >> level), (tiles.w >> level) - (tiles.y >> level)) >= CELLS_ACROSS) {
+        ++level;
+    }
+    cells = tiles >> level;
+    return level;
+}
+
+uint cell_index(uint level, uint x, uint y) {
+    return params.levels[level].x + y * params.levels[level].y + x;
+}
+
+// The bucket of a view depth. Rounding is monotonous: what is nearer is never in a later bucket.
+uint bucket_of(float z, float low, float per_metre) {
+    return uint(clamp(floor((z - low) * per_metre), 0.0, float(params.counts.y) - 1.0));
+}
+
+// The nearest that a particle's render particles can be, and a little nearer than rounding can make it.
+float nearest_of(float z) {
+    return z - params.space.z - 1e-6 * (abs(z) + params.space.z);
+}

@@ -1,0 +1,5 @@
+// Occupied tiles.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "../common/composite_vertex.glsl"

@@ -1,0 +1,45 @@
+// Counts particles in the cells that they touch, by depth bucket, and writes their colours as shares of the frame's
+// brightest, which is known now.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) buffer Particles { Particle particles[]; };
+layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
+layout(std430, binding = 3) buffer Cells { uint cell_ends[]; };
+#include "cells.glsl"
+#include "depth_range.glsl"
+#include "mask_level.glsl"
+
+uint share_of(float component, float brightest) {
+    return brightest > 0.0 ? min(uint(component / brightest * 65535.0 + 0.5), 65535u) : 0u;
+}
+
+void main() {
+    uint row = gl_GlobalInvocationID.x;
+    if (row >= params.counts.x || particles[row].draw.z == 0u) {
+        return;
+    }
+    vec4 view = particles[row].view;
+    vec4 colour = particles[row].colour;
+    float brightest = uintBitsToFloat(control.brightest);
+    uint light = share_of(colour.r, brightest) | share_of(colour.g, brightest) << 16u;
+    float reach = reach_of(view.w, mask_level());
+    vec4 bounds = pixel_bounds(view.xyz, reach);
+    uvec4 cells;
+    uint level = cells_of(bounds, cells);
+    bool touches = on_screen(bounds);
+    uint place = touches ? level | 16u : 0u;
+    particles[row].slope.w = reach;
+    particles[row].light = uvec4(light, share_of(colour.b, brightest), floatBitsToUint(1.0), place);
+    if (!touches) {
+        return;
+    }
+    vec2 scale = bucket_scale();
+    uint bucket = bucket_of(nearest_of(view.z), scale.x, scale.y);
+    for (uint y = cells.y; y <= cells.w; ++y) {
+        for (uint x = cells.x; x <= cells.z; ++x) {
+            atomicAdd(cell_ends[cell_index(level, x, y) * params.counts.y + bucket], 1u);
+        }
+    }
+}

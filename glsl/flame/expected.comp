@@ -1,0 +1,240 @@
+// The image that repetitions converge to: emission and absorption along each pixel's ray, depth bin by depth bin (E2 of the
+// derivation: optical depth -n ln(1 - G) of each particle). Within a bin colours mix in proportion to the optical depths. Their sums are integers:
+// nothing depends on the order of the lists.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "params.glsl"
+layout(local_size_x = 32) in;
+layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
+layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
+layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
+layout(std430, binding = 4) readonly buffer Entries { uint entries[]; };
+layout(std430, binding = 5) readonly buffer ActiveTiles { uint active_tiles[]; };
+layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
+layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
+layout(binding = 8, r32f) uniform readonly image2D kernel;
+layout(constant_id = 0) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
+layout(push_constant) uniform AccumulateConstants {
+    uint part;         // which dispatch this is
+    uint repetitions;  // first bin
+    uint last;         // the one after the last
+    uint before;       // unused
+} constants;
+#include "cells.glsl"
+#include "depth_range.glsl"
+#include "kernel.glsl"
+
+const uint LANES = 32u;
+const uint BLOCKS = 4u;
+const int ROWS = int(BLOCK);
+const float FIXED = 16777216.0;  // 1 as a fixed-point number
+const float MOST_DEPTH = 127.0;  // optical depth of one particle in one bin
+const float OPAQUE = 1e-6;       // transmittance below which nothing is seen any more
+
+shared uint queue[BLOCKS][LANES];
+shared uint queue_length[BLOCKS];
+shared uint clearest;
+shared uvec2 lists[12];
+
+// A column of a block.
+vec3 mean[ROWS];
+vec3 second[ROWS];
+float transmittance[ROWS];
+float depth_sum[ROWS];
+uvec4 bin_low[ROWS];   // sums of the bin: optical depth times colour, optical depth
+uvec4 bin_high[ROWS];
+float scene_depth[ROWS];
+
+// ln(1 - G) at a corner of the grid, between two depths.
+float corner(ivec2 at, float share) {
+    return mix(imageLoad(kernel, at).r, imageLoad(kernel, at + ivec2(1, 0)).r, share);
+}
+
+// How ln(1 - G) falls from depth to depth of the grid at a place of it.
+float fall(vec2 place, vec2 depths, int class_index) {
+    ivec2 low = ivec2(min(place, vec2(float(PLACES) - 1.001)));
+    vec2 f = place - vec2(low);
+    ivec2 k = ivec2(min(depths, vec2(float(DEPTHS) - 1.001)));
+    vec2 g = depths - vec2(k);
+    ivec2 at = ivec2(DEPTHS * low.x, low.y + PLACES * class_index);
+    ivec2 right = ivec2(DEPTHS, 0);
+    ivec2 down = ivec2(0, 1);
+    float begin = mix(mix(corner(at + ivec2(k.x, 0), g.x), corner(at + right + ivec2(k.x, 0), g.x), f.x),
+                      mix(corner(at + down + ivec2(k.x, 0), g.x), corner(at + right + down + ivec2(k.x, 0), g.x), f.x), f.y);
+    float end = mix(mix(corner(at + ivec2(k.y, 0), g.y), corner(at + right + ivec2(k.y, 0), g.y), f.x),
+                    mix(corner(at + down + ivec2(k.y, 0), g.y), corner(at + right + down + ivec2(k.y, 0), g.y), f.x), f.y);
+    return max(begin - end, 0.0);
+}
+
+// Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
+void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
+    vec3 view = particles[row].view.xyz;
+    vec3 colour = particles[row].colour.rgb / brightest;
+    int class_index = int(particles[row].draw.w);
+    float weight = uintBitsToFloat(particles[row].light.z);
+    float reach = kernel_reach();
+    float narrow = min(reach / max(0.75 * params.focal.w * view.z, 1e-30), 1.0) / reach;
+    float per_depth = 1.0 / max(params.space.z, 1e-12);
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
+        float end = min(bin.y, scene_depth[y]);
+        vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);
+        // The ray's offset from the centre halfway through the bin: it slants through the space.
+        vec2 m = view.z * slope - view.xy + 0.5 * (zeta.x + zeta.y) * slope;
+        vec2 place = (vec2(m.x, -m.y) * narrow * 0.5 + 0.5) * float(PLACES - 1);
+        vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
+        bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(float(PLACES - 1))));
+        float h = weight * fall(clamp(place, vec2(0.0), vec2(float(PLACES - 1))), depths, class_index);
+        h = inside && bin.x < end ? min(h, MOST_DEPTH) : 0.0;
+        uvec4 x = uvec4(vec4(h * colour, h) * FIXED + 0.5);
+        bin_low[y] += x;
+        bin_high[y] += uvec4(lessThan(bin_low[y], x));
+    }
+}
+
+// 1 - exp(-h), without cancelling.
+float opacity(float h) {
+    return h < 0.02 ? h * (1.0 - h * (0.5 - h * (0.16666667 - h * 0.041666667))) : 1.0 - exp(-h);
+}
+
+// Lays a finished bin behind what is nearer.
+void composite_bin(float depth) {
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        vec4 sum = vec4(bin_high[y]) * (4294967296.0 / FIXED) + vec4(bin_low[y]) / FIXED;
+        float alpha = opacity(sum.w);
+        vec3 colour = sum.rgb / max(sum.w, 1e-30);
+        float share = transmittance[y] > OPAQUE ? transmittance[y] * alpha : 0.0;
+        mean[y] += share * colour;
+        second[y] += share * colour * colour;
+        depth_sum[y] += share * depth;
+        transmittance[y] -= share;
+        bin_low[y] = uvec4(0u);
+        bin_high[y] = uvec4(0u);
+    }
+}
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint tile_index = active_tiles[gl_WorkGroupID.x];
+    uvec2 tile = uvec2(tile_index % params.image.z, tile_index / params.image.z);
+    uint buckets = params.counts.y;
+    float brightest = max(uintBitsToFloat(control.brightest), 1e-30);
+    vec2 scale = bucket_scale();
+    // How many buckets before a bin particles may begin that reach into it.
+    uint window = min(uint(2.0 * params.space.z * scale.y * 1.0001) + 2u, buckets);
+    uint segment = constants.part % control.segments;
+    uint first = constants.part / control.segments * control.part_repetitions;
+    uint last = min(first + control.part_repetitions, buckets);
+    bool is_last_segment = segment + 1u == control.segments;
+
+    uint block = lane / BLOCK;
+    uvec2 block_corner = BLOCK * uvec2(block & 1u, block >> 1u);
+    uvec2 pixel = tile * TILE + block_corner + uvec2(lane % BLOCK, 0u);
+    vec2 centre = (vec2(pixel) + 0.5 - params.focal.yz) * params.focal.w;
+    vec2 ray = vec2(centre.x, -centre.y);
+    uint column = pixel.y * params.image.x + pixel.x;
+    bool inside[ROWS];
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        inside[y] = pixel.x < params.image.x && pixel.y + uint(y) < params.image.y;
+        uint at = column + uint(y) * params.image.x;
+        scene_depth[y] = uintBitsToFloat(FAR_AWAY);
+        if (HAS_SCENE == 1u) {
+            if (inside[y]) {
+                scene_depth[y] = scene[at];
+            }
+        }
+        uvec4 a = uvec4(0u, 0u, 0u, floatBitsToUint(1.0)), b = uvec4(0u), c = uvec4(0u), d = uvec4(0u);
+        if (inside[y] && constants.part > 0u) {
+            a = sums[4u * at];
+            b = sums[4u * at + 1u];
+            c = sums[4u * at + 2u];
+            d = sums[4u * at + 3u];
+        }
+        mean[y] = uintBitsToFloat(a.xyz);
+        transmittance[y] = inside[y] ? uintBitsToFloat(a.w) : 0.0;
+        second[y] = uintBitsToFloat(b.xyz);
+        depth_sum[y] = uintBitsToFloat(b.w);
+        bin_low[y] = c;
+        bin_high[y] = d;
+    }
+    if (lane < BLOCKS) {
+        queue_length[lane] = 0u;
+    }
+    if (lane == 0u) {
+        clearest = floatBitsToUint(1.0);
+    }
+    barrier();
+    for (uint bin = first; bin < last; ++bin) {
+        // What is left of the tile's lists: particles that begin in the window before the bin or in it.
+        if (lane < params.counts.z) {
+            uint cell = cell_index(lane, tile.x >> lane, tile.y >> lane) * buckets;
+            uint from = cell + (bin > window ? bin - window : 0u);
+            uint begin = from == 0u ? 0u : cell_ends[from - 1u];
+            lists[lane] = uvec2(begin, cell_ends[cell + bin]);
+        }
+        barrier();
+        uint total = 0u;
+        for (uint level = 0u; level < params.counts.z; ++level) {
+            total += lists[level].y - lists[level].x;
+        }
+        bool is_seen = uintBitsToFloat(clearest) > OPAQUE || params.flags.x == 0u;
+        uint from = segment * control.segment_entries;
+        uint to = is_seen ? min(from + control.segment_entries, total) : 0u;
+        vec2 depths = vec2(scale.x + float(bin) / scale.y, scale.x + float(bin + 1u) / scale.y);
+        depths = max(depths, vec2(params.lens.z));
+        for (uint at = from; at < to; at += LANES) {
+            if (at + lane < to) {
+                uint index = at + lane;
+                uint level = 0u;
+                while (index >= lists[level].y - lists[level].x) {
+                    index -= lists[level].y - lists[level].x;
+                    ++level;
+                }
+                uint row = entries[lists[level].x + index];
+                vec4 view = particles[row].view;
+                vec4 bounds = pixel_bounds(view.xyz, 1.0) - vec4(vec2(tile * TILE), vec2(tile * TILE));
+                bool reaches = view.z + params.space.z >= depths.x && view.z - params.space.z <= depths.y;
+                [[unroll]] for (uint other = 0u; other < BLOCKS; ++other) {
+                    vec2 low = float(BLOCK) * vec2(other & 1u, other >> 1u);
+                    bool touches = all(lessThanEqual(bounds.xy, low + float(BLOCK))) && all(greaterThanEqual(bounds.zw, low));
+                    if (reaches && touches) {
+                        queue[other][atomicAdd(queue_length[other], 1u)] = row;
+                    }
+                }
+            }
+            barrier();
+            uint length = queue_length[block];
+            for (uint i = 0u; i < length; ++i) {
+                add_particle(queue[block][i], depths, ray, params.focal.w, brightest);
+            }
+            barrier();
+            if (lane < BLOCKS) {
+                queue_length[lane] = 0u;
+            }
+            barrier();
+        }
+        if (is_last_segment) {
+            composite_bin(0.5 * (depths.x + depths.y));
+        }
+        if (lane == 0u) {
+            clearest = 0u;
+        }
+        barrier();
+        float own = 0.0;
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
+            own = max(own, transmittance[y]);
+        }
+        atomicMax(clearest, floatBitsToUint(max(own, 0.0)));
+        barrier();
+    }
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        uint at = column + uint(y) * params.image.x;
+        if (inside[y]) {
+            sums[4u * at] = uvec4(floatBitsToUint(mean[y]), floatBitsToUint(transmittance[y]));
+            sums[4u * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
+            sums[4u * at + 2u] = bin_low[y];
+            sums[4u * at + 3u] = bin_high[y];
+        }
+    }
+}

@@ -1,0 +1,29 @@
+// Writes the lists of the cells. The order within a bucket is not fixed and does not matter: the nearest wins, sums are
+// integers.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
+layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
+layout(std430, binding = 3) buffer Cells { uint cell_ends[]; };
+layout(std430, binding = 4) writeonly buffer Entries { uint entries[]; };
+#include "cells.glsl"
+#include "depth_range.glsl"
+
+void main() {
+    uint row = gl_GlobalInvocationID.x;
+    if (row >= params.counts.x || particles[row].draw.z == 0u || particles[row].light.w == 0u) {
+        return;
+    }
+    vec4 view = particles[row].view;
+    uvec4 cells;
+    uint level = cells_of(pixel_bounds(view.xyz, particles[row].slope.w), cells);
+    vec2 scale = bucket_scale();
+    uint bucket = bucket_of(nearest_of(view.z), scale.x, scale.y);
+    for (uint y = cells.y; y <= cells.w; ++y) {
+        for (uint x = cells.x; x <= cells.z; ++x) {
+            entries[atomicAdd(cell_ends[cell_index(level, x, y) * params.counts.y + bucket], 1u)] = row;
+        }
+    }
+}

@@ -1,0 +1,72 @@
+// Tabulates ln(1 - G): each texel of the mask sees a chord through the space of the render particles, and G grows along it.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+layout(constant_id = 0) const uint CUBE = 0;
+#include "params.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; };
+layout(std430, binding = 2) readonly buffer Shares { float shares[]; };
+layout(binding = 3, r32f) uniform writeonly image2D kernel;
+#include "kernel.glsl"
+
+const float LEAST = -24.0;
+
+// The chord through the space at an offset across, in metres; empty where begin > end.
+vec2 chord(vec2 at, float radius) {
+    if (CUBE == 1u) {
+        vec3 across = params.right.xyz * at.x + params.up.xyz * at.y;
+        vec2 range = vec2(-1e30, 1e30);
+        for (int axis = 0; axis < 3; ++axis) {
+            float along = params.forward[axis];
+            along = abs(along) < 1e-6 ? 1e-6 : along;
+            vec2 ends = (vec2(-radius, radius) - across[axis]) / along;
+            range = vec2(max(range.x, min(ends.x, ends.y)), min(range.y, max(ends.x, ends.y)));
+        }
+        return range;
+    }
+    float rest = radius * radius - dot(at, at);
+    float half_chord = rest > 0.0 ? sqrt(rest) : -1.0;
+    return vec2(-half_chord, half_chord);
+}
+
+void main() {
+    uint place = gl_GlobalInvocationID.x % uint(PLACES * PLACES);
+    uint class_index = gl_GlobalInvocationID.x / uint(PLACES * PLACES);
+    if (class_index >= uint(CLASSES)) {
+        return;
+    }
+    ivec2 grid = ivec2(place % uint(PLACES), place / uint(PLACES));
+    float reach = kernel_reach();
+    vec2 m = reach * (2.0 * vec2(grid) / float(PLACES - 1) - 1.0);
+    uint side = MASK_SIDE >> kernel_level;
+    float texel_side = params.space.y / float(side);
+    // A space narrower than two texels would fall between them.
+    float widest = max(params.space.x, 2.0 * texel_side);
+    float radius = CUBE == 1u ? params.space.x + 1e-12 : widest;
+    float volume = CUBE == 1u ? 8.0 * radius * radius * radius : 4.18879020478639 * radius * radius * radius;
+    float squeeze = params.space.z / (CUBE == 1u ? max(params.space.z, 1e-12) : widest);
+    float g[DEPTHS];
+    [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
+        g[k] = 0.0;
+    }
+    for (uint texel = 0u; texel < side * side; ++texel) {
+        float share = shares[class_index * side * side + texel];
+        vec2 u = (vec2(texel % side, texel / side) + 0.5) / float(side) - 0.5;
+        vec2 at = m - params.space.y * u;
+        // The mask's rows go down, space goes up.
+        vec2 range = chord(vec2(at.x, -at.y), radius) * squeeze;
+        float length = max(range.y - range.x, 0.0);
+        [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
+            float depth = params.space.z * (2.0 * float(k) / float(DEPTHS - 1) - 1.0);
+            g[k] += share * clamp(depth - range.x, 0.0, length);
+        }
+    }
+    float weight = texel_side * texel_side / volume / max(squeeze, 1e-12);
+    [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
+        float p = min(weight * g[k], 1.0);
+        // The series where 1 - p would lose p's digits.
+        float value = p < 0.01 ? -p * (1.0 + p * (0.5 + p * (0.33333333 + p * 0.25))) : log(max(1.0 - p, 1e-30));
+        imageStore(kernel, ivec2(k + DEPTHS * grid.x, grid.y + PLACES * int(class_index)), vec4(max(value, LEAST)));
+    }
+}

@@ -1,0 +1,19 @@
+// Whether the table that is on the device is not that of this frame: the mask's level has changed, or the host says so.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 1) in;
+layout(std430, binding = 1) buffer ControlBuffer { Control control; };
+layout(std430, binding = 2) buffer KernelState { uint kernel_level; };
+layout(push_constant) uniform RebuildConstants { uint force; } constants;
+#include "mask_level.glsl"
+#include "kernel.glsl"
+
+void main() {
+    uint level = max(mask_level(), 1u);
+    bool stale = constants.force != 0u || level != kernel_level;
+    kernel_level = level;
+    uint side = MASK_SIDE >> level;
+    control.share_groups = uvec4(stale ? (uint(CLASSES) * side * side + 63u) / 64u : 0u, 1u, 1u, 0u);
+    control.kernel_groups = uvec4(stale ? (uint(CLASSES * PLACES * PLACES) + 63u) / 64u : 0u, 1u, 1u, 0u);
+}

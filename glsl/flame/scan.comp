@@ -1,0 +1,71 @@
+// Running sum of the cells' counts, bucket by bucket, in one workgroup. `cell_ends` becomes where each bucket's list
+// begins; filling moves it to where the list ends. Finds how long the longest list of a tile can be, and cuts the work on lists into parts
+// that keep each invocation within its loop budget.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 256) in;
+layout(std430, binding = 1) buffer Cells { uint cell_ends[]; };
+layout(std430, binding = 2) buffer ControlBuffer { Control control; };
+layout(push_constant) uniform ScanConstants {
+    uint cells;   // cells of all levels
+    uint turns;   // loop turns that an invocation may take
+    uint visits;  // loop turns that an entry takes, unless 0: its render particles
+    uint repetitions;
+} constants;
+
+shared uint sums[256];
+shared uint longest[12];
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint buckets = params.counts.y;
+    uint share = (constants.cells + 255u) / 256u * buckets;
+    uint count = constants.cells * buckets;
+    uint first = min(lane * share, count);
+    uint last = min(first + share, count);
+    if (lane < 12u) {
+        longest[lane] = 0u;
+    }
+    barrier();
+    uint sum = 0u;
+    uint in_cell = 0u;
+    uint level = 0u;
+    for (uint i = first; i < last; ++i) {
+        uint in_bucket = cell_ends[i];
+        cell_ends[i] = sum;
+        sum += in_bucket;
+        in_cell += in_bucket;
+        if (i % buckets == buckets - 1u) {
+            uint cell = i / buckets;
+            while (level + 1u < params.counts.z && cell >= params.levels[level + 1u].x) {
+                ++level;
+            }
+            atomicMax(longest[level], in_cell);
+            in_cell = 0u;
+        }
+    }
+    sums[lane] = sum;
+    barrier();
+    uint before = 0u;
+    for (uint i = 0u; i < lane; ++i) {
+        before += sums[i];
+    }
+    for (uint i = first; i < last; ++i) {
+        cell_ends[i] += before;
+    }
+    if (lane == 0u) {
+        uint total = 0u;
+        for (uint l = 0u; l < params.counts.z; ++l) {
+            total += longest[l];
+        }
+        uint visits = constants.visits > 0u ? constants.visits : max(control.most, 1u);
+        uint entries_at_once = max(constants.turns / visits, 1u);
+        uint segments = max((total + entries_at_once - 1u) / entries_at_once, 1u);
+        uint repetitions = segments > 1u ? 1u : max(constants.turns / max(total * visits, 1u), 1u);
+        control.segments = segments;
+        control.segment_entries = segments > 1u ? entries_at_once : max(total, 1u);
+        control.part_repetitions = min(repetitions, constants.repetitions);
+        control.listed = total;
+    }
+}

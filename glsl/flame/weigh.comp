@@ -1,0 +1,34 @@
+// Each particle's class of the kernel table: the one of the nearest threshold, weighed by how much more or less of the mask passes the
+// particle's own.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) buffer Particles { Particle particles[]; };
+layout(binding = 2, r32f) uniform readonly image2D levels;
+#include "kernel.glsl"
+#include "pass_count.glsl"
+
+float passing(float threshold) {
+    uint count = 0u;
+    for (uint variant = 0u; variant < params.draw.y; ++variant) {
+        count += pass_count(MASK_LEVELS - 1u, uvec2(0u), variant, threshold);
+    }
+    return float(count);
+}
+
+void main() {
+    uint row = gl_GlobalInvocationID.x;
+    if (row >= params.counts.x || particles[row].draw.z == 0u) {
+        return;
+    }
+    vec4 view = particles[row].view;
+    float threshold = view.w > 0.0 ? params.model.y / view.w : 2.0;
+    float place = clamp(threshold / params.light.y, 0.0, 1.0) * float(CLASSES - 1);
+    uint class_index = min(uint(place + 0.5), uint(CLASSES - 2));
+    float weight = float(particles[row].draw.z) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);
+    // What is narrower than a pixel is spread over one.
+    float narrow = min(kernel_reach() / max(0.75 * params.focal.w * view.z, 1e-30), 1.0);
+    particles[row].draw.w = class_index;
+    particles[row].light.z = floatBitsToUint(weight * narrow * narrow);
+}

@@ -1,0 +1,307 @@
+//! Which buffers and images the effect has, and how large they are. Pure.
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::flame::colour::Table;
+use crate::flame::frame::{Desc, SceneFormat};
+use crate::flame::params::{
+    CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_LEVELS, MASK_SIDE, Particle,
+    SHARE_SIDE, TILE, buckets,
+};
+use crate::flame::settings::{MOST_COUNT, Method, Mode};
+use crate::gpu::buffer::BufferDesc;
+use crate::gpu::image::ImageDesc;
+use crate::host::Memory;
+use crate::layout::buffers;
+use crate::plan::{BufferId, ImageId, Resource, Slot};
+
+/// Loop turns that a dispatch over a tile's list may take for its render particles: what batches of one render particle each
+/// cost besides is less again, and both together stay within [`crate::layout::LOOP_BUDGET`].
+pub const TURNS: u32 = 28_000;
+/// Repetitions after which a tile is looked at for the first time with `adaptive`.
+pub const FIRST_STAGE: u32 = 16;
+/// The most dispatches of a frame's repetitions.
+const MOST_PARTS: u64 = 1 << 15;
+/// The most counters of a scan, which one workgroup walks over twice within its loop budget.
+const MOST_COUNTERS: u64 = 256 * 20_000;
+
+buffers! {
+    "flame"
+    PARAMS = "FlameParams",
+    CONTROL = "ControlBuffer",
+    POSITIONS = "Positions",
+    IDS = "Ids",
+    COLOURS = "Colours",
+    PARTICLES = "Particles",
+    CELLS = "Cells",
+    ENTRIES = "Entries",
+    OCCUPIED_TILES = "OccupiedTiles",
+    ACTIVE_TILES = "ActiveTiles",
+    TILE_REPETITIONS = "TileRepetitions",
+    TILE_OPEN = "TileOpen",
+    PART_ARGUMENTS = "PartArguments",
+    SCENE_WORDS = "SceneWords",
+    SCENE = "Scene",
+    MASK = "Mask",
+    KERNEL_STATE = "KernelState",
+    SHARES = "Shares",
+    SUMS = "Sums",
+    WINNERS = "Winners",
+    PICTURE = "Picture",
+    MEAN = "Mean",
+    VARIANCE = "Variance",
+    NEAREST = "Nearest",
+}
+
+/// The host's particles: positions and temperatures.
+pub const HOST_POSITIONS: BufferId = BufferId(BUFFERS);
+/// The host's ids.
+pub const HOST_IDS: BufferId = BufferId(BUFFERS + 1);
+/// The host's view depths.
+pub const HOST_SCENE: BufferId = BufferId(BUFFERS + 2);
+/// The mask, level beside level, variant below variant.
+pub const LEVELS: ImageId = ImageId(0);
+/// The table of the expected image.
+pub const KERNEL: ImageId = ImageId(1);
+/// The host's target.
+pub const TARGET: ImageId = ImageId(2);
+/// The host's background.
+pub const BACKGROUND: ImageId = ImageId(3);
+/// The host's depth image.
+pub const HOST_DEPTH: ImageId = ImageId(4);
+
+/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
+pub fn resource(slot: &Slot) -> Option<Resource> {
+    let image = match slot.name {
+        "levels" => Some(LEVELS),
+        "kernel" => Some(KERNEL),
+        _ => None,
+    };
+    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    image.map(Resource::Image).or(buffer.map(Resource::Buffer))
+}
+
+/// A run of repetitions after which tiles may be done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// Its first repetition.
+    pub first: u32,
+    /// The one after its last.
+    pub last: u32,
+    /// Dispatches that it may need.
+    pub parts: u32,
+    /// Its place in the dispatches' arguments.
+    pub arguments: u32,
+}
+
+/// Sizes of everything, from what the effect is made for.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Screen tiles across and down.
+    pub tiles: [u32; 2],
+    /// Cells of each level: first, across, down.
+    pub levels: Vec<[u32; 4]>,
+    /// Cells of all levels.
+    pub cells: u32,
+    /// Depth buckets.
+    pub buckets: u32,
+    /// Stages of the repetitions; one unless `adaptive`.
+    pub stages: Vec<Stage>,
+    /// Bytes of each buffer.
+    pub bytes: [u64; BUFFERS as usize],
+}
+
+impl Layout {
+    /// Computes it; fails where a buffer is larger than `limit` bytes, the largest range that a shader can bind.
+    pub fn new(desc: &Desc, table: &Table, limit: u64) -> Result<Layout> {
+        let settings = &desc.settings;
+        let tiles = desc.size.map(|side| side.div_ceil(TILE));
+        let (levels, cells) = levels(tiles);
+        let mut layout = Layout {
+            tiles,
+            levels,
+            cells,
+            buckets: buckets(settings.mode, settings.bins),
+            stages: Vec::new(),
+            bytes: [16; BUFFERS as usize],
+        };
+        layout.cut_stages(desc)?;
+        layout.size_particles(desc, table);
+        layout.size_pictures(desc);
+        let counters = u64::from(layout.cells) * u64::from(layout.buckets);
+        if counters > MOST_COUNTERS {
+            let what = "the flame's lists (cells times depth bins)";
+            let advice = "use fewer flame.bins or a smaller picture";
+            return Err(Error::Limit { what, needed: counters, limit: MOST_COUNTERS, advice });
+        }
+        layout.check(limit)?;
+        Ok(layout)
+    }
+
+    /// Repetitions, or the bins of the expected image, are done in as many dispatches as the longest possible list asks for.
+    fn cut_stages(&mut self, desc: &Desc) -> Result<()> {
+        let settings = &desc.settings;
+        let expected = settings.mode == Mode::Expected;
+        let particles = u64::from(desc.particles.max(1));
+        let turns = u64::from(TURNS);
+        let visits = if expected { 1 } else { most_count(desc) };
+        let segments = particles.div_ceil((turns / visits).max(1));
+        let at_once = if segments > 1 { 1 } else { (turns / (particles * visits)).max(1) };
+        let all = if expected { settings.bins } else { settings.repetitions };
+        let mut ends = Vec::new();
+        if settings.adaptive > 0.0 && !expected {
+            ends.extend((0..).map(|i| FIRST_STAGE << i).take_while(|end| *end < all));
+        }
+        ends.push(all);
+        let (mut first, mut arguments, mut sum) = (0, 0, 0_u64);
+        for last in ends {
+            let parts = segments * u64::from(last - first).div_ceil(at_once);
+            sum += parts;
+            let parts = parts.min(MOST_PARTS) as u32;
+            self.stages.push(Stage { first, last, parts, arguments });
+            (first, arguments) = (last, arguments + 2 * parts);
+        }
+        match sum > MOST_PARTS {
+            true => Err(Error::Limit {
+                what: "the flame (dispatches over the longest list possible)",
+                needed: sum,
+                limit: MOST_PARTS,
+                advice: match expected {
+                    true => "use fewer particles or fewer flame.bins",
+                    false => "use fewer particles, a smaller flame.count or fewer flame.repetitions",
+                },
+            }),
+            false => Ok(()),
+        }
+    }
+
+    fn set(&mut self, id: BufferId, bytes: u64) {
+        self.bytes[usize::from(id.0)] = bytes.max(16).next_multiple_of(16);
+    }
+
+    /// Bytes of a buffer.
+    pub fn size(&self, id: BufferId) -> u64 {
+        self.bytes[usize::from(id.0)]
+    }
+
+    fn size_particles(&mut self, desc: &Desc, table: &Table) {
+        let particles = u64::from(desc.particles);
+        let texels = u64::from(MASK_SIDE * MASK_SIDE * desc.settings.variants);
+        self.set(PARAMS, size_of::<FlameParams>() as u64);
+        self.set(CONTROL, size_of::<Control>() as u64);
+        self.set(POSITIONS, particles * 16);
+        self.set(IDS, particles * 4);
+        self.set(COLOURS, table.entries.len() as u64 * 16);
+        self.set(PARTICLES, particles * size_of::<Particle>() as u64);
+        self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
+        self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
+        self.set(MASK, texels * 4);
+        if desc.settings.mode == Mode::Expected {
+            self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
+        }
+        let arguments: u64 = self.stages.iter().map(|stage| u64::from(2 * stage.parts)).sum();
+        self.set(PART_ARGUMENTS, arguments * 16);
+    }
+
+    fn size_pictures(&mut self, desc: &Desc) {
+        let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
+        let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]);
+        let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
+        let words = matches!(desc.scene, Some(SceneFormat::Image(_)));
+        let stochastic = desc.settings.mode == Mode::Stochastic;
+        let segmented = stochastic && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
+        let raster = stochastic && desc.settings.method == Method::Raster;
+        self.set(OCCUPIED_TILES, tiles * 4);
+        self.set(ACTIVE_TILES, tiles * 4);
+        self.set(TILE_REPETITIONS, tiles * 4);
+        self.set(TILE_OPEN, tiles * 4);
+        self.set(SCENE_WORDS, kept(words, pixels * 4));
+        self.set(SCENE, kept(desc.scene.is_some(), pixels * 4));
+        self.set(SUMS, pixels * 64);
+        self.set(WINNERS, kept(segmented && !raster, pixels * 16));
+        self.set(PICTURE, pixels * 16);
+        self.set(MEAN, kept(desc.layers, pixels * 16));
+        self.set(VARIANCE, kept(desc.layers, pixels * 16));
+        self.set(NEAREST, kept(desc.layers, pixels * 4));
+    }
+
+    fn check(&self, limit: u64) -> Result<()> {
+        let advice = |id: BufferId| match id {
+            POSITIONS | IDS | PARTICLES | ENTRIES => "use fewer particles",
+            CELLS => "use fewer flame.bins or a smaller picture",
+            MASK => "use fewer flame.variants",
+            PART_ARGUMENTS => "use fewer particles or fewer flame.repetitions",
+            _ => "render a smaller picture",
+        };
+        for (index, needed) in self.bytes.iter().enumerate() {
+            if *needed > limit {
+                let what = SIZES[index];
+                return Err(Error::Limit { what, needed: *needed, limit, advice: advice(BufferId(index as u16)) });
+            }
+        }
+        Ok(())
+    }
+
+    /// Descriptions of the own buffers, in order.
+    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + '_ {
+        NAMES.iter().zip(self.bytes).enumerate().map(|(index, (name, bytes))| match BufferId(index as u16) {
+            PARAMS => BufferDesc::uniform(name, bytes),
+            _ => BufferDesc::storage(name, bytes),
+        })
+    }
+
+    /// Descriptions of the own images, in order.
+    pub fn images(&self, desc: &Desc) -> [ImageDesc; 2] {
+        let levels = ImageDesc {
+            name: "flame levels",
+            extent: [MASK_SIDE * MASK_LEVELS, MASK_SIDE * desc.settings.variants],
+            layers: 1,
+            array_view: false,
+            format: vk::Format::R32_SFLOAT,
+            usage: vk::ImageUsageFlags::STORAGE,
+        };
+        let extent = match desc.settings.mode {
+            Mode::Expected => [KERNEL_DEPTHS * KERNEL_PLACES, KERNEL_PLACES * KERNEL_CLASSES],
+            Mode::Stochastic => [1, 1],
+        };
+        [levels, ImageDesc { name: "flame kernel", extent, ..levels }]
+    }
+
+    /// Device memory, before alignment.
+    pub fn memory(&self, desc: &Desc) -> Memory {
+        let kept = [POSITIONS, IDS, COLOURS, MASK, SUMS, TILE_REPETITIONS, SCENE];
+        let mut memory = Memory::default();
+        for (index, bytes) in self.bytes.iter().enumerate() {
+            match kept.contains(&BufferId(index as u16)) {
+                true => memory.history += bytes,
+                false => memory.scratch += bytes,
+            }
+        }
+        for image in self.images(desc) {
+            memory.history += u64::from(image.extent[0]) * u64::from(image.extent[1]) * 4;
+        }
+        memory
+    }
+}
+
+/// The most render particles that a particle can have.
+pub fn most_count(desc: &Desc) -> u64 {
+    let settings = &desc.settings;
+    let mean = f64::from(settings.count) * f64::from(desc.hottest) / f64::from(settings.hottest);
+    // Rounding may differ on the device.
+    (mean * 1.000001).min(f64::from(MOST_COUNT)) as u64 + 1
+}
+
+/// Levels of cells: tiles, and squares of 2 x 2 of the level before, up to where a particle that covers the picture stands.
+fn levels(tiles: [u32; 2]) -> (Vec<[u32; 4]>, u32) {
+    let (mut levels, mut cells, mut sides) = (Vec::new(), 0, tiles);
+    loop {
+        levels.push([cells, sides[0], sides[1], 0]);
+        cells += sides[0] * sides[1];
+        if sides[0].max(sides[1]) <= CELLS_ACROSS {
+            return (levels, cells);
+        }
+        sides = sides.map(|side| side.div_ceil(2));
+    }
+}

@@ -1,0 +1,225 @@
+//! A frame's list: which passes run, over how much, in which order, and why others do not. Pure.
+
+use std::mem::offset_of;
+
+use ash::vk;
+
+use crate::flame::colour::Table;
+use crate::flame::frame::{Desc, Frame, SceneDepth, SceneFormat};
+use crate::flame::layout::*;
+use crate::flame::params::{
+    AccumulateConstants, Control, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants, PartsConstants,
+    RebuildConstants, ScanConstants, SceneConstants,
+};
+use crate::flame::passes::Passes;
+use crate::flame::settings::{Mode, Shape};
+use crate::host::{Background, HostDepth};
+use crate::plan::{Command, Plan};
+use crate::view::Camera;
+
+/// What follows from particles: left out where none can be seen.
+const FIRE_STEPS: [&str; 6] =
+    ["flame.scene", "flame.prepare", "flame.bin", "flame.accumulate", "flame.resolve", "flame.composite"];
+
+/// What this frame is to the ones before.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Its particles.
+    pub given: Given,
+    /// The camera of the last frame that saw fire.
+    pub camera: Option<Camera>,
+    /// Tables and mask are not on the device yet.
+    pub first: bool,
+    /// Why no fire can be seen, if it is known before the device has looked.
+    pub dark: Option<&'static str>,
+}
+
+/// Fills a frame's plan.
+pub(super) struct Steps<'a> {
+    pub(super) plan: &'a mut Plan,
+    pub(super) passes: &'a Passes,
+    pub(super) desc: &'a Desc,
+    pub(super) layout: &'a Layout,
+    pub(super) moment: &'a Moment,
+}
+
+impl Steps<'_> {
+    pub(super) fn fill(&mut self, frame: &Frame, params: &FlameParams, table: &Table) {
+        self.plan.clear();
+        self.background(&frame.background);
+        self.particles(frame);
+        self.clear();
+        if self.moment.first {
+            // The mask is a layer of frames without fire, too.
+            self.plan.update_slice(self.passes.tables, COLOURS, &table.entries);
+            self.plan.update(self.passes.params, PARAMS, params);
+            self.mask();
+        } else {
+            self.plan.skip("flame.tables", "unchanged");
+            self.plan.skip("flame.mask", "size and seed unchanged");
+        }
+        if let Some(reason) = self.moment.dark {
+            FIRE_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
+            return;
+        }
+        if !self.moment.first {
+            self.plan.update(self.passes.params, PARAMS, params);
+        }
+        self.plan.update(self.passes.params, CONTROL, &Control::reset());
+        self.scene(frame);
+        self.lists();
+        self.kernel(frame);
+        self.repetitions();
+        self.plan.step(self.passes.resolve, dispatch(offset_of!(Control, tile_groups)));
+        self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
+    }
+
+    fn background(&mut self, background: &Background) {
+        let (image, from, extent) = (TARGET, BACKGROUND, self.desc.size);
+        let command = match background {
+            Background::Keep => return self.plan.skip("flame.background", "the target is kept"),
+            Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits) },
+            Background::Copy(_) => Command::CopyImage { from, to: image, extent },
+        };
+        self.plan.step(self.passes.background, command);
+    }
+
+    fn particles(&mut self, frame: &Frame) {
+        let Some(particles) = frame.particles.filter(|particles| particles.count > 0) else {
+            return self.plan.skip("flame.particles", "unchanged, or none");
+        };
+        let count = u64::from(particles.count);
+        let (from, to) = (HOST_POSITIONS, POSITIONS);
+        self.plan.step(self.passes.particles, Command::CopyBuffer { from, to, bytes: 16 * count });
+        if particles.ids.is_some() {
+            let (from, to) = (HOST_IDS, IDS);
+            self.plan.step(self.passes.particles, Command::CopyBuffer { from, to, bytes: 4 * count });
+        }
+    }
+
+    /// Layers are whole images; the picture is one of them.
+    fn clear(&mut self) {
+        if !self.desc.layers {
+            return self.plan.skip("flame.clear", "no layers are kept");
+        }
+        for buffer in [PICTURE, MEAN, VARIANCE] {
+            self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
+        }
+        let word = f32::INFINITY.to_bits();
+        self.plan.step(self.passes.clear, Command::Fill { buffer: NEAREST, word });
+    }
+
+    fn mask(&mut self) {
+        let threads = [MASK_SIDE * MASK_SIDE * self.desc.settings.variants, 1, 1];
+        self.plan.step(self.passes.mask, Command::Dispatch { threads });
+        for level in 1..MASK_LEVELS {
+            self.plan.step_with(self.passes.mips, Command::Dispatch { threads }, &MipsConstants { level });
+        }
+    }
+
+    fn scene(&mut self, frame: &Frame) {
+        let [width, height] = self.desc.size;
+        let pixels = width * height;
+        match (frame.scene, self.desc.scene) {
+            (Some(SceneDepth::Buffer(_)), _) => {
+                let (from, to, bytes) = (HOST_SCENE, SCENE, 4 * u64::from(pixels));
+                self.plan.step(self.passes.scene_copy, Command::CopyBuffer { from, to, bytes });
+            }
+            (Some(SceneDepth::Image(HostDepth { terms, .. })), Some(SceneFormat::Image(made))) => {
+                let (from, to, extent) = (HOST_DEPTH, SCENE_WORDS, self.desc.size);
+                self.plan.step(self.passes.scene_copy, Command::CopyDepth { from, to, extent });
+                let kind = match made.format {
+                    vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => 0,
+                    vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => 1,
+                    _ => 2,
+                };
+                let constants = SceneConstants { terms, kind };
+                self.plan.step_with(self.passes.scene, Command::Dispatch { threads: [pixels, 1, 1] }, &constants);
+            }
+            _ => self.plan.skip("flame.scene", "nothing else is in the scene"),
+        }
+    }
+
+    /// Particles by tile and depth.
+    fn lists(&mut self) {
+        let particles = Command::Dispatch { threads: [self.moment.given.count, 1, 1] };
+        let one_group = Command::Dispatch { threads: [256, 1, 1] };
+        self.plan.step(self.passes.prepare, particles);
+        self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
+        self.plan.step(self.passes.count, particles);
+        let (visits, repetitions) = match self.desc.settings.mode {
+            Mode::Stochastic => (0, self.desc.settings.repetitions),
+            Mode::Expected => (1, self.desc.settings.bins),
+        };
+        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, visits, repetitions };
+        self.plan.step_with(self.passes.scan, one_group, &constants);
+        self.plan.step(self.passes.fill, particles);
+        if let Some(stage) = self.layout.stages.first() {
+            self.plan.step_with(self.passes.tiles, one_group, &parts_of(stage));
+        }
+    }
+
+    /// The table of the expected image, where it is not that of this frame.
+    fn kernel(&mut self, frame: &Frame) {
+        let settings = &self.desc.settings;
+        if settings.mode == Mode::Stochastic {
+            return self.plan.skip("flame.kernel", "mode is \"stochastic\"");
+        }
+        // A cube is seen from another side by another camera.
+        let turned = settings.shape == Shape::Cube && self.moment.camera != Some(frame.camera);
+        let force = u32::from(self.moment.camera.is_none() || turned);
+        let threads = [self.moment.given.count, 1, 1];
+        self.plan.step(self.passes.weigh, Command::Dispatch { threads });
+        let once = Command::Dispatch { threads: [1, 1, 1] };
+        self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
+        self.plan.step(self.passes.shares, dispatch(offset_of!(Control, share_groups)));
+        self.plan.step(self.passes.kernel, dispatch(offset_of!(Control, kernel_groups)));
+    }
+
+    fn repetitions(&mut self) {
+        let before = self.moment.given.before;
+        for (index, stage) in self.layout.stages.iter().enumerate() {
+            if index > 0 {
+                self.plan.step(self.passes.converge, dispatch(offset_of!(Control, active_groups)));
+                let one_group = Command::Dispatch { threads: [256, 1, 1] };
+                self.plan.step_with(self.passes.adapt, one_group, &parts_of(stage));
+            }
+            for (kind, pass) in self.passes.accumulate.iter().enumerate() {
+                for part in 0..stage.parts {
+                    let argument = stage.arguments + kind as u32 * stage.parts + part;
+                    let offset = 16 * u64::from(argument);
+                    let command = Command::DispatchIndirect { arguments: PART_ARGUMENTS, offset };
+                    let (repetitions, last) = (stage.first, stage.last);
+                    let constants = AccumulateConstants { part, repetitions, last, before };
+                    self.plan.step_with(*pass, command, &constants);
+                }
+            }
+        }
+    }
+}
+
+fn parts_of(stage: &Stage) -> PartsConstants {
+    PartsConstants {
+        first: stage.arguments,
+        most: stage.parts,
+        repetitions: stage.last - stage.first,
+        stages: stage.first,
+    }
+}
+
+/// A dispatch whose groups the device has counted.
+fn dispatch(member: usize) -> Command {
+    Command::DispatchIndirect { arguments: CONTROL, offset: member as u64 }
+}
+
+/// A draw whose quads the device has counted.
+fn draw(member: usize) -> Command {
+    Command::DrawIndirect { arguments: CONTROL, offset: member as u64 }
+}
+
+/// Room that a plan of this effect needs: steps, and bytes of updates.
+pub fn capacity(layout: &Layout, table: &Table) -> (usize, usize) {
+    let parts: u32 = layout.stages.iter().map(|stage| 2 * stage.parts + 2).sum();
+    let bytes = size_of::<FlameParams>() + size_of::<Control>() + 16 * table.entries.len();
+    (40 + parts as usize, bytes)
+}
