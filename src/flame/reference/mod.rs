@@ -2,9 +2,13 @@
 //! benchmark compare the GPU with. Clear before fast.
 
 pub mod draws;
+pub mod expected;
+pub mod kernel;
 pub mod mask;
 pub mod prepare;
 pub mod stochastic;
+pub mod sums;
+pub mod weights;
 
 use glam::DVec3;
 

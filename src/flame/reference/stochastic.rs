@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use super::draws::{Draw, Draws};
 use super::mask::{Mask, SIDE};
 use super::prepare::Particle;
+use super::sums::Sums;
 use super::{half_side, pixels_per_slope, world};
 use crate::flame::settings::Settings;
 use crate::view::Camera;
@@ -53,76 +54,6 @@ impl Default for Rounding {
 impl Rounding {
     /// The same numbers.
     pub const NONE: Rounding = Rounding { place: 0.0, alpha: 0.0, depth: 0.0 };
-}
-
-/// What repetitions add up to, a pixel.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sums {
-    /// Repetitions that were rendered.
-    pub repetitions: u32,
-    /// Sum of the winners' `light`.
-    pub light: Vec<[u64; 3]>,
-    /// Sum of its squares.
-    pub squares: Vec<[u64; 3]>,
-    /// Repetitions with a winner.
-    pub hits: Vec<u32>,
-    /// Sum of the winners' view depths in metres.
-    pub depth: Vec<f64>,
-    /// Repetitions in which rounding could have made another particle win: a test of alpha, of a texel's border, of
-    /// depth between two particles, or against near, far or the scene was that close, and mattered.
-    pub near: Vec<u32>,
-}
-
-impl Sums {
-    fn new(pixels: usize) -> Sums {
-        Sums {
-            repetitions: 0,
-            light: vec![[0; 3]; pixels],
-            squares: vec![[0; 3]; pixels],
-            hits: vec![0; pixels],
-            depth: vec![0.0; pixels],
-            near: vec![0; pixels],
-        }
-    }
-
-    fn add(&mut self, other: &Sums) {
-        self.repetitions += other.repetitions;
-        for i in 0..self.hits.len() {
-            for c in 0..3 {
-                self.light[i][c] += other.light[i][c];
-                self.squares[i][c] += other.squares[i][c];
-            }
-            self.hits[i] += other.hits[i];
-            self.depth[i] += other.depth[i];
-            self.near[i] += other.near[i];
-        }
-    }
-
-    /// Mean linear RGB a pixel, of a frame whose largest component is `brightest`.
-    pub fn mean(&self, brightest: f64) -> Vec<[f64; 3]> {
-        let scale = brightest / 65535.0 / f64::from(self.repetitions);
-        self.light.iter().map(|sum| sum.map(|s| s as f64 * scale)).collect()
-    }
-
-    /// Unbiased variance of one repetition's linear RGB a pixel; 0 of a single repetition.
-    pub fn variance(&self, brightest: f64) -> Vec<[f64; 3]> {
-        let n = u128::from(self.repetitions);
-        let scale = (brightest / 65535.0).powi(2) / (n * n.max(2).saturating_sub(1)) as f64;
-        let of = |sum: u64, square: u64| (n * u128::from(square) - u128::from(sum).pow(2)) as f64 * scale;
-        let pixels = self.light.iter().zip(&self.squares);
-        pixels.map(|(sum, square)| std::array::from_fn(|c| of(sum[c], square[c]))).collect()
-    }
-
-    /// Share of the repetitions with a winner.
-    pub fn coverage(&self) -> Vec<f64> {
-        self.hits.iter().map(|hits| f64::from(*hits) / f64::from(self.repetitions)).collect()
-    }
-
-    /// Mean view depth of the winners in metres; infinite where there are none.
-    pub fn mean_depth(&self) -> Vec<f64> {
-        let pixels = self.depth.iter().zip(&self.hits);
-        pixels.map(|(sum, hits)| if *hits > 0 { sum / f64::from(*hits) } else { f64::INFINITY }).collect()
-    }
 }
 
 /// Renders `repetitions` of a frame.
@@ -433,6 +364,7 @@ mod tests {
         Mask::from_texels(vec![1.0; SIDE * SIDE])
     }
 
+    #[derive(Clone)]
     struct Scene {
         settings: Settings,
         camera: Camera,
@@ -488,24 +420,17 @@ mod tests {
 
     #[test]
     fn levels_pass_the_same_share() {
-        let positions = [[0.1, -0.05, -1.0, 3000.0]];
-        let share = |size: f32, level, fov: f64| {
-            let settings = Settings { count: 40.0, threshold: 0.8, size: Some(size), ..settings() };
-            let scene = Scene { mask: Mask::new(3, 16), level: Some(level), ..Scene::new(settings, [64, 64]) };
-            let camera = Camera { vertical_fov: fov, ..camera() };
-            let single = |j| covered(&Scene { camera, ..scene_copy(&scene) }.render(&positions, j..j + 1));
-            (0..8).map(single).sum::<f64>()
+        // One sprite a repetition, so that none hides another; on the last level all of it passes or none.
+        let settings = Settings { spread: Some(0.3), threshold: 0.8, size: Some(0.4), ..settings() };
+        let scene = Scene { mask: Mask::new(3, 16), ..Scene::new(settings, [64, 64]) };
+        let covered = |level| {
+            let scene = Scene { level: Some(level), ..scene.clone() };
+            covered(&scene.render(&[[0.1, -0.05, -1.0, 3000.0]], 0..4000))
         };
-        // Winners hide each other alike at any level: coverage of one pass of 40 sprites a repetition.
-        let fine = share(0.6, 0, 90.0);
-        for level in [1, 2] {
-            let coarse = share(0.6, level, 90.0);
-            assert!((coarse / fine - 1.0).abs() < 0.2, "{level}: {coarse} {fine}");
+        let finest = covered(0);
+        for level in [1, 2, 4, 6] {
+            assert!((covered(level) / finest - 1.0).abs() < 0.06, "{level}: {} {finest}", covered(level));
         }
-    }
-
-    fn scene_copy(scene: &Scene) -> Scene {
-        Scene { settings: scene.settings.clone(), mask: scene.mask.clone(), depth: scene.depth.clone(), ..*scene }
     }
 
     #[test]
@@ -615,22 +540,5 @@ mod tests {
             assert!(variance[i][0] >= 0.0 && variance[i][0] <= 64.0 / 63.0);
             assert!(if coverage[i] > 0.0 { (1.3..2.7).contains(&depths[i]) } else { depths[i].is_infinite() });
         }
-    }
-
-    #[test]
-    fn variance_is_the_unbiased_one() {
-        let mut sums = Sums::new(1);
-        for light in [3_u64, 5, 13] {
-            let squares = vec![[light * light; 3]];
-            let single = Sums { repetitions: 1, light: vec![[light; 3]], squares, hits: vec![1], ..Sums::new(1) };
-            assert_eq!(single.variance(65535.0), [[0.0; 3]]);
-            sums.add(&single);
-        }
-        assert!((sums.variance(65535.0)[0][0] - 28.0).abs() < 1e-12 && sums.mean(65535.0)[0][1] == 7.0);
-        // As large as they get: nothing overflows.
-        let most = 1_u64 << 20;
-        let light = vec![[most * 65535; 3]];
-        let full = Sums { repetitions: 1 << 20, light, squares: vec![[most * 65535 * 65535; 3]], ..Sums::new(1) };
-        assert_eq!(full.variance(1.0), [[0.0; 3]]);
     }
 }
