@@ -13,6 +13,7 @@ pub mod image;
 mod palette;
 pub mod pattern;
 pub mod picture;
+pub mod sequence;
 pub mod shot;
 pub mod volume;
 
