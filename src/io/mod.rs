@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 pub mod array;
 pub mod image;
 mod palette;
+pub mod particles;
 pub mod pattern;
 pub mod picture;
 pub mod sequence;
