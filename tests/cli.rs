@@ -76,7 +76,10 @@ fn a_wrong_shot_is_2_and_names_file_line_key_and_what_is_allowed() {
         ("size = [0, 0]\n[smoke]", &["shot.toml:1: ", "size = [0, 0]", "1 to 16384"]),
         ("size = [64, 1000000]\n[smoke]", &["shot.toml:1: ", "size = [64, 1000000]", "1 to 16384"]),
         ("[smoke\n", &["shot.toml:1: "]),
-        ("[flame]", &["shot.toml:1: ", "not built yet"]),
+        ("[flame]\nrepetition = 4", &["shot.toml:2: ", "flame.repetition", "did you mean flame.repetitions?"]),
+        ("[flame]\nthreshold = inf", &["shot.toml:2: ", "flame.threshold = inf", "a finite number"]),
+        ("[flame]\nparticles = \"builtin:sph\"", &["shot.toml:2: ", "builtin:sph", "not built yet"]),
+        ("[smoke]\n[blur]", &["shot.toml:2: ", "not built yet"]),
     ] {
         folder.write("shot.toml", text);
         fails(&folder, &["render", "shot.toml"], 2, needles);

@@ -93,6 +93,9 @@ fn named(name: &str, extensions: &[&str]) -> Result<PathBuf, String> {
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let shot = Shot::load(&options.shot, &options.set)?;
+    if shot.flame.is_some() {
+        return Err(Failure::usage(format!("{}: the effect [flame] is not rendered yet", shot.name)));
+    }
     let frames = options.frames.unwrap_or(shot.frames);
     let [first, last] = frames;
     if first < shot.frames[0] || last > shot.frames[1] {
@@ -156,7 +159,7 @@ impl Job<'_> {
 
     /// Renders the `missing` frames, stepping from the shot's first frame to the `last` of them.
     fn render(&self, missing: &[u32], last: u32) -> Result<Vec<FrameTimes>, Failure> {
-        let volumes = self.shot.volumes()?;
+        let Some(volumes) = self.shot.volumes()? else { return Ok(Vec::new()) };
         let extent = volumes.extent(self.shot.frames[0], last)?;
         let background = background(&self.shot)?;
         let has_layers = self.outputs.has_layers();

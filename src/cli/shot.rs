@@ -8,13 +8,13 @@ use crate::io::shot::builtin_text;
 const EXAMPLES: &str = "\
 Examples:
   celfx shot builtin:smoke                  what can be set, with unit, range and default
-  celfx shot builtin:cloud > my.toml        a shot to edit and render";
+  celfx shot builtin:flame > my.toml        a shot to edit and render";
 
 /// Options of `celfx shot`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// The shot: builtin:smoke or builtin:cloud
+    /// The shot: builtin:smoke, builtin:cloud, builtin:flame or builtin:campfire
     #[arg(value_name = "builtin:NAME")]
     name: String,
 }

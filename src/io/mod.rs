@@ -11,8 +11,10 @@ use std::path::{Path, PathBuf};
 pub mod array;
 pub mod image;
 mod palette;
+pub mod particles;
 pub mod pattern;
 pub mod picture;
+pub mod sequence;
 pub mod shot;
 pub mod volume;
 

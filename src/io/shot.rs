@@ -7,13 +7,15 @@
 //! eye = [[1, [0, 1, 4]], [48, [2, 1, 4]]]   # keyframes: linear between, constant outside
 //! [smoke]
 //! volume = "plume.####.npz"                 # relative to the shot's file
+//! [flame]
+//! particles = "fire.####.npz"
 //! ```
 //!
-//! `celfx shot builtin:smoke` prints one with every key.
+//! `celfx shot builtin:campfire` prints one with every key.
 
 mod keys;
 mod read;
-mod tones;
+mod texture;
 mod track;
 mod tree;
 
@@ -24,17 +26,24 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::ReadError;
+use super::particles::ParticleSequence;
 use super::pattern::PatternError;
+use super::picture::Format;
 use super::volume::{Grids, VolumeSequence};
 use crate::error::Error;
+use crate::flame::{self, settings::Colour};
 use crate::smoke::settings::Settings;
 use crate::view::{Camera, Light, LightSource};
 use track::Track;
 use tree::Tree;
 
 /// The shots inside the program: name and text.
-pub const BUILTIN: &[(&str, &str)] =
-    &[("builtin:smoke", include_str!("shot/smoke.toml")), ("builtin:cloud", include_str!("shot/cloud.toml"))];
+pub const BUILTIN: &[(&str, &str)] = &[
+    ("builtin:smoke", include_str!("shot/smoke.toml")),
+    ("builtin:cloud", include_str!("shot/cloud.toml")),
+    ("builtin:flame", include_str!("shot/flame.toml")),
+    ("builtin:campfire", include_str!("shot/campfire.toml")),
+];
 
 /// What is behind the effects.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +69,17 @@ pub struct Smoke {
     pub settings: Settings,
 }
 
+/// `[flame]`: its input and its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flame {
+    /// Where particles come from: `builtin:random`, a file for all frames, or a pattern.
+    pub particles: String,
+    /// A frame without a file keeps the last particles before it; otherwise it is an error.
+    pub hold: bool,
+    /// Everything else; validated. `spread` is none where the shot does not say it.
+    pub settings: flame::Settings,
+}
+
 #[derive(Clone, Debug, PartialEq)]
 enum LightTrack {
     Direction(Track<DVec3>),
@@ -83,8 +103,10 @@ pub struct Shot {
     pub seed: u32,
     /// What is behind the effects.
     pub background: Background,
-    /// The smoke.
-    pub smoke: Smoke,
+    /// The smoke. There is at least one effect.
+    pub smoke: Option<Smoke>,
+    /// The fire.
+    pub flame: Option<Flame>,
     eye: Track<DVec3>,
     target: Track<DVec3>,
     up: Track<DVec3>,
@@ -172,18 +194,32 @@ impl Shot {
             far: tree.number("camera.far", camera.far)?,
             light: light_track(tree, light)?,
             ambient: tree.number("light.ambient", light.ambient)?,
-            smoke: smoke(tree, folder)?,
+            smoke: tree.get("smoke").map(|_| smoke(tree, folder)).transpose()?,
+            flame: tree.get("flame").map(|_| flame(tree, folder)).transpose()?,
         };
+        if shot.smoke.is_none() && shot.flame.is_none() {
+            let message = "the shot holds no effect: add a table [smoke] or [flame] (every key of it has a default)";
+            return Err(ShotError::Wrong { place: tree.name.clone(), message: message.to_owned() });
+        }
         shot.check_frames(tree)?;
-        shot.volumes()
-            .map_err(|e| tree.wrong("smoke.volume", format!("smoke.volume = \"{}\": {}", shot.smoke.volume, e.why)))?;
+        shot.volumes().map_err(|e| pattern_error(tree, "smoke.volume", &e))?;
+        shot.particles().map_err(|e| pattern_error(tree, "flame.particles", &e))?;
         Ok(shot)
     }
 
-    /// The volumes of the frames, not yet read.
-    pub fn volumes(&self) -> Result<VolumeSequence, PatternError> {
-        let Smoke { volume, grids, hold, .. } = &self.smoke;
-        VolumeSequence::new(volume, &self.folder, grids.clone(), *hold, self.fps)
+    /// The volumes of the frames, not yet read; none without smoke.
+    pub fn volumes(&self) -> Result<Option<VolumeSequence>, PatternError> {
+        let sequence = |Smoke { volume, grids, hold, .. }: &Smoke| {
+            VolumeSequence::new(volume, &self.folder, grids.clone(), *hold, self.fps)
+        };
+        self.smoke.as_ref().map(sequence).transpose()
+    }
+
+    /// The particles of the frames, not yet read; none without fire.
+    pub fn particles(&self) -> Result<Option<ParticleSequence>, PatternError> {
+        let sequence =
+            |Flame { particles, hold, .. }: &Flame| ParticleSequence::new(particles, &self.folder, (), *hold, self.fps);
+        self.flame.as_ref().map(sequence).transpose()
     }
 
     /// The camera at `frame`.
@@ -264,14 +300,12 @@ fn light_track(tree: &Tree, default: Light) -> Result<LightTrack, ShotError> {
 }
 
 fn smoke(tree: &Tree, folder: &Path) -> Result<Smoke, ShotError> {
-    if tree.get("smoke").is_none() {
-        let place = tree.name.clone();
-        let message = "the shot holds no effect: add a table [smoke] (every key of it has a default)".to_owned();
-        return Err(ShotError::Wrong { place, message });
-    }
-    let mut settings = tree.settings()?;
-    if let Some(file) = tree.tones_file() {
-        settings.tones = tones::read(&folder.join(file))?;
+    const ELSEWHERE: &[&str] = &["volume", "density_grid", "velocity_grid", "hold"];
+    let tones = tree.word("smoke.tones");
+    let elsewhere = [ELSEWHERE, if tones.is_some() { &["tones"] } else { &[] }].concat();
+    let mut settings: Settings = tree.settings("smoke", &elsewhere)?;
+    if let Some(file) = tones {
+        settings.tones = texture::tones(&folder.join(file))?;
     }
     settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
     Ok(Smoke {
@@ -280,6 +314,30 @@ fn smoke(tree: &Tree, folder: &Path) -> Result<Smoke, ShotError> {
         hold: tree.flag("smoke.hold")?,
         settings,
     })
+}
+
+fn flame(tree: &Tree, folder: &Path) -> Result<Flame, ShotError> {
+    let mut settings: flame::Settings = tree.settings("flame", &["particles", "hold", "colour"])?;
+    match (tree.get("flame.colour"), tree.word("flame.colour")) {
+        (None, _) => {}
+        (_, Some("physical")) => settings.colour = Colour::Physical,
+        (_, Some("displayable")) => settings.colour = Colour::Displayable,
+        (_, Some(file)) if Format::of(Path::new(file)).is_some() => {
+            settings.colour = Colour::Ramp(texture::row(&folder.join(file))?);
+        }
+        _ => return Err(tree.not_allowed("flame.colour")),
+    }
+    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
+    Ok(Flame {
+        particles: tree.text("flame.particles")?.unwrap_or_else(|| "builtin:random".to_owned()),
+        hold: tree.flag("flame.hold")?,
+        settings,
+    })
+}
+
+/// A refused name of an input, with its place in the shot.
+fn pattern_error(tree: &Tree, key: &str, error: &PatternError) -> ShotError {
+    tree.wrong(key, format!("{key} = \"{}\": {}", tree.word(key).unwrap_or_default(), error.why))
 }
 
 /// A refused setting, with its place in the shot.

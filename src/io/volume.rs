@@ -1,15 +1,13 @@
 //! Density volumes: reading and writing `.npz`, and sequences of them.
 
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
 use npyz::WriterBuilder;
 use npyz::npz::NpzWriter;
 
 use super::array::{Archive, Array, check_count};
-use super::pattern::{Pattern, PatternError};
+use super::sequence::{Input, Sequence, Source};
 use super::{ReadError, WriteError, write_atomic};
 use crate::simulate::smoke;
 
@@ -45,16 +43,16 @@ pub struct Grids {
 /// (default 0, 0, 0), both of any float or integer type. At most [`MAX_VOXELS`] voxels, at least one.
 pub fn read(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     let mut archive = open(path)?;
-    let dimensions = density_header(&mut archive, path, grids)?;
+    let dimensions = density_header(&mut archive, grids)?;
     let density = values(&mut archive, density_name(grids), MAX_VOXELS)?;
-    let velocity = match velocity_header(&mut archive, path, grids, dimensions)? {
+    let velocity = match velocity_header(&mut archive, grids, dimensions)? {
         true => Some(values(&mut archive, velocity_name(grids), 3 * MAX_VOXELS)?),
         false => None,
     };
     Ok(Volume {
         dimensions,
-        voxel_size: voxel_size(&mut archive, path)?,
-        origin: origin(&mut archive, path)?,
+        voxel_size: voxel_size(&mut archive)?,
+        origin: origin(&mut archive)?,
         density,
         velocity: velocity.map(|v| v.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()),
     })
@@ -84,38 +82,33 @@ fn values(archive: &mut Archive, name: &str, limit: u64) -> Result<Vec<f32>, Rea
 }
 
 /// Voxels along x, y, z.
-fn density_header(archive: &mut Archive, path: &Path, grids: &Grids) -> Result<[u32; 3], ReadError> {
+fn density_header(archive: &mut Archive, grids: &Grids) -> Result<[u32; 3], ReadError> {
     let name = density_name(grids);
-    let shape = float_shape(archive, path, name)?;
-    let shape = shape.ok_or_else(|| missing(path, archive, name, "[nz, ny, nx] of floats"))?;
+    let shape = archive.float_shape(name)?;
+    let shape = shape.ok_or_else(|| archive.missing(name, "[nz, ny, nx] of floats"))?;
     let [nz, ny, nx] = shape[..] else {
-        return Err(wrong_shape(path, name, &shape, "three axes, [nz, ny, nx]"));
+        return Err(archive.wrong_shape(name, &shape, "three axes, [nz, ny, nx]"));
     };
     if shape.contains(&0) {
-        return Err(wrong_shape(path, name, &shape, "at least one voxel along each axis"));
+        return Err(archive.wrong_shape(name, &shape, "at least one voxel along each axis"));
     }
     if shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)).is_none_or(|n| n > MAX_VOXELS) {
         let why = format!("of shape {shape:?} is too large");
-        return Err(ReadError::at(path, format!("array `{name}`"), why, format!("{MAX_VOXELS} values at most")));
+        return Err(archive.fault(name, why, format!("{MAX_VOXELS} values at most")));
     }
     // No axis is longer than MAX_VOXELS.
     Ok([nx as u32, ny as u32, nz as u32])
 }
 
 /// Whether there is a velocity; one that is there fits the density.
-fn velocity_header(
-    archive: &mut Archive,
-    path: &Path,
-    grids: &Grids,
-    [nx, ny, nz]: [u32; 3],
-) -> Result<bool, ReadError> {
+fn velocity_header(archive: &mut Archive, grids: &Grids, [nx, ny, nz]: [u32; 3]) -> Result<bool, ReadError> {
     let name = velocity_name(grids);
     let expected = [nz, ny, nx, 3].map(u64::from);
-    match float_shape(archive, path, name)? {
-        None if grids.velocity.is_some() => Err(missing(path, archive, name, "[nz, ny, nx, 3] of floats")),
+    match archive.float_shape(name)? {
+        None if grids.velocity.is_some() => Err(archive.missing(name, "[nz, ny, nx, 3] of floats")),
         Some(shape) if shape != expected => {
             let expected = format!("{expected:?}, that of `{}` and a last axis of 3", density_name(grids));
-            Err(wrong_shape(path, name, &shape, &expected))
+            Err(archive.wrong_shape(name, &shape, &expected))
         }
         found => Ok(found.is_some()),
     }
@@ -129,53 +122,34 @@ fn velocity_name(grids: &Grids) -> &str {
     grids.velocity.as_deref().unwrap_or("velocity")
 }
 
-/// The shape of an array of floats, if there is one.
-fn float_shape(archive: &mut Archive, path: &Path, name: &str) -> Result<Option<Vec<u64>>, ReadError> {
-    match archive.header(name)? {
-        Some(header) if !header.element.is_float() => {
-            Err(ReadError::at(path, format!("array `{name}`"), "elements are integers", "f16, f32 or f64"))
-        }
-        header => Ok(header.map(|header| header.shape)),
-    }
-}
-
-fn voxel_size(archive: &mut Archive, path: &Path) -> Result<[f32; 3], ReadError> {
+fn voxel_size(archive: &mut Archive) -> Result<[f32; 3], ReadError> {
     let expected = "one number or three, in metres, above 0 and finite";
     let Some(array) = archive.read::<f32>("voxel_size", 3)? else {
-        return Err(missing(path, archive, "voxel_size", expected));
+        return Err(archive.missing("voxel_size", expected));
     };
     let size = match (&array.shape[..], &array.values[..]) {
         ([] | [1], &[h]) => [h; 3],
         ([3], &[x, y, z]) => [x, y, z],
-        _ => return Err(wrong_shape(path, "voxel_size", &array.shape, expected)),
+        _ => return Err(archive.wrong_shape("voxel_size", &array.shape, expected)),
     };
     match size.iter().all(|&h| h > 0.0 && h.is_finite()) {
         true => Ok(size),
-        false => Err(ReadError::at(path, "array `voxel_size`", format!("is {size:?} as f32"), expected)),
+        false => Err(archive.fault("voxel_size", format!("is {size:?} as f32"), expected)),
     }
 }
 
-fn origin(archive: &mut Archive, path: &Path) -> Result<[f32; 3], ReadError> {
+fn origin(archive: &mut Archive) -> Result<[f32; 3], ReadError> {
     let expected = "three finite numbers, in metres";
     let Some(array) = archive.read::<f32>("origin", 3)? else {
         return Ok([0.0; 3]);
     };
     let (&[3], &[x, y, z]) = (&array.shape[..], &array.values[..]) else {
-        return Err(wrong_shape(path, "origin", &array.shape, expected));
+        return Err(archive.wrong_shape("origin", &array.shape, expected));
     };
     match [x, y, z].iter().all(|o| o.is_finite()) {
         true => Ok([x, y, z]),
-        false => Err(ReadError::at(path, "array `origin`", format!("is {:?} as f32", [x, y, z]), expected)),
+        false => Err(archive.fault("origin", format!("is {:?} as f32", [x, y, z]), expected)),
     }
-}
-
-fn missing(path: &Path, archive: &Archive, name: &str, expected: &str) -> ReadError {
-    let why = format!("is missing; the file has {:?}", archive.names());
-    ReadError::at(path, format!("array `{name}`"), why, expected)
-}
-
-fn wrong_shape(path: &Path, name: &str, shape: &[u64], expected: &str) -> ReadError {
-    ReadError::at(path, format!("array `{name}`"), format!("has shape {shape:?}"), expected)
 }
 
 /// Writes a volume as an `.npz` file of f32 arrays that [`read`] gives back bit for bit. Atomic.
@@ -200,139 +174,56 @@ fn put<W: io::Write + io::Seek>(npz: &mut NpzWriter<W>, name: &str, shape: &[u64
     writer.finish()
 }
 
-/// Where the volume of a frame comes from. Frames of equal source have the same volume.
-#[derive(Clone, Debug, PartialEq)]
-enum Source {
-    Builtin { which: smoke::Builtin, frame: u32, fps: f64 },
-    File(PathBuf),
+impl Input for Volume {
+    type Builtin = smoke::Builtin;
+    type Options = Grids;
+    const ONE: &str = "a volume";
+
+    fn builtin(name: &str) -> Result<smoke::Builtin, String> {
+        let which = smoke::Builtin::named(name);
+        which.ok_or_else(|| "no such volume; there are builtin:plume and builtin:cloud".to_owned())
+    }
+
+    fn make(which: smoke::Builtin, frame: u32, fps: f64) -> Volume {
+        which.volume(frame, fps)
+    }
+
+    fn read(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
+        read(path, grids)
+    }
 }
 
-#[derive(Clone, Debug)]
-enum Kind {
-    Builtin { which: smoke::Builtin, fps: f64 },
-    Files(Pattern),
-}
-
-/// How far back `hold` looks for a file, in frames.
-const MAX_HOLD: u32 = 100_000;
-
-/// The volumes of a shot, one per frame: a built-in one, one file for all frames, or files numbered by frame.
-#[derive(Clone, Debug)]
-pub struct VolumeSequence {
-    kind: Kind,
-    grids: Grids,
-    hold: bool,
-    last: Option<(Source, Arc<Volume>)>,
-}
+/// The volumes of a shot: `builtin:plume`, `builtin:cloud` or files.
+pub type VolumeSequence = Sequence<Volume>;
 
 impl VolumeSequence {
-    /// `volume` is `builtin:plume`, `builtin:cloud`, or a path relative to `folder`, with a place for the frame number
-    /// (see [`Pattern`]) or without. With `hold`, a missing frame has the volume of the last one before it that is
-    /// there (at most 100,000 frames back). `fps` (above 0) is the time scale of the built-in volumes.
-    pub fn new(
-        volume: &str,
-        folder: &Path,
-        grids: Grids,
-        hold: bool,
-        fps: f64,
-    ) -> Result<VolumeSequence, PatternError> {
-        let kind = match volume.strip_prefix("builtin:") {
-            Some(name) => match smoke::Builtin::named(name) {
-                Some(which) => Kind::Builtin { which, fps },
-                None => {
-                    let why = "no such volume; there are builtin:plume and builtin:cloud".into();
-                    return Err(PatternError { path: volume.into(), why });
-                }
-            },
-            None => Kind::Files(Pattern::parse(volume)?.below(folder)),
-        };
-        Ok(VolumeSequence { kind, grids, hold, last: None })
-    }
-
-    /// The volume of a frame. The last one is kept, so that a frame with the same volume costs nothing.
-    pub fn frame(&mut self, frame: u32) -> Result<Arc<Volume>, ReadError> {
-        let source = self.source(frame)?;
-        if let Some((last, volume)) = &self.last
-            && *last == source
-        {
-            return Ok(volume.clone());
-        }
-        let volume = Arc::new(match &source {
-            Source::File(path) => read(path, &self.grids)?,
-            Source::Builtin { which, frame, fps } => which.volume(*frame, *fps),
-        });
-        self.last = Some((source, volume.clone()));
-        Ok(volume)
-    }
-
     /// The extent of these frames' volumes, from the headers of all files, so that a missing or unfit one is found
     /// before work begins. Either all volumes of a sequence have velocities or none.
     pub fn extent(&self, first: u32, last: u32) -> Result<Extent, ReadError> {
+        let grids = self.options();
         let mut extent: Option<Extent> = None;
-        let mut before = None;
-        for frame in first..=last {
-            let source = self.source(frame)?;
-            if before.as_ref() == Some(&source) {
-                continue;
-            }
-            let path = match &source {
+        for source in self.sources(first, last) {
+            let path = match source? {
                 Source::File(path) => path,
                 Source::Builtin { which, frame, fps } => {
                     // All frames of a built-in volume are of one size.
-                    let volume = which.volume(*frame, *fps);
+                    let volume = which.volume(frame, fps);
                     return Ok(Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() });
                 }
             };
-            let mut archive = open(path)?;
-            let dimensions = density_header(&mut archive, path, &self.grids)?;
-            let velocity = velocity_header(&mut archive, path, &self.grids, dimensions)?;
+            let mut archive = open(&path)?;
+            let dimensions = density_header(&mut archive, grids)?;
+            let velocity = velocity_header(&mut archive, grids, dimensions)?;
             let largest = extent.get_or_insert(Extent { dimensions, velocity });
             if velocity != largest.velocity {
                 let why = if velocity { "is there" } else { "is missing" };
                 let expected = "a velocity in all volumes of the sequence or in none";
-                return Err(ReadError::at(path, format!("array `{}`", velocity_name(&self.grids)), why, expected));
+                return Err(archive.fault(velocity_name(grids), why, expected));
             }
             (0..3).for_each(|axis| largest.dimensions[axis] = largest.dimensions[axis].max(dimensions[axis]));
-            before = Some(source);
         }
         Ok(extent.unwrap_or_default())
     }
-
-    /// Whether `frame` has the very volume of the frame before, so that it need not be read or uploaded again.
-    pub fn same_as_before(&self, frame: u32) -> Result<bool, ReadError> {
-        let source = self.source(frame)?;
-        // The frame before the first one need not have a volume.
-        Ok(frame.checked_sub(1).is_some_and(|before| self.source(before).is_ok_and(|s| s == source)))
-    }
-
-    fn source(&self, frame: u32) -> Result<Source, ReadError> {
-        let pattern = match &self.kind {
-            Kind::Builtin { which, fps } => return Ok(Source::Builtin { which: *which, frame, fps: *fps }),
-            Kind::Files(pattern) => pattern,
-        };
-        let wanted = pattern.path(frame);
-        if exists(&wanted)? {
-            return Ok(Source::File(wanted));
-        }
-        if self.hold && pattern.has_number() {
-            for before in (frame.saturating_sub(MAX_HOLD)..frame).rev() {
-                let path = pattern.path(before);
-                if exists(&path)? {
-                    return Ok(Source::File(path));
-                }
-            }
-            return Err(ReadError::file(&wanted, "no such file, and none of an earlier frame to hold", "a volume"));
-        }
-        let expected = match pattern.has_number() {
-            true => format!("a volume for frame {frame} (hold = true keeps the last one before)"),
-            false => "a volume".into(),
-        };
-        Err(ReadError::file(&wanted, "no such file", expected))
-    }
-}
-
-fn exists(path: &Path) -> Result<bool, ReadError> {
-    fs::exists(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))
 }
 
 #[cfg(test)]
@@ -340,6 +231,8 @@ mod tests {
     use super::super::array::tests::{npy, write_archive};
     use super::super::tests::Folder;
     use super::*;
+    use std::fs;
+    use std::sync::Arc;
 
     /// 2 x 3 x 4 voxels of numbers that tell where they are; NaN and infinities among them.
     fn numbered(velocity: bool) -> Volume {

@@ -1,3 +1,4 @@
 //! Makes input where the user has none.
 
+pub mod flame;
 pub mod smoke;

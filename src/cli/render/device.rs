@@ -42,7 +42,7 @@ impl<'a> Renderer<'a> {
             velocity: extent.velocity,
             point_light: matches!(light, LightSource::Position(_)),
             seed: shot.seed,
-            settings: shot.smoke.settings.clone(),
+            settings: shot.smoke.as_ref().map(|smoke| smoke.settings.clone()).unwrap_or_default(),
             layers,
             depth: None,
             skipping: true,

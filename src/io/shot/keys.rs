@@ -1,6 +1,6 @@
 //! Every key of a shot, with what it takes: what error messages say is allowed, and what the nearest key is found in.
 
-/// Keys in the order of the built-in shots, each with what is allowed. A name that others begin with is a table.
+/// Keys, those of an effect in the order of its settings, each with what is allowed. A name that others begin with is a table.
 pub(super) const KEYS: &[(&str, &str)] = &[
     ("size", "[width, height], whole numbers of pixels, 1 to 16384 each"),
     ("frames", "[first, last], whole numbers, 0 to 999999, first not above last"),
@@ -57,6 +57,30 @@ pub(super) const KEYS: &[(&str, &str)] = &[
     ("smoke.outline.width", "pixels, 1 to 16"),
     ("smoke.outline.colour", "linear [red, green, blue], finite, 0 or above"),
     ("smoke.outline.operator", "\"roberts\" or \"second\""),
+    ("flame", "a table"),
+    ("flame.particles", "\"builtin:random\", or a file or pattern (\"fire.####.npz\")"),
+    ("flame.hold", "true or false"),
+    ("flame.mode", "\"stochastic\" or \"expected\""),
+    ("flame.method", "\"tiles\" or \"raster\""),
+    ("flame.repetitions", "a whole number, 1 to 1048576"),
+    ("flame.count", "sprites of a particle, 0 to 32768"),
+    ("flame.spread", "metres, 0 to 1e6"),
+    ("flame.shape", "\"ball\" or \"cube\""),
+    ("flame.size", "metres, 0 to 1e6"),
+    ("flame.size_pixels", "pixels, 0 to 16384, not together with flame.size or mode = \"expected\""),
+    ("flame.alpha_scale", "0 to 1e6"),
+    ("flame.threshold", "a finite number"),
+    ("flame.variants", "a whole number, 1 to 64"),
+    ("flame.hottest", "kelvin, 700 to 1e6"),
+    ("flame.colour", "\"physical\", \"displayable\", or an image file (.png, .exr)"),
+    ("flame.falloff", "0 to 16"),
+    ("flame.adaptation", "0 to 1"),
+    ("flame.intensity", "0 to 1e6"),
+    ("flame.sampling", "\"independent\" or \"shuffled_sobol\""),
+    ("flame.bins", "a whole number, 1 to 1024"),
+    ("flame.adaptive", "0 (off) to 1"),
+    ("flame.flicker", "0 to 1"),
+    ("flame.light", "0 (off) to 1e6"),
 ];
 
 /// What key `name` takes; `None` if there is no such key.
@@ -111,6 +135,10 @@ mod tests {
             ("camera.vertical_fow", "camera.vertical_fov"),
             ("sigma", "smoke.sigma"),
             ("smoke.eye", "camera.eye"),
+            ("flam", "flame"),
+            ("flame.repetition", "flame.repetitions"),
+            ("flame.color", "flame.colour"),
+            ("fall_off", "flame.falloff"),
         ] {
             assert_eq!(nearest(typed), meant, "{typed}");
         }

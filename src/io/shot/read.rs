@@ -1,16 +1,12 @@
 //! From the tree of keys to typed values.
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::Value;
 
 use super::track::{Between, Track};
 use super::tree::{self, Kind, Node, Tree};
 use super::{Background, ShotError};
-use crate::smoke::settings::Settings;
-
-/// The keys of `[smoke]` that say what is rendered; all others are [`Settings`].
-const INPUT_KEYS: [&str; 4] = ["volume", "density_grid", "velocity_grid", "hold"];
 
 type Result<T> = std::result::Result<T, ShotError>;
 
@@ -96,44 +92,39 @@ impl Tree {
         self.read(path, false, Value::as_bool)
     }
 
-    /// The image file of the tones, if they are one.
-    pub(super) fn tones_file(&self) -> Option<&str> {
-        match &self.get("smoke.tones")?.kind {
-            Kind::Leaf(Value::String(file)) => Some(file),
+    /// The string at `path`, if it is one.
+    pub(super) fn word(&self, path: &str) -> Option<&str> {
+        match &self.get(path)?.kind {
+            Kind::Leaf(Value::String(word)) => Some(word),
             _ => None,
         }
     }
 
-    /// The settings of `[smoke]`, each of its own type; ranges are not checked yet. Tones that are a file stay at
-    /// their default.
-    pub(super) fn settings(&self) -> Result<Settings> {
-        let Some(Node { kind: Kind::Table(entries), .. }) = self.get("smoke") else { return Ok(Settings::default()) };
+    /// The settings of the table `effect`, each of its own type; ranges are not checked yet. Those of `elsewhere` are
+    /// read by who asks and stay at their default.
+    pub(super) fn settings<T: DeserializeOwned + Default>(&self, effect: &str, elsewhere: &[&str]) -> Result<T> {
+        let Some(Node { kind: Kind::Table(entries), .. }) = self.get(effect) else { return Ok(T::default()) };
         let mut table = toml::Table::new();
-        for (key, node) in entries {
-            let file = key == "tones" && matches!(&node.kind, Kind::Leaf(Value::String(_)));
-            if !file && !INPUT_KEYS.contains(&key.as_str()) {
-                self.check_type("smoke", key, node)?;
-                table.insert(key.clone(), tree::value(node));
-            }
+        for (key, node) in entries.iter().filter(|(key, _)| !elsewhere.contains(&key.as_str())) {
+            self.check_type::<T>(effect, key, node)?;
+            table.insert(key.clone(), tree::value(node));
         }
-        Settings::deserialize(table).map_err(|e| self.wrong("smoke", e.message().to_owned()))
+        T::deserialize(table).map_err(|e| self.wrong(effect, e.message().to_owned()))
     }
 
-    /// Reads each key on its own, so that an error names the one that it is in.
-    fn check_type(&self, parent: &str, key: &str, node: &Node) -> Result<()> {
-        let path = format!("{parent}.{key}");
+    /// Reads each key of an effect (dotted where it is in a table) on its own, so that an error names the one that it is
+    /// in.
+    fn check_type<T: DeserializeOwned>(&self, effect: &str, key: &str, node: &Node) -> Result<()> {
+        let path = format!("{effect}.{key}");
         match &node.kind {
             // Every key of the outline has a default, so each can be read without the others.
             Kind::Table(entries) if path == "smoke.outline" => {
-                entries.iter().try_for_each(|(key, node)| self.check_type(&path, key, node))
+                entries.iter().try_for_each(|(leaf, node)| self.check_type::<T>(effect, &format!("{key}.{leaf}"), node))
             }
             _ => {
-                let inner = toml::Table::from_iter([(key.to_owned(), tree::value(node))]);
-                let alone = match parent {
-                    "smoke" => inner,
-                    _ => toml::Table::from_iter([("outline".to_owned(), Value::Table(inner))]),
-                };
-                Settings::deserialize(alone).map(drop).map_err(|_| self.not_allowed(&path))
+                let inside = |value, name: &str| Value::Table(toml::Table::from_iter([(name.to_owned(), value)]));
+                let alone = key.rsplit('.').fold(tree::value(node), inside);
+                T::deserialize(alone).map(drop).map_err(|_| self.not_allowed(&path))
             }
         }
     }

@@ -18,46 +18,116 @@ fn refused(text: &str, sets: &[&str]) -> String {
     message.split_once("/shot.toml").map_or(message.clone(), |(_, rest)| format!("shot.toml{rest}"))
 }
 
+/// The smoke of a shot that has some.
+fn smoke_of(shot: &Shot) -> &Smoke {
+    shot.smoke.as_ref().expect("smoke")
+}
+
+/// The fire of a shot that has some.
+fn flame_of(shot: &Shot) -> &Flame {
+    shot.flame.as_ref().expect("fire")
+}
+
+/// The keys that a shot's text shows, those in comments too: dotted, with the text after the sign.
+fn shown(text: &str) -> Vec<(String, bool, &str)> {
+    let mut table = String::new();
+    let mut keys = Vec::new();
+    for line in text.lines() {
+        if let Some(header) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
+            keys.push((header.to_owned(), false, ""));
+            table = format!("{header}.");
+        }
+        let (line, comment) = line.strip_prefix("# ").map_or((line, false), |line| (line, true));
+        let name = |key: &str| !key.is_empty() && key.chars().all(|c| c.is_ascii_lowercase() || c == '_');
+        if let Some((key, rest)) = line.split_once(" = ").filter(|(key, _)| name(key)) {
+            keys.push((format!("{table}{key}"), comment, rest));
+        }
+    }
+    keys
+}
+
 #[test]
-fn an_empty_smoke_table_has_every_default() {
+fn an_empty_table_has_every_default() {
     let shot = load("[smoke]", &[]).expect("a shot");
     assert_eq!((shot.size, shot.frames, shot.fps, shot.seed), ([512, 512], [1, 48], 24.0, 0));
     assert_eq!(shot.background, Background::Colour([0.55, 0.70, 0.90]));
     assert_eq!((shot.camera(7), shot.light(7)), (Camera::default(), Light::default()));
-    assert_eq!(shot.smoke.settings, Settings::default());
-    assert_eq!(
-        (shot.smoke.volume.as_str(), &shot.smoke.grids, shot.smoke.hold),
-        ("builtin:plume", &Grids::default(), false)
-    );
+    let smoke = Smoke {
+        volume: "builtin:plume".to_owned(),
+        grids: Grids::default(),
+        hold: false,
+        settings: Settings::default(),
+    };
+    assert_eq!((shot.smoke.as_ref(), &shot.flame), (Some(&smoke), &None));
+    assert!(shot.volumes().expect("a name").is_some() && shot.particles().expect("no name").is_none());
+
+    let shot = load("[flame]", &[]).expect("a shot");
+    let flame =
+        Flame { particles: "builtin:random".to_owned(), hold: false, settings: crate::flame::Settings::default() };
+    assert_eq!((&shot.smoke, shot.flame.as_ref()), (&None, Some(&flame)));
+    assert!(shot.volumes().expect("no name").is_none() && shot.particles().expect("a name").is_some());
+
+    let both = load("[flame]\n[smoke]", &[]).expect("a shot");
+    assert_eq!((both.smoke, both.flame), (Some(smoke), Some(flame)));
 }
 
 #[test]
-fn built_in_shots_name_every_key_and_say_its_default() {
-    let defaults = load("[smoke]", &[]).expect("a shot");
+fn built_in_shots_name_every_key_of_their_effects() {
     for (name, text) in BUILTIN {
         let shot = Shot::load(name, &[]).expect("a built-in shot");
-        // What each shot sets for itself; all else that it shows is the default.
-        let Settings { particles, lifetime, radius, scale, groups, hysteresis, sigma, .. } = shot.smoke.settings;
-        let expected = Settings {
-            particles,
-            lifetime,
-            radius,
-            scale,
-            groups,
-            hysteresis,
-            sigma,
-            ..defaults.smoke.settings.clone()
+        let shown = shown(text);
+        let has = |key: &str| shown.iter().any(|(shown, ..)| shown == key);
+        let effect = |key: &str, table: &str| key == table || key.starts_with(&format!("{table}."));
+        let is_left_out = |key: &str| {
+            key == "camera.file"
+                || key.starts_with("smoke.emitter.")
+                || (effect(key, "smoke") && shot.smoke.is_none())
+                || (effect(key, "flame") && shot.flame.is_none())
         };
-        assert_eq!(shot.smoke.settings, expected, "{name}");
-        assert_eq!((shot.light(1), shot.fps, shot.frames), (defaults.light(1), 24.0, [1, 48]), "{name}");
-        for (key, _) in keys::KEYS.iter().filter(|(key, _)| *key != "camera.file" && !key.starts_with("smoke.emitter."))
-        {
-            let leaf = key.rsplit('.').next().unwrap_or(key);
-            let shown = text.lines().any(|line| {
-                let line = line.trim_start_matches("# ");
-                line.starts_with(&format!("{leaf} = ")) || line == format!("[{key}]")
-            });
-            assert!(shown, "{name} does not show {key}");
+        for (key, _) in keys::KEYS {
+            assert_ne!(has(key), is_left_out(key), "{name}: {key}");
+        }
+    }
+}
+
+#[test]
+fn built_in_shots_say_the_defaults() {
+    let defaults = load("[smoke]\n[flame]", &[]).expect("a shot");
+    for (name, _) in BUILTIN {
+        let shot = Shot::load(name, &[]).expect("a built-in shot");
+        assert_eq!((shot.fps, shot.frames), (24.0, [1, 48]), "{name}");
+        // What each shot sets for itself; all else that it shows is the default.
+        if let Some(Smoke { settings, .. }) = &shot.smoke {
+            let Settings { particles, lifetime, radius, scale, groups, hysteresis, sigma, .. } = *settings;
+            let expected = Settings {
+                particles,
+                lifetime,
+                radius,
+                scale,
+                groups,
+                hysteresis,
+                sigma,
+                emitter: settings.emitter.filter(|_| shot.flame.is_some()),
+                tones: if shot.flame.is_some() { &settings.tones } else { &smoke_of(&defaults).settings.tones }.clone(),
+                ..smoke_of(&defaults).settings.clone()
+            };
+            assert_eq!(*settings, expected, "{name}");
+        }
+        if let Some(Flame { settings, .. }) = &shot.flame {
+            let crate::flame::Settings { spread, size, threshold, falloff, adaptation, intensity, light, .. } =
+                *settings;
+            let expected = crate::flame::Settings {
+                spread,
+                size,
+                threshold,
+                falloff,
+                adaptation,
+                intensity,
+                light,
+                ..flame_of(&defaults).settings.clone()
+            };
+            assert_eq!(*settings, expected, "{name}");
+            assert_eq!(settings.light > 0.0, shot.smoke.is_some(), "{name}: fire tints smoke where there is some");
         }
     }
 }
@@ -65,41 +135,53 @@ fn built_in_shots_name_every_key_and_say_its_default() {
 #[test]
 fn what_built_in_shots_show_commented_out_is_valid_too() {
     for (name, text) in BUILTIN {
-        let mut table = String::new();
-        let mut tried = 0;
-        for line in text.lines() {
-            if let Some(header) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
-                table = format!("{header}.");
-            }
-            let Some((key, rest)) = line.strip_prefix("# ").and_then(|l| l.split_once(" = ")) else { continue };
+        let shot = Shot::load(name, &[]).expect("a built-in shot");
+        let mut tried = Vec::new();
+        for (key, _, rest) in shown(text).into_iter().filter(|(_, comment, _)| *comment) {
             let value = rest.split_once(" # ").map_or(rest, |(value, _)| value).trim();
-            Shot::load(name, &[format!("{table}{key}={value}")]).expect(line);
-            tried += 1;
+            match Shot::load(name, &[format!("{key}={value}")]) {
+                // Sprites have a size in metres already.
+                Err(error) if key == "flame.size_pixels" => {
+                    assert!(error.to_string().contains("not together with flame.size"), "{error}");
+                }
+                loaded => drop(loaded.expect(&key)),
+            }
+            tried.push(key);
         }
-        let lifetime = Shot::load(name, &[]).expect("a built-in shot").smoke.settings.lifetime;
-        let expected = if lifetime.is_some() { 5 } else { 6 };
-        assert_eq!(tried, expected, "{name}: position, two grids, emitter, lifetime unless it is set, group_depth");
+        let mut expected = vec!["light.position"];
+        if let Some(Smoke { settings, .. }) = &shot.smoke {
+            expected.extend(["smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth"]);
+            expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
+            expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
+        }
+        expected.extend(shot.flame.is_some().then_some("flame.size_pixels"));
+        expected.sort_unstable();
+        tried.sort_unstable();
+        assert_eq!(tried, expected, "{name}");
     }
 }
 
 #[test]
 fn the_list_of_keys_is_that_of_the_settings() {
     // Serde names all fields of a structure in the message about an unknown one.
-    let fields = |table: &str| {
-        let message = toml::from_str::<settings::Settings>(table).expect_err("unknown").message().to_owned();
-        let names: Vec<String> = message.split('`').skip(3).step_by(2).map(str::to_owned).collect();
-        assert!(names.len() > 1, "{message}");
+    fn fields<T: serde::de::DeserializeOwned>(table: &str) -> Vec<String> {
+        let Err(error) = toml::from_str::<T>(table) else { return Vec::new() };
+        let names: Vec<String> = error.message().split('`').skip(3).step_by(2).map(str::to_owned).collect();
+        assert!(names.len() > 1, "{error}");
         names
-    };
+    }
     let known = |table: &str| {
         let keys = keys::KEYS.iter().map(|(key, _)| *key).filter(|key| keys::parent(key) == Some(table));
         keys.map(|key| key.rsplit('.').next().unwrap_or(key).to_owned()).collect::<Vec<_>>()
     };
-    let inputs = ["volume", "density_grid", "velocity_grid", "hold"];
-    let settings: Vec<String> = known("smoke").into_iter().filter(|key| !inputs.contains(&key.as_str())).collect();
-    assert_eq!(settings, fields("zzz = 1"));
-    assert_eq!(known("smoke.outline"), fields("outline = { zzz = 1 }"));
-    assert_eq!(known("smoke.emitter"), fields("emitter = { zzz = 1 }"));
+    let without =
+        |table, inputs: &[&str]| known(table).into_iter().filter(|k| !inputs.contains(&k.as_str())).collect::<Vec<_>>();
+    let smoke = without("smoke", &["volume", "density_grid", "velocity_grid", "hold"]);
+    assert_eq!(smoke, fields::<Settings>("zzz = 1"));
+    assert_eq!(known("smoke.outline"), fields::<Settings>("outline = { zzz = 1 }"));
+    assert_eq!(known("smoke.emitter"), fields::<Settings>("emitter = { zzz = 1 }"));
+    let flame = without("flame", &["particles", "hold", "colour"]);
+    assert_eq!(flame, fields::<crate::flame::Settings>("zzz = 1"));
 }
 
 #[test]
@@ -116,6 +198,8 @@ fn unknown_keys_name_file_line_and_the_nearest_key() {
             "shot.toml:2: smoke.outline.with: unknown key; did you mean smoke.outline.width?",
         ),
         ("[smok]", "shot.toml:1: smok: unknown key; did you mean smoke?"),
+        ("[flame]\nrepetition = 4", "shot.toml:2: flame.repetition: unknown key; did you mean flame.repetitions?"),
+        ("[flame.size]\nx = 4", "shot.toml:1: flame.size = { ... }: allowed: metres, 0 to 1e6"),
     ] {
         assert_eq!(refused(text, &[]), message);
     }
@@ -139,6 +223,23 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[smoke]\ntones = []", "shot.toml:2: smoke.tones = 0 tones: ", "1 to 256"),
         ("[smoke]\ntones = [[0.5, [1, 1, 1]], [0.2, [1, 1, 1]]]", "shot.toml:2: smoke.tones = ", "ascending"),
         ("[smoke]\nvolume = \"builtin:plum\"", "shot.toml:2: smoke.volume = \"builtin:plum\": ", "builtin:plume"),
+        ("[flame]\nrepetitions = 0", "shot.toml:2: flame.repetitions = 0: ", "1 to 1048576"),
+        ("[flame]\nrepetitions = 1.5", "shot.toml:2: flame.repetitions = 1.5: ", "a whole number"),
+        ("[flame]\ncount = 1e9", "shot.toml:2: flame.count = 1000000000: ", "0 to 32768"),
+        ("[flame]\nmode = \"exact\"", "shot.toml:2: flame.mode = \"exact\": ", "\"stochastic\" or \"expected\""),
+        ("[flame]\nthreshold = nan", "shot.toml:2: flame.threshold = NaN: ", "a finite number"),
+        ("[flame]\nsize = -1", "shot.toml:2: flame.size = -1: ", "metres, 0 to 1e6"),
+        ("[flame]\nsize = 1\nsize_pixels = 3", "shot.toml:3: flame.size_pixels = 3: ", "flame.size"),
+        ("[flame]\nmode = \"expected\"\nsize_pixels = 3", "shot.toml:3: flame.size_pixels = 3: ", "metres"),
+        ("[flame]\nhottest = 600", "shot.toml:2: flame.hottest = 600: ", "kelvin, 700 to"),
+        ("[flame]\nsampling = \"sobol\"", "shot.toml:2: flame.sampling = \"sobol\": ", "\"shuffled_sobol\""),
+        ("[flame]\ncolour = \"phsyical\"", "shot.toml:2: flame.colour = \"phsyical\": ", "\"physical\", \"displ"),
+        ("[flame]\ncolour = [1, 0, 0]", "shot.toml:2: flame.colour = [1, 0, 0]: ", "an image file"),
+        ("[flame]\nhold = 1", "shot.toml:2: flame.hold = 1: ", "true or false"),
+        ("[flame]\nparticles = 3", "shot.toml:2: flame.particles = 3: ", "\"builtin:random\""),
+        ("[flame]\nparticles = \"builtin:sph\"", "shot.toml:2: flame.particles = \"builtin:sph\": ", "not built yet"),
+        ("[flame]\nparticles = \"#.%d.npz\"", "shot.toml:2: flame.particles = \"#.%d.npz\": ", "one is allowed"),
+        ("flame = 3", "shot.toml:1: flame = 3: ", "a table"),
         ("smoke = 3", "shot.toml:1: smoke = 3: ", "a table"),
         ("size = [0, 64]\n[smoke]", "shot.toml:1: size = [0, 64]: ", "1 to 16384"),
         ("size = [1000000, 64]\n[smoke]", "shot.toml:1: size = [1000000, 64]: ", "1 to 16384"),
@@ -163,14 +264,11 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
 #[test]
 fn what_is_not_built_is_said() {
     assert_eq!(
-        refused("[smoke]\n[flame]", &[]),
-        "shot.toml:2: flame: the effect [flame] is not built yet; there is [smoke]"
-    );
-    assert_eq!(
         refused("blur.length = 3", &[]),
-        "shot.toml:1: blur: the effect [blur] is not built yet; there is [smoke]"
+        "shot.toml:1: blur: the effect [blur] is not built yet; there are [smoke] and [flame]"
     );
-    assert!(refused("size = [8, 8]", &[]).contains("holds no effect"));
+    let message = refused("size = [8, 8]", &[]);
+    assert!(message.contains("holds no effect") && message.contains("[smoke] or [flame]"), "{message}");
 }
 
 #[test]
@@ -206,11 +304,15 @@ fn keys_can_be_overridden() {
         "smoke.fade=1_0",
     ];
     let shot = load(text, &sets).expect("a shot");
-    let settings = &shot.smoke.settings;
+    let settings = &smoke_of(&shot).settings;
     assert_eq!((settings.sigma, settings.shadow, settings.fade), (8.0, settings::Shadow::Map, 10));
     assert_eq!((settings.outline.width, settings.outline.strength), (3.0, 1.0));
     assert_eq!((shot.size, shot.camera(1).far, &shot.background), ([64, 32], f64::INFINITY, &Background::None));
     assert_eq!(shot.light(1).source, LightSource::Position(DVec3::new(1.0, 2.0, 3.0)));
+    let shot = load("[flame]\nsize = 2", &["flame.size=0.5", "flame.mode=expected", "flame.colour=physical"]);
+    let settings = &flame_of(shot.as_ref().expect("a shot")).settings;
+    assert_eq!((settings.size, settings.mode), (Some(0.5), crate::flame::settings::Mode::Expected));
+    assert_eq!(settings.colour, Colour::Physical);
     for (set, message) in [
         ("smoke.sigmaa=4", "--set smoke.sigmaa=4: smoke.sigmaa: unknown key; did you mean smoke.sigma?"),
         ("smoke.sigma", "--set smoke.sigma: expected KEY=VALUE, for example smoke.sigma=4"),
@@ -259,10 +361,25 @@ fn paths_are_relative_to_the_shot() {
     ];
     crate::io::image::write_png8(&folder.0.join("shots/t.png"), [4, 2], &pixels).expect("temporary folder");
     let shot = load().expect("a shot");
-    let tones: Vec<_> = shot.smoke.settings.tones.iter().map(|t| (t.from, t.colour)).collect();
+    let tones: Vec<_> = smoke_of(&shot).settings.tones.iter().map(|t| (t.from, t.colour)).collect();
     assert_eq!(tones, [(0.0, [0.0; 3]), (0.5, [1.0; 3]), (0.75, [1.0, 0.0, 0.0])]);
     assert_eq!(shot.background, Background::Image(folder.0.join("shots/sky.png")));
     assert_eq!(shot.folder, folder.0.join("shots"));
-    let mut volumes = shot.volumes().expect("a pattern");
+    let mut volumes = shot.volumes().expect("a pattern").expect("smoke");
     assert_eq!(volumes.frame(3).expect_err("missing").path, folder.0.join("shots/v.0003.npz"));
+
+    fs::write(&file, "[flame]\ncolour = \"t.png\"\nparticles = \"p.####.npz\"").expect("temporary folder");
+    let shot = load().expect("a shot");
+    let ramp = vec![[0.0; 3], [0.0; 3], [1.0; 3], [1.0, 0.0, 0.0]];
+    assert_eq!(flame_of(&shot).settings.colour, Colour::Ramp(ramp));
+    let mut particles = shot.particles().expect("a pattern").expect("fire");
+    assert_eq!(particles.frame(3).expect_err("missing").path, folder.0.join("shots/p.0003.npz"));
+    fs::write(&file, "[flame]\ncolour = \"u.png\"").expect("temporary folder");
+    let missing = load().expect_err("no ramp");
+    assert!(matches!(&missing, ShotError::Input(e) if e.path == folder.0.join("shots/u.png")), "{missing}");
+    crate::io::image::write_exr(&folder.0.join("shots/u.exr"), [2, 1], &[[0.0f32, 1.0, 2.0], [-1.0, 0.0, 0.0]])
+        .expect("temporary folder");
+    fs::write(&file, "[flame]\ncolour = \"u.exr\"").expect("temporary folder");
+    let message = load().expect_err("negative").to_string();
+    assert!(message.contains("a.toml:2: flame.colour = -1: allowed: linear RGB"), "{message}");
 }

@@ -94,10 +94,9 @@ impl Tree {
         let Kind::Table(entries) = &node.kind else { return Ok(()) };
         for (key, child) in entries {
             let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-            if matches!(path.as_str(), "flame" | "blur") {
-                return Err(
-                    self.wrong(&path, format!("{path}: the effect [{path}] is not built yet; there is [smoke]"))
-                );
+            if path == "blur" {
+                let message = "blur: the effect [blur] is not built yet; there are [smoke] and [flame]";
+                return Err(self.wrong(&path, message.to_owned()));
             }
             let Some(allowed) = keys::allowed(&path) else {
                 return Err(ShotError::Wrong { place: self.place_of(&child.place, &path), message: unknown(&path) });
