@@ -1,26 +1,33 @@
-//! A host of celfx's own: renders the smoke effect's frames into memory, for the program and for tests.
+//! A host of celfx's own: renders frames of effects into memory, for the program and for tests.
 //!
 //! One frame at a time: upload, record, submit, wait. After a wait that did not end nothing is reused or destroyed.
+
+mod effect;
+mod input;
 
 use ash::vk;
 
 use crate::error::{Error, Result};
+use crate::flame::{self, Flame, SceneDepth};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::profiler::{Profiler, Timing};
 use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
-use crate::host::{HostImage, ImageState};
+use crate::host::{Background, HostBuffer, HostImage, ImageState};
+use crate::io::particles::Particles;
 use crate::io::volume::Volume;
-use crate::plan::BufferId;
 use crate::profile::FrameTimes;
-use crate::smoke::{Background, Desc, Frame, Sequence, Smoke, VolumeInput};
+use crate::smoke::{self, Sequence, Smoke};
 use crate::view::{Camera, Light};
+pub(crate) use effect::Effect;
+pub use effect::{EffectBuffer, Effects};
+pub(crate) use input::{ParticleUpload, VolumeUpload};
 
 /// Format of the target.
 pub const TARGET_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// One frame, as a shot says it.
-#[derive(Clone, Copy, Debug)]
+/// One frame, as a shot says it. What effects are not there for is not looked at.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Scene<'a> {
     /// How it follows the frame before.
     pub sequence: Sequence,
@@ -32,21 +39,28 @@ pub struct Scene<'a> {
     pub light: Light,
     /// Its volume; none if it is the last one.
     pub volume: Option<&'a Volume>,
-    /// Whether it is rendered, or only moves the particles on.
+    /// Its particles; none if they are those of the last rendered frame. Those of other frames are not looked at.
+    pub particles: Option<&'a Particles>,
+    /// View depth of what hides the fire, in metres a pixel, rows from the top, infinity where nothing is. Given exactly
+    /// if the flame was made for [`flame::SceneFormat::Buffer`] and there is no smoke.
+    pub depth: Option<&'a [f32]>,
+    /// Whether the flame adds its repetitions to those of the frame before ([`flame::Frame::accumulate`]).
+    pub accumulate: bool,
+    /// Whether it is rendered, or only moves the smoke's particles on.
     pub rendered: bool,
-    /// Number of the frame in profiles.
+    /// Number of the frame, in profiles and for the flame's flicker.
     pub number: u32,
 }
 
-/// A device, the effect on it, and what carries volumes to it and pictures back.
+/// A device, the effects on it, and what carries their input to it and pictures back.
 pub struct Offline {
     device: Headless,
     parts: Parts,
     size: [u32; 2],
-    /// The colour under the smoke; none: the backdrop.
+    /// The colour under the effects; none: the backdrop.
     background: Option<[f32; 4]>,
     /// Buffers that are read back with each rendered frame.
-    layers: Vec<BufferId>,
+    layers: Vec<EffectBuffer>,
     timed: bool,
     times: Option<FrameTimes>,
     /// Whether what was read back is a whole frame.
@@ -57,11 +71,13 @@ pub struct Offline {
 #[derive(Default)]
 struct Parts {
     smoke: Option<Smoke>,
+    flame: Option<Flame>,
     target: Option<Image>,
     backdrop: Option<Image>,
-    /// Densities and backdrops: each is waited for before the next.
+    /// Backdrops and scene depths: each is waited for before the next.
     upload: Upload,
-    velocity: Upload,
+    volume: VolumeUpload,
+    particles: ParticleUpload,
     /// The picture, then the layers.
     frame: Download,
     /// Single buffers.
@@ -69,33 +85,66 @@ struct Parts {
     profiler: Option<Profiler>,
 }
 
+/// A frame of each effect.
+struct Frames {
+    smoke: Option<smoke::Frame>,
+    flame: Option<flame::Frame>,
+}
+
+impl Parts {
+    fn effects(&self) -> impl Iterator<Item = &dyn Effect> {
+        let smoke = self.smoke.iter().map(|smoke| smoke as &dyn Effect);
+        smoke.chain(self.flame.iter().map(|flame| flame as &dyn Effect))
+    }
+
+    fn effects_mut(&mut self) -> impl Iterator<Item = &mut dyn Effect> {
+        let smoke = self.smoke.iter_mut().map(|smoke| smoke as &mut dyn Effect);
+        smoke.chain(self.flame.iter_mut().map(|flame| flame as &mut dyn Effect))
+    }
+
+    /// Handle, offset and size of an effect's buffer; null if there is no such effect.
+    fn buffer(&self, buffer: EffectBuffer) -> (vk::Buffer, u64, u64) {
+        let found = match buffer {
+            EffectBuffer::Smoke(id) => self.smoke.as_ref().map(|smoke| smoke.buffer(id)),
+            EffectBuffer::Flame(id) => self.flame.as_ref().map(|flame| flame.buffer(id)),
+        };
+        found.unwrap_or_default()
+    }
+}
+
 impl Offline {
-    /// Makes the effect on `device`. `desc.target_format` is [`TARGET_FORMAT`].
+    /// Makes the effects on `device`. Each `target_format` is [`TARGET_FORMAT`].
     ///
     /// # Errors
-    /// As [`Smoke::new`]; the device is lost with it.
-    pub fn new(device: Headless, desc: Desc) -> Result<Offline> {
+    /// No effect, or effects of different sizes; as [`Smoke::new`] and [`Flame::new`]. The device is lost with it.
+    pub fn new(device: Headless, effects: impl Into<Effects>) -> Result<Offline> {
+        let effects = effects.into();
         let mut offline = Offline {
             device,
             parts: Parts::default(),
-            size: desc.size,
+            size: effects.size()?,
             background: Some([0.0; 4]),
             layers: Vec::new(),
             timed: true,
             times: None,
             is_read: false,
         };
-        offline.create(desc)?;
+        offline.create(effects.joined())?;
         Ok(offline)
     }
 
-    fn create(&mut self, desc: Desc) -> Result<()> {
+    fn create(&mut self, Effects { smoke, flame }: Effects) -> Result<()> {
         let queue_family = self.device.queue_family();
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own and outlives what is made here.
         unsafe {
-            let smoke = self.parts.smoke.insert(Smoke::new(&host, allocator, desc)?);
-            let (steps, _) = smoke.plan_capacity();
+            if let Some(desc) = smoke {
+                self.parts.smoke = Some(Smoke::new(&host, allocator, desc)?);
+            }
+            if let Some(desc) = flame {
+                self.parts.flame = Some(Flame::new(&host, allocator, desc)?);
+            }
+            let steps: usize = self.parts.effects().map(|effect| effect.plan_capacity().0).sum();
             self.parts.profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
             self.parts.target = Some(Image::new(&host, allocator, &image_desc("target", self.size))?);
         }
@@ -105,18 +154,18 @@ impl Offline {
     /// Room for a frame's picture and layers; now, so that too little memory shows before frames are rendered.
     fn make_download(&mut self) -> Result<()> {
         self.is_read = false;
-        let layers: u64 = self.layer_copies().iter().map(|copy| copy.from.2).sum();
+        let end = self.layer_copies().last().map_or(pixel_bytes(self.size), |copy| copy.to + copy.from.2);
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own, and every frame has been waited for.
-        unsafe { self.parts.frame.fit(&host, allocator, "frame read back", pixel_bytes(self.size) + layers) }
+        unsafe { self.parts.frame.fit(&host, allocator, "frame read back", end) }
     }
 
-    /// The colour under the smoke: linear RGBA, premultiplied. Black and transparent at first.
+    /// The colour under the effects: linear RGBA, premultiplied. Black and transparent at first.
     pub fn set_background(&mut self, colour: [f32; 4]) {
         self.background = Some(colour);
     }
 
-    /// A picture of the target's size under the smoke: linear RGBA, premultiplied, rows from the top.
+    /// A picture of the target's size under the effects: linear RGBA, premultiplied, rows from the top.
     ///
     /// # Errors
     /// Another size; no memory; a failed Vulkan call; a device that does not answer.
@@ -152,9 +201,9 @@ impl Offline {
     ///
     /// # Errors
     /// No memory; a device that does not answer.
-    pub fn set_layers(&mut self, ids: &[BufferId]) -> Result<()> {
+    pub fn set_layers(&mut self, buffers: &[EffectBuffer]) -> Result<()> {
         self.check_free()?;
-        self.layers = ids.to_vec();
+        self.layers = buffers.to_vec();
         self.make_download()
     }
 
@@ -166,28 +215,16 @@ impl Offline {
     /// Renders a frame and waits for it.
     ///
     /// # Errors
-    /// As [`Smoke::record`]; a lost device; a device that does not answer.
+    /// As [`Smoke::record`] and [`Flame::record`]; a lost device; a device that does not answer.
     pub fn frame(&mut self, scene: &Scene) -> Result<()> {
         self.check_free()?;
         self.times = None;
         self.is_read &= !scene.rendered;
-        let volume = scene.volume.map(|volume| self.upload(volume)).transpose()?;
-        let layers = self.layer_copies();
-        let frame = Frame {
-            sequence: scene.sequence,
-            dt: scene.dt,
-            camera: scene.camera,
-            light: scene.light,
-            volume,
-            // The background covers what the frame before left, whose copy has been waited for.
-            target: self.image(&self.parts.target, ImageState::default()).filter(|_| scene.rendered),
-            depth: None,
-            background: match self.image(&self.parts.backdrop, COPIED_FROM).filter(|_| self.background.is_none()) {
-                Some(backdrop) => Background::Copy(backdrop),
-                None => Background::Clear(self.background.unwrap_or_default()),
-            },
-        };
-        let Parts { smoke: Some(smoke), profiler, frame: download, .. } = &mut self.parts else { return Ok(()) };
+        let frames = self.frames(scene)?;
+        let mut layers = self.layer_copies();
+        layers.retain(|copy| copy.from.2 > 0);
+        let target = self.target(ImageState::default()).filter(|_| scene.rendered);
+        let Parts { smoke, flame, profiler, frame: download, .. } = &mut self.parts;
         let mut profiler = profiler.as_mut().filter(|_| self.timed);
         self.device.one_time(&format!("frame {}", scene.number), |host, commands| {
             let mut timing = Timing::None;
@@ -197,8 +234,13 @@ impl Offline {
                     profiler.begin_frame(host, commands, 0, scene.number)?;
                     timing = Timing::Profiler(profiler);
                 }
-                smoke.record(host, commands, &frame, &mut timing)?;
-                if let (Some(target), Some(download)) = (&frame.target, download.buffer()) {
+                if let (Some(smoke), Some(frame)) = (smoke, &frames.smoke) {
+                    smoke.record(host, commands, frame, &mut timing)?;
+                }
+                if let (Some(flame), Some(frame)) = (flame, &frames.flame) {
+                    flame.record(host, commands, frame, &mut timing)?;
+                }
+                if let (Some(target), Some(download)) = (target, download.buffer()) {
                     let images = [Copy { from: (target.image, target.extent), to: 0 }];
                     record_readback(host, commands, &images, &layers, download);
                 }
@@ -211,21 +253,82 @@ impl Offline {
         Ok(())
     }
 
-    fn upload(&mut self, volume: &Volume) -> Result<VolumeInput> {
-        let Parts { smoke, upload, velocity: velocities, .. } = &mut self.parts;
-        let wants_velocity = smoke.as_ref().is_some_and(|smoke| smoke.desc().velocity);
-        let (host, allocator) = self.device.parts();
-        let Volume { dimensions, voxel_size, origin, .. } = *volume;
-        let values = volume.velocity.as_deref().filter(|_| wants_velocity);
-        // SAFETY: the device is this host's own, and every submission has been waited for.
-        let (density, velocity) = unsafe {
-            let density = upload.write(&host, allocator, "upload", bytemuck::cast_slice(&volume.density))?;
-            let write = |values: &[[f32; 3]]| {
-                velocities.write(&host, allocator, "velocity upload", bytemuck::cast_slice(values))
-            };
-            (density, values.map(write).transpose()?)
+    /// Uploads what the frame brings, and says it as each effect takes it.
+    fn frames(&mut self, scene: &Scene) -> Result<Frames> {
+        // The first effect's background covers what the frame before left, whose copy has been waited for; the second
+        // one keeps what the first has made.
+        let smoke = self.smoke_frame(scene)?;
+        let state_in = if smoke.is_some() { COPIED_FROM } else { ImageState::default() };
+        let target = self.target(state_in).filter(|_| scene.rendered);
+        let flame = match (target, self.parts.flame.is_some()) {
+            (Some(target), true) => Some(self.flame_frame(scene, target)?),
+            _ => None,
         };
-        Ok(VolumeInput { dimensions, voxel_size, origin, density, velocity })
+        if let (Some(_), Some(frame), Some(flame)) = (&smoke, &flame, &self.parts.flame) {
+            // Before the smoke is recorded, which would not know that its frame is never submitted.
+            frame.validate(flame.desc(), false)?;
+        }
+        Ok(Frames { smoke, flame })
+    }
+
+    fn smoke_frame(&mut self, scene: &Scene) -> Result<Option<smoke::Frame>> {
+        let Some(smoke) = &self.parts.smoke else { return Ok(None) };
+        let wants_velocity = smoke.desc().velocity;
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the device is this host's own, and every submission has been waited for.
+        let write = |volume| unsafe { self.parts.volume.write(&host, allocator, volume, wants_velocity) };
+        let volume = scene.volume.map(write).transpose()?;
+        Ok(Some(smoke::Frame {
+            sequence: scene.sequence,
+            dt: scene.dt,
+            camera: scene.camera,
+            light: scene.light,
+            volume,
+            target: self.target(ImageState::default()).filter(|_| scene.rendered),
+            depth: None,
+            background: self.background(),
+        }))
+    }
+
+    fn flame_frame(&mut self, scene: &Scene, target: HostImage) -> Result<flame::Frame> {
+        let (host, allocator) = self.device.parts();
+        // With smoke it is the smoke that hides the fire.
+        let given = scene.depth.filter(|_| self.parts.smoke.is_none());
+        // SAFETY: the device is this host's own, and every submission has been waited for.
+        let (particles, depth) = unsafe {
+            let Parts { particles, upload, .. } = &mut self.parts;
+            let given_particles = scene.particles.map(|given| particles.write(&host, allocator, given));
+            let depth = given.map(|depth| upload.write(&host, allocator, "upload", bytemuck::cast_slice(depth)));
+            (given_particles.transpose()?, depth.transpose()?)
+        };
+        Ok(flame::Frame {
+            camera: scene.camera,
+            particles,
+            number: scene.number,
+            accumulate: scene.accumulate,
+            target,
+            background: if self.parts.smoke.is_some() { Background::Keep } else { self.background() },
+            scene: self.smoke_depth().or(depth).map(SceneDepth::Buffer),
+        })
+    }
+
+    /// The depth that the smoke leaves: written by its shaders, or cleared where there is none.
+    fn smoke_depth(&self) -> Option<HostBuffer> {
+        let (buffer, offset, size) = self.parts.smoke.as_ref()?.buffer(smoke::layout::DEPTH);
+        let stage = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
+        let access = vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::TRANSFER_WRITE;
+        Some(HostBuffer { buffer, offset, size, stage, access })
+    }
+
+    fn background(&self) -> Background {
+        match self.image(&self.parts.backdrop, COPIED_FROM).filter(|_| self.background.is_none()) {
+            Some(backdrop) => Background::Copy(backdrop),
+            None => Background::Clear(self.background.unwrap_or_default()),
+        }
+    }
+
+    fn target(&self, state_in: ImageState) -> Option<HostImage> {
+        self.image(&self.parts.target, state_in)
     }
 
     /// The picture of the frame rendered last: linear RGBA, premultiplied, rows from the top. Empty if there is none.
@@ -247,23 +350,23 @@ impl Offline {
 
     /// Where each layer comes from and goes to: one after the other behind the picture.
     fn layer_copies(&self) -> Vec<Copy<(vk::Buffer, u64, u64)>> {
-        let Some(smoke) = &self.parts.smoke else { return Vec::new() };
         let mut end = pixel_bytes(self.size);
-        let place = |id: &BufferId| {
-            let (from, to) = (smoke.buffer(*id), end);
-            end += from.2;
+        let place = |buffer: &EffectBuffer| {
+            let (from, to) = (self.parts.buffer(*buffer), end);
+            end += from.2.next_multiple_of(16);
             Copy { from, to }
         };
         self.layers.iter().map(place).collect()
     }
 
-    /// The first `bytes` of a buffer of the effect after the last frame; all of it if it is smaller.
+    /// The first `bytes` of a buffer of an effect after the last frame; all of it if it is smaller, nothing if there is
+    /// no such effect.
     ///
     /// # Errors
     /// No memory; a failed Vulkan call; a device that does not answer.
-    pub fn read(&mut self, id: BufferId, bytes: u64) -> Result<Vec<u8>> {
+    pub fn read(&mut self, buffer: EffectBuffer, bytes: u64) -> Result<Vec<u8>> {
         self.check_free()?;
-        let (source, offset, size) = self.parts.smoke.as_ref().map_or_else(Default::default, |smoke| smoke.buffer(id));
+        let (source, offset, size) = self.parts.buffer(buffer);
         let size = size.min(bytes);
         if size == 0 {
             return Ok(Vec::new());
@@ -287,8 +390,8 @@ impl Offline {
     ///
     /// # Errors
     /// As [`Offline::read`].
-    pub fn read_as<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Result<Vec<T>> {
-        let bytes = self.read(id, (count * size_of::<T>()) as u64)?;
+    pub fn read_as<T: bytemuck::AnyBitPattern>(&mut self, buffer: EffectBuffer, count: usize) -> Result<Vec<T>> {
+        let bytes = self.read(buffer, (count * size_of::<T>()) as u64)?;
         Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
     }
 
@@ -297,9 +400,22 @@ impl Offline {
         self.times.take()
     }
 
-    /// The effect; none only if it could not be made.
+    /// Device memory that the effects take, in bytes before alignment.
+    pub fn memory(&self) -> u64 {
+        let Parts { smoke, flame, .. } = &self.parts;
+        let smoke = smoke.as_ref().map(|smoke| Smoke::memory(smoke.desc(), u64::MAX));
+        let flame = flame.as_ref().map(|flame| Flame::memory(flame.desc(), u64::MAX));
+        smoke.into_iter().chain(flame).flatten().map(|memory| memory.total()).sum()
+    }
+
+    /// The smoke, if there is one.
     pub fn smoke(&mut self) -> Option<&mut Smoke> {
         self.parts.smoke.as_mut()
+    }
+
+    /// The flame, if there is one.
+    pub fn flame(&mut self) -> Option<&mut Flame> {
+        self.parts.flame.as_mut()
     }
 
     /// The device.
@@ -325,13 +441,15 @@ impl Drop for Offline {
         if self.device.is_stuck() {
             return;
         }
-        let Parts { smoke, target, backdrop, upload, velocity, frame, buffer, profiler } = &mut self.parts;
         let (host, allocator) = self.device.parts();
         // SAFETY: every submission has been waited for, or its device is lost; nothing is used afterwards.
         unsafe {
-            smoke.iter_mut().for_each(|smoke| smoke.destroy(&host, allocator));
+            self.parts.effects_mut().for_each(|effect| effect.destroy(&host, allocator));
+            let Parts { target, backdrop, upload, volume, particles, frame, buffer, profiler, .. } = &mut self.parts;
             target.iter_mut().chain(backdrop).for_each(|image| image.destroy(&host, allocator));
-            [upload, velocity].into_iter().for_each(|buffer| buffer.destroy(&host, allocator));
+            upload.destroy(&host, allocator);
+            volume.destroy(&host, allocator);
+            particles.destroy(&host, allocator);
             [frame, buffer].into_iter().for_each(|buffer| buffer.destroy(&host, allocator));
             profiler.iter_mut().for_each(|profiler| profiler.destroy(&host));
         }

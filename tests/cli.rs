@@ -3,6 +3,8 @@
 //! What renders needs a Vulkan device; without one such a test says so and passes, unless `CELFX_REQUIRE_VULKAN=1`.
 #![cfg(feature = "cli")]
 
+#[path = "cli/flame.rs"]
+mod flame;
 #[path = "cli/run.rs"]
 mod run;
 

@@ -1,6 +1,8 @@
 //! The benchmark's host: one device, effects and kernels of the benchmark's own on it. Runs one thing at a time and
 //! times it, from its first to its last step, with a full barrier around each.
 
+mod effect;
+
 use std::time::Instant;
 
 use ash::vk;
@@ -13,12 +15,13 @@ use crate::gpu::kernel::Pipelines;
 use crate::gpu::profiler::{Mode, Profiler, Timing};
 use crate::gpu::recorder::{Recorder, Recording};
 use crate::gpu::resources::Resources;
-use crate::gpu::transfer::{COPIED_FROM, Copy, Upload, readback, record_readback, record_zeroes};
+use crate::gpu::transfer::{COPIED_FROM, Copy, readback, record_readback, record_zeroes};
 use crate::host::{Host, HostBuffer, HostImage, ImageState};
-use crate::io::volume::Volume;
+use crate::offline::Effect;
 use crate::plan::{BufferId, Command, Pass, Plan};
-use crate::smoke::{Background, Desc, Frame, Sequence, Smoke, VolumeInput};
+use crate::smoke::Sequence;
 use crate::view::{Camera, Light};
+use effect::{Input, Made};
 
 /// Format of the pictures.
 pub(super) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -59,12 +62,10 @@ pub(super) struct Shot {
     pub(super) rendered: bool,
 }
 
-struct Effect {
-    smoke: Option<Smoke>,
+/// An effect and the picture that it makes.
+struct Slot {
+    made: Option<Made>,
     target: Option<Image>,
-    density: Upload,
-    velocity: Upload,
-    input: Option<VolumeInput>,
     size: [u32; 2],
 }
 
@@ -79,7 +80,7 @@ struct Kernels {
 pub(super) struct Rig {
     headless: Headless,
     profiler: Option<Profiler>,
-    effects: Vec<Effect>,
+    effects: Vec<Slot>,
     kernels: Vec<Kernels>,
     /// Something may still be running: nothing can be destroyed.
     stuck: bool,
@@ -112,22 +113,16 @@ impl Rig {
         u64::from(properties.limits.max_storage_buffer_range)
     }
 
-    /// Makes an effect that is measured step by step, and uploads its volume.
-    pub(super) fn effect(&mut self, desc: Desc, volume: &Volume) -> Result<EffectId> {
+    /// Makes the effect of such an input that is measured step by step, and uploads the input.
+    pub(super) fn effect<I: Input>(&mut self, desc: I::Desc, input: &I) -> Result<EffectId> {
         let id = EffectId(self.effects.len());
-        self.effects.push(Effect {
-            smoke: None,
-            target: None,
-            density: Upload::default(),
-            velocity: Upload::default(),
-            input: None,
-            size: desc.size,
-        });
-        let Some(effect) = self.effects.last_mut() else { return Ok(id) };
+        let size = I::size(&desc);
+        self.effects.push(Slot { made: None, target: None, size });
+        let Some(slot) = self.effects.last_mut() else { return Ok(id) };
         let (host, allocator) = self.headless.parts();
         let target = ImageDesc {
             name: "picture",
-            extent: desc.size,
+            extent: size,
             layers: 1,
             array_view: false,
             format: FORMAT,
@@ -137,24 +132,15 @@ impl Rig {
         };
         // SAFETY: the device's own handles; what is made is destroyed in `clear`.
         unsafe {
-            effect.smoke.insert(Smoke::new(&host, allocator, desc)?).set_mode(Mode::Isolated);
-            effect.target = Some(Image::new(&host, allocator, &target)?);
-            let density = bytemuck::cast_slice(&volume.density);
-            let density = effect.density.write(&host, allocator, "density upload", density)?;
-            let velocity = volume.velocity.as_ref().map(|values| {
-                let values = bytemuck::cast_slice(values);
-                effect.velocity.write(&host, allocator, "velocity upload", values)
-            });
-            let Volume { dimensions, voxel_size, origin, .. } = *volume;
-            effect.input =
-                Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: velocity.transpose()? });
+            slot.made.insert(input.make(&host, allocator, desc)?).effect_mut().set_mode(Mode::Isolated);
+            slot.target = Some(Image::new(&host, allocator, &target)?);
         }
         Ok(id)
     }
 
-    /// Renders a frame with the effect's volume.
+    /// Renders a frame with the effect's input.
     pub(super) fn frame(&mut self, id: EffectId, shot: &Shot) -> Result<Measured> {
-        let Effect { smoke: Some(smoke), target: Some(target), input, size, .. } = &mut self.effects[id.0] else {
+        let Slot { made: Some(made), target: Some(target), size } = &mut self.effects[id.0] else {
             return Ok(NOTHING);
         };
         let target = HostImage {
@@ -165,40 +151,34 @@ impl Rig {
             state_in: ImageState::default(),
             state_out: COPIED_FROM,
         };
-        let frame = Frame {
-            sequence: shot.sequence,
-            dt: 1.0 / super::smoke::scene::FPS as f32,
-            camera: shot.camera,
-            light: shot.light,
-            volume: *input,
-            target: shot.rendered.then_some(target),
-            background: Background::Clear([0.0; 4]),
-            depth: None,
-        };
         let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
             // SAFETY: the device's own handles; every frame is submitted in order and waited for.
-            unsafe { smoke.record(host, commands, &frame, &mut Timing::None) }
+            unsafe { made.record(host, commands, shot, target) }
         });
         self.note(done)
+    }
+
+    fn made(&self, id: EffectId) -> Option<&dyn Effect> {
+        self.effects[id.0].made.as_ref().map(Made::effect)
     }
 
     /// The steps of the frame recorded last that belong to these passes.
     pub(super) fn steps(&self, id: EffectId, wanted: impl Fn(&Pass) -> bool) -> Plan {
         let mut plan = Plan::default();
-        if let Some(smoke) = &self.effects[id.0].smoke {
-            let all = smoke.plan();
+        if let Some(effect) = self.made(id) {
+            let all = effect.plan();
             plan.data.clone_from(&all.data);
-            plan.steps.extend(all.steps.iter().filter(|step| wanted(&smoke.passes()[usize::from(step.pass.0)])));
+            plan.steps.extend(all.steps.iter().filter(|step| wanted(&effect.passes()[usize::from(step.pass.0)])));
         }
         plan
     }
 
     /// Runs steps of the frame recorded last again.
     pub(super) fn replay(&mut self, id: EffectId, plan: &Plan) -> Result<Measured> {
-        let Effect { smoke: Some(smoke), .. } = &mut self.effects[id.0] else { return Ok(NOTHING) };
+        let Slot { made: Some(made), .. } = &mut self.effects[id.0] else { return Ok(NOTHING) };
         let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
             // SAFETY: the device's own handles; the plan is of this effect, and the frame before is over.
-            unsafe { smoke.replay(host, commands, plan) }
+            unsafe { made.effect_mut().replay(host, commands, plan) }
         });
         self.note(done)
     }
@@ -239,7 +219,7 @@ impl Rig {
     }
 
     fn shared(&self, effect: EffectId, buffer: BufferId) -> Option<HostBuffer> {
-        let (buffer, offset, size) = self.effects[effect.0].smoke.as_ref()?.buffer(buffer);
+        let (buffer, offset, size) = self.made(effect)?.buffer(buffer);
         let (stage, access) = (vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::MEMORY_WRITE);
         Some(HostBuffer { buffer, offset, size, stage, access })
     }
@@ -287,7 +267,7 @@ impl Rig {
         buffer: BufferId,
         count: usize,
     ) -> Result<Vec<T>> {
-        let source = self.effects[id.0].smoke.as_ref().map(|smoke| smoke.buffer(buffer));
+        let source = self.made(id).map(|effect| effect.buffer(buffer));
         self.read_buffer(source, count)
     }
 
@@ -315,7 +295,7 @@ impl Rig {
 
     /// The picture of the frame rendered last.
     pub(super) fn picture(&mut self, id: EffectId) -> Result<Vec<[f32; 4]>> {
-        let Effect { target: Some(target), size, .. } = &self.effects[id.0] else { return Ok(Vec::new()) };
+        let Slot { target: Some(target), size, .. } = &self.effects[id.0] else { return Ok(Vec::new()) };
         let (image, extent) = (target.handle, *size);
         let bytes = u64::from(extent[0]) * u64::from(extent[1]) * 16;
         let bytes = self.read_back(bytes, &[Copy { from: (image, extent), to: 0 }], &[])?;
@@ -362,15 +342,9 @@ impl Rig {
                 kernels.pipelines.destroy(&host);
                 kernels.resources.destroy(&host, allocator);
             }
-            for mut effect in self.effects.drain(..) {
-                if let Some(smoke) = &mut effect.smoke {
-                    smoke.destroy(&host, allocator);
-                }
-                if let Some(target) = &mut effect.target {
-                    target.destroy(&host, allocator);
-                }
-                effect.density.destroy(&host, allocator);
-                effect.velocity.destroy(&host, allocator);
+            for Slot { mut made, mut target, .. } in self.effects.drain(..) {
+                made.iter_mut().for_each(|made| made.destroy(&host, allocator));
+                target.iter_mut().for_each(|target| target.destroy(&host, allocator));
             }
         }
     }

@@ -2,14 +2,14 @@
 
 mod device;
 mod encode;
+mod input;
 mod layers;
 mod outputs;
 mod strip;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
 use clap::Args;
@@ -18,11 +18,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::{Common, Failure, interrupt, print};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
-use crate::io::volume::{Volume, VolumeSequence};
 use crate::io::{ReadError, picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
 use device::Renderer;
 use encode::{Pool, Shared};
+use input::{Inputs, Read};
+use layers::LayerName;
 use outputs::{Frame, Outputs};
 use strip::Strip;
 
@@ -31,17 +32,18 @@ Examples:
   celfx render builtin:smoke                               48 frames into ./out
   celfx render my.toml -o out/%04d.png --resume            only what is missing
   celfx render my.toml --frames 12 -o frame.exr            one frame, the same as in the sequence
+  celfx render builtin:flame --set flame.mode=expected     fire without grain
   celfx render my.toml --set smoke.sigma=8 --set smoke.shadow=map
   celfx render my.toml --layers layers --profile p.json    every pass's image, and its cost
 
 Frames do not depend on how they are rendered: a frame alone, resumed, or with another number of
-threads is the same bit for bit, because particles are always stepped from the shot's first frame.";
+threads is the same bit for bit, because smoke is always stepped from the shot's first frame.";
 
 /// Options of `celfx render`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// The shot: a TOML file, or builtin:smoke or builtin:cloud (`celfx shot` prints them)
+    /// The shot: a TOML file, or builtin:smoke, :cloud, :flame or :campfire (`celfx shot` prints them)
     shot: String,
     /// Frames to render, both ends included, within those of the shot [default: all]
     #[arg(long, value_name = "A-B", value_parser = frame_range)]
@@ -93,10 +95,8 @@ fn named(name: &str, extensions: &[&str]) -> Result<PathBuf, String> {
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let shot = Shot::load(&options.shot, &options.set)?;
-    if shot.flame.is_some() {
-        return Err(Failure::usage(format!("{}: the effect [flame] is not rendered yet", shot.name)));
-    }
     let frames = options.frames.unwrap_or(shot.frames);
+    check_light(&shot)?;
     let [first, last] = frames;
     if first < shot.frames[0] || last > shot.frames[1] {
         let [a, b] = shot.frames;
@@ -117,15 +117,13 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     .flatten()
     .collect();
     let timed = options.profile.is_some() || !common.quiet;
-    let job = Job { shot, first, outputs, strips, timed, common };
+    let layers = layers::names(shot.smoke.is_some(), shot.flame.is_some());
+    let job = Job { shot, first, outputs, layers, strips, timed, common };
     let missing = job.missing(last, options.resume)?;
     // Only what this run will write itself: another one may be at the other frames.
-    let files = missing.iter().flat_map(|frame| job.outputs.files(*frame, &layers::LAYERS));
+    let files = missing.iter().flat_map(|frame| job.outputs.files(*frame, &job.layers));
     remove_stale_parts(files.chain(others.iter().map(|path| path.to_path_buf())));
-    let times = match missing.last() {
-        Some(&last) => job.render(&missing, last)?,
-        None => Vec::new(),
-    };
+    let times = if missing.is_empty() { Vec::new() } else { job.render(&missing)? };
     job.strips.iter().try_for_each(Strip::write)?;
     job.report(&times, missing.len(), count, options.profile.as_deref())
 }
@@ -136,6 +134,8 @@ struct Job<'a> {
     /// First frame that is rendered.
     first: u32,
     outputs: Outputs,
+    /// The layers of the shot's effects.
+    layers: Vec<LayerName>,
     strips: Vec<Strip>,
     /// Whether passes are timed.
     timed: bool,
@@ -148,7 +148,7 @@ impl Job<'_> {
         let mut missing = Vec::new();
         for frame in self.first..=last {
             interrupt::check()?;
-            let finished = if resume { self.outputs.finished(frame, &layers::LAYERS) } else { None };
+            let finished = if resume { self.outputs.finished(frame, &self.layers) } else { None };
             match finished {
                 Some(pixels) => self.collect(frame, &pixels),
                 None => missing.push(frame),
@@ -157,48 +157,46 @@ impl Job<'_> {
         Ok(missing)
     }
 
-    /// Renders the `missing` frames, stepping from the shot's first frame to the `last` of them.
-    fn render(&self, missing: &[u32], last: u32) -> Result<Vec<FrameTimes>, Failure> {
-        let Some(volumes) = self.shot.volumes()? else { return Ok(Vec::new()) };
-        let extent = volumes.extent(self.shot.frames[0], last)?;
-        let background = background(&self.shot)?;
+    /// Renders the `missing` frames, which are some.
+    fn render(&self, missing: &[u32]) -> Result<Vec<FrameTimes>, Failure> {
         let has_layers = self.outputs.has_layers();
-        let mut renderer = Renderer::new(self.common, &self.shot, extent, has_layers, self.timed, background.as_ref())?;
+        let mut inputs = Inputs::new(&self.shot)?;
+        let effects = inputs.effects(&self.shot, missing, has_layers)?;
+        let background = background(&self.shot)?;
+        let mut renderer =
+            Renderer::new(self.common, &self.shot, effects, has_layers, self.timed, background.as_ref())?;
         if self.common.verbose {
             self.say(&renderer.describe());
         }
         let (queue, shared) = Shared::new(self.common.threads());
         let work = |frame: Frame| self.write(&frame);
         let times = thread::scope(|scope| {
-            let (ahead, volumes_read) = sync_channel(1);
-            let range = [self.shot.frames[0], last];
-            scope.spawn(move || read_ahead(volumes, range, &ahead));
+            let (ahead, steps) = sync_channel(1);
+            scope.spawn(move || inputs.read_ahead(&self.shot, missing, &ahead));
             let pool = Pool::start(scope, self.common.threads(), queue, &shared, work);
-            let rendered = self.step(&mut renderer, missing, &volumes_read, |frame| pool.send(&shared, frame));
+            let rendered = self.step(&mut renderer, missing.len(), &steps, |frame| pool.send(&shared, frame));
             // Frames in the queue are written even if the next one failed or the program was interrupted.
             let written = pool.finish(&shared);
-            drop(volumes_read);
+            drop(steps);
             rendered.and_then(|times| written.map(|()| times))
         })?;
         renderer.finish()?;
         Ok(times)
     }
 
-    /// Steps through the frames as their volumes come and hands the rendered ones to `send`.
+    /// Takes steps as they come and hands the rendered frames, so many, to `send`.
     fn step(
         &self,
         renderer: &mut Renderer,
-        missing: &[u32],
-        volumes: &Receiver<Read>,
+        count: usize,
+        steps: &Receiver<Read>,
         send: impl Fn(Frame) -> Result<(), Failure>,
     ) -> Result<Vec<FrameTimes>, Failure> {
-        let progress = self.progress(missing.len() as u64);
+        let progress = self.progress(count as u64);
         let mut times = Vec::new();
-        for step in volumes {
+        for step in steps {
             interrupt::check()?;
-            let (number, volume) = step?;
-            let is_rendered = missing.binary_search(&number).is_ok();
-            let (frame, frame_times) = renderer.step(number, volume.as_deref(), is_rendered)?;
+            let (frame, frame_times) = renderer.step(&step?)?;
             if let Some(frame) = frame {
                 times.extend(frame_times);
                 send(frame)?;
@@ -274,24 +272,15 @@ fn background(shot: &Shot) -> Result<Option<Picture<[f32; 4]>>, Failure> {
     Ok(Some(picture))
 }
 
-/// A frame's number and its volume; no volume where it is that of the frame before.
-type Read = Result<(u32, Option<Arc<Volume>>), ReadError>;
-
-/// Reads volumes one frame ahead of the renderer.
-fn read_ahead(mut volumes: VolumeSequence, [first, last]: [u32; 2], to: &SyncSender<Read>) {
-    for frame in first..=last {
-        let mut read = || {
-            if frame > first && volumes.same_as_before(frame)? {
-                return Ok((frame, None));
-            }
-            Ok((frame, Some(volumes.frame(frame)?)))
-        };
-        let step = read();
-        let failed = step.is_err();
-        // The renderer has gone where nobody takes it.
-        if to.send(step).is_err() || failed {
-            return;
+/// Fire lights smoke, and only smoke.
+fn check_light(shot: &Shot) -> Result<(), Failure> {
+    match &shot.flame {
+        Some(flame) if flame.settings.light > 0.0 && shot.smoke.is_none() => {
+            let (name, light) = (&shot.name, flame.settings.light);
+            let allowed = "only with smoke in the shot for the fire to tint: add a table [smoke], or leave it out";
+            Err(Failure::usage(format!("{name}: flame.light = {light}: allowed: {allowed}")))
         }
+        _ => Ok(()),
     }
 }
 

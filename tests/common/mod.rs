@@ -1,4 +1,4 @@
-//! What the device tests share: a device under validation, the whole effect and its single passes on it, scenes, and
+//! What the device tests share: a device under validation, whole effects and the smoke's single passes on it, scenes, and
 //! comparison of images.
 //!
 //! Every device is opened with core and synchronisation validation, and a single message fails the test. Without a
@@ -8,6 +8,7 @@
 
 pub mod allocations;
 pub mod bench;
+pub mod flame;
 pub mod picture;
 pub mod rig;
 pub mod scenes;

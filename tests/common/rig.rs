@@ -1,7 +1,7 @@
 //! The whole effect under validation, and everything that it makes read back.
 
 use celfx::io::volume::Volume;
-use celfx::offline::{Offline, Scene};
+use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::plan::BufferId;
 use celfx::smoke::params::Particle;
 use celfx::smoke::reference;
@@ -20,14 +20,19 @@ pub struct Rig {
 
 /// A frame at `dt` = 1/24 s, rendered.
 pub fn scene<'a>(sequence: Sequence, camera: Camera, light: Light, volume: Option<&'a Volume>) -> Scene<'a> {
-    Scene { sequence, dt: 1.0 / 24.0, camera, light, volume, rendered: true, number: 0 }
+    Scene { sequence, dt: 1.0 / 24.0, camera, light, volume, rendered: true, ..Scene::default() }
 }
 
 /// Bits of every layer of a frame, to be compared with another's.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Default, PartialEq, Eq)]
 pub struct Bits(Vec<(&'static str, Vec<u32>)>);
 
 impl Bits {
+    /// Adds a layer of values of whole words.
+    pub fn push<T: bytemuck::NoUninit>(&mut self, name: &'static str, values: &[T]) {
+        self.0.push((name, bytemuck::cast_slice(values).to_vec()));
+    }
+
     /// Names of the layers in which two frames differ, and in how many words.
     pub fn differences(&self, other: &Bits) -> Vec<(&'static str, usize)> {
         let pairs = self.0.iter().zip(&other.0);
@@ -61,7 +66,7 @@ impl Rig {
     }
 
     fn read<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Vec<T> {
-        let values = self.offline.read_as(id, count).expect("the buffer can be read");
+        let values = self.offline.read_as(EffectBuffer::Smoke(id), count).expect("the buffer can be read");
         assert_eq!(values.len(), count, "{id:?} is smaller");
         values
     }
@@ -116,11 +121,12 @@ impl Rig {
         let count = self.pixel_count();
         let spheres = self.sphere_count();
         let particles = self.desc.settings.particles as usize;
-        let mut bits = vec![("picture", bytemuck::cast_slice(&self.picture()).to_vec())];
+        let mut bits = Bits::default();
+        bits.push("picture", &self.picture());
         // Ages stand still while motion is skipped, which is only where nothing depends on them any more.
         let mut lives: Vec<u32> = self.read(layout::PARTICLES, 8 * particles);
         lives.iter_mut().skip(3).step_by(8).for_each(|age| *age = u32::from(*age == u32::MAX));
-        bits.push(("particles", lives));
+        bits.push("particles", &lives);
         for (name, id, words) in [
             ("spheres", layout::SPHERES, 4 * spheres),
             ("groups", layout::GROUPS, spheres),
@@ -130,12 +136,12 @@ impl Rig {
             ("effect", layout::PICTURE, 4 * count),
             ("tone", layout::TONE_LAYER, 4 * count),
         ] {
-            bits.push((name, self.read(id, words)));
+            bits.push(name, &self.read::<u32>(id, words));
         }
         if self.desc.settings.sigma > 0.0 {
-            bits.push(("smooth", self.read(layout::SMOOTH, count)));
+            bits.push("smooth", &self.read::<u32>(layout::SMOOTH, count));
         }
-        Bits(bits)
+        bits
     }
 
     /// The reference's frame of the spheres and groups that the device has.

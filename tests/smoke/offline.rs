@@ -5,7 +5,7 @@ use std::time::Duration;
 use ash::vk;
 use celfx::error::Error;
 use celfx::gpu::headless::{Headless, Options};
-use celfx::offline::{Offline, Scene};
+use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::smoke::{Sequence, Settings, layout};
 
 use crate::common::device;
@@ -13,6 +13,7 @@ use crate::common::rig::{Rig, scene};
 use crate::common::scenes::{camera, desc, direction, puffs};
 
 const SIZE: [u32; 2] = [48, 36];
+const DEPTH: EffectBuffer = EffectBuffer::Smoke(layout::DEPTH);
 
 fn settings() -> Settings {
     Settings { particles: 50, ..Settings::default() }
@@ -23,7 +24,7 @@ fn layers_come_with_the_frame_as_reading_them_alone_has_them() {
     let Some(mut rig) = Rig::new(desc(SIZE, [12; 3], settings())) else { return };
     let offline = rig.offline();
     assert!(offline.picture().is_empty() && offline.layers().is_empty(), "nothing is rendered yet");
-    let ids = [layout::PICTURE, layout::SPHERES, layout::DEPTH, layout::CONTROL];
+    let ids = [layout::PICTURE, layout::SPHERES, layout::DEPTH, layout::CONTROL].map(EffectBuffer::Smoke);
     offline.set_layers(&ids).expect("memory");
     assert_eq!(offline.layers(), [&[0_u8; 0][..]; 4], "nothing is rendered yet");
     let volume = puffs(12, 0.0);
@@ -98,8 +99,8 @@ fn after_a_wait_that_did_not_end_nothing_is_touched() {
         assert!(is_timeout(&offline.frame(&first).expect_err("no time")));
         assert!(offline.picture().is_empty(), "it may still change");
     }
-    assert!(is_timeout(&offline.read(layout::DEPTH, 16).expect_err("the device is busy")));
-    assert!(is_timeout(&offline.set_layers(&[layout::DEPTH]).expect_err("the device is busy")));
+    assert!(is_timeout(&offline.read(DEPTH, 16).expect_err("the device is busy")));
+    assert!(is_timeout(&offline.set_layers(&[DEPTH]).expect_err("the device is busy")));
     assert!(is_timeout(&offline.set_backdrop(&[]).expect_err("the device is busy")));
     // Destroys nothing that is in use, which validation would report.
     drop(offline);

@@ -1,32 +1,33 @@
 //! The device's side of `celfx render`: a shot's frames, in order.
 
+use super::input::Step;
 use super::layers;
 use super::outputs::Frame;
 use crate::cli::{Common, Failure};
 use crate::gpu::headless::{Headless, Messages, Options};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
-use crate::io::volume::{Extent, Volume};
-use crate::offline::{Offline, Scene, TARGET_FORMAT};
+use crate::offline::{Effects, Offline, Scene};
 use crate::profile::FrameTimes;
-use crate::smoke::{Desc, Sequence, Smoke};
-use crate::view::LightSource;
+use crate::smoke::Sequence;
 
 /// Renders the frames of one shot, in order.
 pub(super) struct Renderer<'a> {
     offline: Offline,
     messages: Messages,
     shot: &'a Shot,
-    desc: Desc,
+    effects: Effects,
+    /// Particles of the frame rendered last.
+    particles: usize,
     timed: bool,
 }
 
 impl<'a> Renderer<'a> {
-    /// Opens the device and makes everything that frames need. `timed`: passes are timed.
+    /// Opens the device and makes everything that frames need. `layers`: they are read back; `timed`: passes are timed.
     pub(super) fn new(
         common: &Common,
         shot: &'a Shot,
-        extent: Extent,
+        effects: Effects,
         layers: bool,
         timed: bool,
         background: Option<&Picture<[f32; 4]>>,
@@ -34,22 +35,9 @@ impl<'a> Renderer<'a> {
         let options = Options { validate: common.validate, device: common.device.clone(), ..Options::default() };
         let headless = Headless::new(&options)?;
         let messages = headless.messages();
-        let light = shot.light(shot.frames[0]).source;
-        let desc = Desc {
-            size: shot.size,
-            target_format: TARGET_FORMAT,
-            dimensions: extent.dimensions,
-            velocity: extent.velocity,
-            point_light: matches!(light, LightSource::Position(_)),
-            seed: shot.seed,
-            settings: shot.smoke.as_ref().map(|smoke| smoke.settings.clone()).unwrap_or_default(),
-            layers,
-            depth: None,
-            skipping: true,
-        };
-        let mut offline = Offline::new(headless, desc.clone())?;
+        let mut offline = Offline::new(headless, effects.clone())?;
         if layers {
-            offline.set_layers(&layers::BUFFERS)?;
+            offline.set_layers(&layers::buffers(&effects))?;
         }
         match (&shot.background, background) {
             (_, Some(picture)) => offline.set_backdrop(&picture.pixels)?,
@@ -57,42 +45,43 @@ impl<'a> Renderer<'a> {
             _ => offline.set_background([0.0; 4]),
         }
         check(&messages)?;
-        Ok(Renderer { offline, messages, shot, desc, timed })
+        Ok(Renderer { offline, messages, shot, effects, particles: 0, timed })
     }
 
-    /// The device and the memory that the effect takes, for people.
+    /// The device, the memory that the effects take, and what the shot left to its input, for people.
     pub(super) fn describe(&self) -> String {
-        let memory = Smoke::memory(&self.desc, u64::MAX).unwrap_or_default();
-        let mebibytes = memory.total().div_ceil(1 << 20);
-        format!("device {}; {mebibytes} MiB of its memory", self.offline.device().info().to_string().trim())
+        let device = self.offline.device().info().to_string();
+        let mebibytes = self.offline.memory().div_ceil(1 << 20);
+        let is_given = self.shot.flame.as_ref().is_some_and(|flame| flame.settings.spread.is_some());
+        let spread = match self.effects.flame.as_ref().and_then(|desc| desc.settings.spread) {
+            Some(spread) if !is_given => format!("; flame.spread = {spread} m"),
+            _ => String::new(),
+        };
+        format!("device {}; {mebibytes} MiB of its memory{spread}", device.trim())
     }
 
-    /// Steps to frame `number`, with a volume if it is another than the frame before had, and renders it if asked for.
-    /// Frames come in order, without gaps, from the shot's first.
-    pub(super) fn step(
-        &mut self,
-        number: u32,
-        volume: Option<&Volume>,
-        rendered: bool,
-    ) -> Result<(Option<Frame>, Option<FrameTimes>), Failure> {
-        let Renderer { offline, shot, desc, .. } = self;
+    /// Takes a step, and renders it if that is asked for. With smoke, steps come without gaps from the shot's first frame.
+    pub(super) fn step(&mut self, step: &Step) -> Result<(Option<Frame>, Option<FrameTimes>), Failure> {
+        let Renderer { offline, shot, effects, particles, .. } = self;
+        let Step { number, rendered, .. } = *step;
         offline.set_timed(self.timed && rendered);
         offline.frame(&Scene {
             sequence: if number == shot.frames[0] { Sequence::Restart } else { Sequence::Advance },
             dt: (1.0 / shot.fps) as f32,
             camera: shot.camera(number),
             light: shot.light(number),
-            volume,
+            volume: step.volume.as_deref(),
+            particles: step.particles.as_deref(),
+            depth: None,
+            accumulate: false,
             rendered,
             number,
         })?;
         check(&self.messages)?;
+        *particles = step.particles.as_ref().map_or(*particles, |particles| particles.position.len());
         let frame = rendered.then(|| {
-            let pixels = offline.picture().to_vec();
-            let bytes = offline.layers().try_into();
-            let layers = bytes.map(|bytes| layers::decode(bytes, pixels.len(), desc.settings.sigma > 0.0));
-            // Without layers there are no bytes of them.
-            Frame { number, pixels, layers: layers.unwrap_or_default() }
+            let layers = layers::decode(effects, &offline.layers(), *particles);
+            Frame { number, pixels: offline.picture().to_vec(), layers }
         });
         Ok((frame, offline.times()))
     }

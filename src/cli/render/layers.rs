@@ -1,74 +1,42 @@
-//! The layers of the smoke effect: from the bytes of the buffers that its passes wrote.
+//! The layers of a shot's effects: from the bytes of the buffers that their passes wrote.
 
-use super::outputs::{Layer, LayerData};
-use crate::plan::BufferId;
-use crate::smoke::layout;
-use crate::smoke::params::Control;
+mod flame;
+mod smoke;
 
-/// Every layer's name, and whether it is a table.
-pub(super) const LAYERS: [(&str, bool); 9] = [
-    ("smoke.spheres", true),
-    ("smoke.luminance", false),
-    ("smoke.depth", false),
-    ("smoke.id", false),
-    ("smoke.shadow", false),
-    ("smoke.smooth", false),
-    ("smoke.tone", false),
-    ("smoke.outline", false),
-    ("smoke", false),
-];
+use super::outputs::Layer;
+use crate::offline::{EffectBuffer, Effects};
 
-/// The buffers that layers are made of, in the order in which [`decode`] takes them.
-pub(super) const BUFFERS: [BufferId; 11] = [
-    layout::CONTROL,
-    layout::VISIBLE,
-    layout::SPHERES,
-    layout::GROUPS,
-    layout::PIXELS,
-    layout::DEPTH,
-    layout::SHADOW,
-    layout::SMOOTH,
-    layout::TONE_LAYER,
-    layout::OUTLINE_LAYER,
-    layout::PICTURE,
-];
+/// A layer's name, as in the file name, and whether it is an array.
+pub(super) type LayerName = (&'static str, bool);
 
-/// Full scale of the luminance that a pixel's word holds above its group, as in `glsl/smoke/pixel.glsl`.
-const LUMINANCE_ONE: f32 = 16_777_215.0;
-
-/// Makes the layers of a picture of `pixels` pixels. Without `filtered` the smoothed luminance is the luminance itself.
-pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, filtered: bool) -> Vec<Layer> {
-    let [control, visible, spheres, groups, words, depth, shadow, smooth, tone, outline, picture] = bytes;
-    let words: Vec<u32> = read(words, pixels);
-    let luminance: Vec<f32> = words.iter().map(|word| (word >> 8) as f32 / LUMINANCE_ONE).collect();
-    let smooth = if filtered { read(smooth, pixels) } else { luminance.clone() };
-    let data = [
-        LayerData::Table { columns: 5, values: sphere_rows(control, visible, spheres, groups) },
-        LayerData::Value(luminance),
-        LayerData::Value(read(depth, pixels)),
-        LayerData::Value(words.iter().map(|word| (word & 255) as f32).collect()),
-        LayerData::Value(read(shadow, pixels)),
-        LayerData::Value(smooth),
-        LayerData::Colour(read(tone, pixels)),
-        LayerData::Value(read(outline, pixels)),
-        LayerData::Colour(read(picture, pixels)),
-    ];
-    LAYERS.into_iter().zip(data).map(|((name, _), data)| Layer { name, data }).collect()
+/// The layers of a shot with these effects.
+pub(super) fn names(has_smoke: bool, has_flame: bool) -> Vec<LayerName> {
+    let smoke = smoke::LAYERS.iter().filter(|_| has_smoke);
+    smoke.chain(flame::LAYERS.iter().filter(|_| has_flame)).copied().collect()
 }
 
-/// x, y, z, radius and group of the visible spheres, in particle order.
-fn sphere_rows(control: &[u8], visible: &[u8], spheres: &[u8], groups: &[u8]) -> Vec<f32> {
-    let control: Vec<Control> = read(control, 1);
-    let count = control.first().map_or(0, |control| control.visible as usize);
-    let visible: Vec<u32> = read(visible, count);
-    let row = |slot: &u32| {
-        let slot = *slot as usize;
-        let sphere: [f32; 4] = at(spheres, slot)?;
-        let group: u32 = at(groups, slot)?;
-        let [x, y, z, radius] = sphere;
-        Some([x, y, z, radius, group as f32])
-    };
-    visible.iter().filter_map(row).flatten().collect()
+/// The buffers that layers are made of, in the order in which [`decode`] takes them.
+pub(super) fn buffers(effects: &Effects) -> Vec<EffectBuffer> {
+    let smoke = effects.smoke.iter().flat_map(|_| smoke::BUFFERS.map(EffectBuffer::Smoke));
+    smoke.chain(effects.flame.iter().flat_map(|_| flame::BUFFERS.map(EffectBuffer::Flame))).collect()
+}
+
+/// Makes the layers of a frame of `particles` particles. Without bytes there are none.
+pub(super) fn decode(effects: &Effects, bytes: &[&[u8]], particles: usize) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    let mut bytes = bytes;
+    if let (Some(desc), Some((taken, rest))) = (&effects.smoke, bytes.split_first_chunk()) {
+        layers.extend(smoke::decode(*taken, pixels(desc.size), desc.settings.sigma > 0.0));
+        bytes = rest;
+    }
+    if let (Some(desc), Some((taken, _))) = (&effects.flame, bytes.split_first_chunk()) {
+        layers.extend(flame::decode(*taken, pixels(desc.size), particles, desc.settings.variants));
+    }
+    layers
+}
+
+fn pixels(size: [u32; 2]) -> usize {
+    size[0] as usize * size[1] as usize
 }
 
 /// The first `count` elements, or as many as there are.
@@ -76,48 +44,26 @@ fn read<T: bytemuck::AnyBitPattern>(bytes: &[u8], count: usize) -> Vec<T> {
     bytes.chunks_exact(size_of::<T>()).take(count).map(bytemuck::pod_read_unaligned).collect()
 }
 
-/// Element `index`.
-fn at<T: bytemuck::AnyBitPattern>(bytes: &[u8], index: usize) -> Option<T> {
-    bytes.chunks_exact(size_of::<T>()).nth(index).map(bytemuck::pod_read_unaligned)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::outputs::LayerData;
     use super::*;
-    use bytemuck::Zeroable;
+
+    /// The values of a layer, one after the other.
+    pub(super) fn values(layers: &[Layer], name: &str) -> Vec<f32> {
+        let layer = layers.iter().find(|layer| layer.name == name).expect(name);
+        match &layer.data {
+            LayerData::Value(values) | LayerData::Array { values, .. } => values.clone(),
+            LayerData::Rgb(pixels) => pixels.as_flattened().to_vec(),
+            LayerData::Colour(pixels) => pixels.as_flattened().to_vec(),
+        }
+    }
 
     #[test]
-    fn words_are_taken_apart_and_spheres_come_in_particle_order() {
-        let control = Control { visible: 2, ..Control::zeroed() };
-        let spheres: Vec<[f32; 4]> = (0..4).map(|i| [i as f32, 0.0, 1.0, 0.5]).collect();
-        let pixels = [0xffff_ff07_u32, 0];
-        let zero = [[0.0f32; 4]; 2];
-        let bytes = [
-            bytemuck::bytes_of(&control),
-            bytemuck::cast_slice(&[1_u32, 3, 77]),
-            bytemuck::cast_slice(&spheres),
-            bytemuck::cast_slice(&[5_u32, 6, 7, 8]),
-            bytemuck::cast_slice(&pixels),
-            bytemuck::cast_slice(&[2.0f32, f32::INFINITY]),
-            bytemuck::cast_slice(&[1.0f32, 0.0]),
-            bytemuck::cast_slice(&[0.25f32, 0.0]),
-            bytemuck::cast_slice(&zero),
-            bytemuck::cast_slice(&[0.5f32, 0.0]),
-            bytemuck::cast_slice(&zero),
-        ];
-        let values = |layers: &[Layer], name: &str| {
-            let layer = layers.iter().find(|layer| layer.name == name).expect(name);
-            match &layer.data {
-                LayerData::Value(values) | LayerData::Table { values, .. } => values.clone(),
-                LayerData::Colour(pixels) => pixels.as_flattened().to_vec(),
-            }
-        };
-        let layers = decode(bytes, 2, true);
-        assert_eq!(values(&layers, "smoke.spheres"), [1.0, 0.0, 1.0, 0.5, 6.0, 3.0, 0.0, 1.0, 0.5, 8.0]);
-        assert_eq!(values(&layers, "smoke.luminance"), [1.0, 0.0]);
-        assert_eq!(values(&layers, "smoke.id"), [7.0, 0.0]);
-        assert_eq!(values(&layers, "smoke.depth"), [2.0, f32::INFINITY]);
-        assert_eq!(values(&layers, "smoke.smooth"), [0.25, 0.0]);
-        assert_eq!(values(&decode(bytes, 2, false), "smoke.smooth"), [1.0, 0.0], "without sigma nothing is smoothed");
+    fn a_shot_has_the_layers_of_its_effects() {
+        let count = |has_smoke, has_flame| names(has_smoke, has_flame).len();
+        assert_eq!((count(true, false), count(false, true), count(true, true)), (9, 8, 17));
+        assert!(names(false, true).iter().all(|(name, _)| name.starts_with("flame")));
+        assert!(decode(&Effects::default(), &[&[0_u8; 16][..]; 40], 3).is_empty());
     }
 }

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::Failure;
+use super::layers::LayerName;
 use crate::io::WriteError;
 use crate::io::array::write_npy;
 use crate::io::image::{read_exr, write_exr};
@@ -22,10 +23,19 @@ pub(super) struct Layer {
 pub(super) enum LayerData {
     /// One value per pixel: channel `Y`.
     Value(Vec<f32>),
+    /// Channels `R G B`.
+    Rgb(Vec<[f32; 3]>),
     /// Channels `R G B A`.
     Colour(Vec<[f32; 4]>),
+    /// An array of this shape, the last axis running fastest.
+    Array { shape: Vec<u64>, values: Vec<f32> },
+}
+
+impl LayerData {
     /// Rows of so many columns.
-    Table { columns: u64, values: Vec<f32> },
+    pub(super) fn table(columns: u64, values: Vec<f32>) -> LayerData {
+        LayerData::Array { shape: vec![values.len() as u64 / columns.max(1), columns], values }
+    }
 }
 
 /// A frame that is done on the device.
@@ -73,15 +83,15 @@ impl Outputs {
         self.picture.path(frame)
     }
 
-    fn layer(&self, folder: &Path, name: &str, is_table: bool, frame: u32) -> PathBuf {
-        let extension = if is_table { "npy" } else { "exr" };
+    fn layer(&self, folder: &Path, name: &str, is_array: bool, frame: u32) -> PathBuf {
+        let extension = if is_array { "npy" } else { "exr" };
         folder.join(format!("{name}.{frame:04}.{extension}"))
     }
 
     /// All files of a frame; `layers` as for [`Outputs::finished`].
-    pub(super) fn files<'a>(&'a self, frame: u32, layers: &'a [(&str, bool)]) -> impl Iterator<Item = PathBuf> + 'a {
+    pub(super) fn files<'a>(&'a self, frame: u32, layers: &'a [LayerName]) -> impl Iterator<Item = PathBuf> + 'a {
         let files = self.layers.iter().flat_map(move |folder| {
-            layers.iter().map(move |(name, is_table)| self.layer(folder, name, *is_table, frame))
+            layers.iter().map(move |(name, is_array)| self.layer(folder, name, *is_array, frame))
         });
         files.chain([self.picture(frame)])
     }
@@ -99,14 +109,12 @@ impl Outputs {
     pub(super) fn write(&self, frame: &Frame) -> Result<(), Failure> {
         if let Some(folder) = &self.layers {
             for Layer { name, data } in &frame.layers {
-                let path = self.layer(folder, name, matches!(data, LayerData::Table { .. }), frame.number);
+                let path = self.layer(folder, name, matches!(data, LayerData::Array { .. }), frame.number);
                 match data {
                     LayerData::Value(values) => write_exr(&path, self.size, values)?,
+                    LayerData::Rgb(pixels) => write_exr(&path, self.size, pixels)?,
                     LayerData::Colour(pixels) => write_exr(&path, self.size, pixels)?,
-                    LayerData::Table { columns, values } => {
-                        let rows = values.len() as u64 / (*columns).max(1);
-                        write_npy(&path, &[rows, *columns], values)?;
-                    }
+                    LayerData::Array { shape, values } => write_npy(&path, shape, values)?,
                 }
             }
         }
@@ -114,12 +122,12 @@ impl Outputs {
     }
 
     /// The pixels of a frame all of whose files are there and whole; `layers` names those that an effect writes, and
-    /// whether each is a table.
-    pub(super) fn finished(&self, frame: u32, layers: &[(&str, bool)]) -> Option<Vec<[f32; 4]>> {
+    /// whether each is an array.
+    pub(super) fn finished(&self, frame: u32, layers: &[LayerName]) -> Option<Vec<[f32; 4]>> {
         if let Some(folder) = &self.layers {
-            let whole = |(name, is_table): &(&str, bool)| {
-                let path = self.layer(folder, name, *is_table, frame);
-                match is_table {
+            let whole = |(name, is_array): &LayerName| {
+                let path = self.layer(folder, name, *is_array, frame);
+                match is_array {
                     true => is_whole_npy(&path),
                     false => read_exr(&path).is_ok_and(|picture| picture.size == self.size),
                 }
@@ -170,12 +178,20 @@ mod tests {
         let layers = vec![
             Layer { name: "smoke.depth", data: LayerData::Value(vec![1.0, f32::INFINITY]) },
             Layer { name: "smoke", data: LayerData::Colour(vec![[0.0; 4]; 2]) },
-            Layer { name: "smoke.spheres", data: LayerData::Table { columns: 5, values: vec![0.5; 10] } },
+            Layer { name: "smoke.spheres", data: LayerData::table(5, vec![0.5; 10]) },
+            Layer { name: "flame.mean", data: LayerData::Rgb(vec![[0.25; 3]; 2]) },
+            Layer { name: "flame.mask", data: LayerData::Array { shape: vec![2, 3, 3], values: vec![0.5; 18] } },
         ];
         Frame { number, pixels: vec![[0.0, 0.0, 0.0, 1.0]; 2], layers }
     }
 
-    const LAYERS: [(&str, bool); 3] = [("smoke.depth", false), ("smoke", false), ("smoke.spheres", true)];
+    const LAYERS: [LayerName; 5] = [
+        ("smoke.depth", false),
+        ("smoke", false),
+        ("smoke.spheres", true),
+        ("flame.mean", false),
+        ("flame.mask", true),
+    ];
 
     #[test]
     fn a_frame_is_finished_once_every_file_of_it_is_whole() {
@@ -185,8 +201,14 @@ mod tests {
         assert!(outputs.finished(7, &LAYERS).is_none());
         outputs.write(&frame(7)).expect("written");
         assert_eq!(outputs.finished(7, &LAYERS), Some(frame(7).pixels));
-        let files =
-            ["layers/smoke.depth.0007.exr", "layers/smoke.0007.exr", "layers/smoke.spheres.0007.npy", "0007.png"];
+        let files = [
+            "layers/smoke.depth.0007.exr",
+            "layers/smoke.0007.exr",
+            "layers/smoke.spheres.0007.npy",
+            "layers/flame.mean.0007.exr",
+            "layers/flame.mask.0007.npy",
+            "0007.png",
+        ];
         for file in files {
             let path = folder.0.join(file);
             let whole = fs::read(&path).expect(file);

@@ -1,0 +1,146 @@
+//! What frames are rendered from: the shot's volumes and particles, read ahead of the renderer.
+
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+
+use super::Failure;
+use crate::flame::settings::{Colour, Settings};
+use crate::flame::{self, mean_spacing};
+use crate::io::ReadError;
+use crate::io::particles::{ParticleSequence, Particles};
+use crate::io::sequence::{Input, Sequence};
+use crate::io::shot::Shot;
+use crate::io::volume::{Volume, VolumeSequence};
+use crate::offline::{Effects, TARGET_FORMAT};
+use crate::smoke;
+use crate::view::LightSource;
+
+/// Spread of a flame without one in a shot none of whose frames has two particles, in metres.
+const DEFAULT_SPREAD: f32 = 0.1;
+
+/// The input of a shot's effects.
+pub(super) struct Inputs {
+    volumes: Option<VolumeSequence>,
+    particles: Option<ParticleSequence>,
+}
+
+/// A frame, and what it brings.
+pub(super) struct Step {
+    /// The shot's number of it.
+    pub(super) number: u32,
+    /// Whether it is rendered, or only moves the smoke on.
+    pub(super) rendered: bool,
+    /// Its volume; none where it is that of the step before.
+    pub(super) volume: Option<Arc<Volume>>,
+    /// Its particles; none where they are those of the last rendered step, and where it is not rendered.
+    pub(super) particles: Option<Arc<Particles>>,
+}
+
+/// A step, or why there are no more.
+pub(super) type Read = Result<Step, ReadError>;
+
+impl Inputs {
+    /// Nothing is read yet.
+    pub(super) fn new(shot: &Shot) -> Result<Inputs, Failure> {
+        Ok(Inputs { volumes: shot.volumes()?, particles: shot.particles()? })
+    }
+
+    /// What the effects are made for that render the `missing` frames, and keep their layers if that is asked for.
+    pub(super) fn effects(&mut self, shot: &Shot, missing: &[u32], layers: bool) -> Result<Effects, Failure> {
+        let [start, end] = shot.frames;
+        let (first, last) = (*missing.first().unwrap_or(&start), *missing.last().unwrap_or(&end));
+        let mut effects = Effects::default();
+        if let (Some(volumes), Some(smoke)) = (&self.volumes, &shot.smoke) {
+            let extent = volumes.extent(start, last)?;
+            let light = shot.light(start).source;
+            effects.smoke = Some(smoke::Desc {
+                size: shot.size,
+                target_format: TARGET_FORMAT,
+                dimensions: extent.dimensions,
+                velocity: extent.velocity,
+                point_light: matches!(light, LightSource::Position(_)),
+                seed: shot.seed,
+                settings: smoke.settings.clone(),
+                layers,
+                depth: None,
+                skipping: true,
+            });
+        }
+        if let (Some(particles), Some(flame)) = (&mut self.particles, &shot.flame) {
+            // The table of physical colours ends at the hottest particle of the shot, whatever is rendered of it.
+            let is_physical = flame.settings.colour == Colour::Physical;
+            let extent = if is_physical { particles.extent(start, end)? } else { particles.extent(first, last)? };
+            let spread = match flame.settings.spread {
+                Some(spread) => spread,
+                None => spread(particles, shot.frames)?,
+            };
+            effects.flame = Some(flame::Desc {
+                size: shot.size,
+                target_format: TARGET_FORMAT,
+                scene: None,
+                particles: extent.most,
+                hottest: extent.hottest,
+                seed: shot.seed,
+                settings: Settings { spread: Some(spread), ..flame.settings.clone() },
+                layers,
+                skipping: true,
+            });
+        }
+        Ok(effects)
+    }
+
+    /// Reads what the steps bring that render the `missing` frames, one step ahead of who takes them: smoke is stepped
+    /// from the shot's first frame, fire has no past.
+    pub(super) fn read_ahead(mut self, shot: &Shot, missing: &[u32], to: &SyncSender<Read>) {
+        let steps = match (&self.volumes, missing.last()) {
+            (Some(_), Some(last)) => (shot.frames[0]..=*last).collect(),
+            _ => missing.to_vec(),
+        };
+        let (mut volume, mut particles) = (None, None);
+        for number in steps {
+            let rendered = missing.binary_search(&number).is_ok();
+            let mut read = || {
+                Ok(Step {
+                    number,
+                    rendered,
+                    volume: fresh(&mut self.volumes, number, &mut volume)?,
+                    particles: match rendered {
+                        true => fresh(&mut self.particles, number, &mut particles)?,
+                        false => None,
+                    },
+                })
+            };
+            let step = read();
+            let failed = step.is_err();
+            // The renderer has gone where nobody takes it.
+            if to.send(step).is_err() || failed {
+                return;
+            }
+        }
+    }
+}
+
+/// A frame's input, unless it is the `last` one that was handed over, which it becomes.
+fn fresh<I: Input>(
+    sequence: &mut Option<Sequence<I>>,
+    frame: u32,
+    last: &mut Option<Arc<I>>,
+) -> Result<Option<Arc<I>>, ReadError> {
+    let Some(sequence) = sequence else { return Ok(None) };
+    // A sequence hands out the same one for as long as it lasts.
+    let input = sequence.frame(frame)?;
+    let is_same = last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &input));
+    *last = Some(input.clone());
+    Ok((!is_same).then_some(input))
+}
+
+/// The spread of a flame that has none: the mean distance to the 8th neighbour in the shot's first frame that has one.
+/// Of the shot, so that a frame alone looks as it does in the sequence.
+fn spread(particles: &mut ParticleSequence, [first, last]: [u32; 2]) -> Result<f32, ReadError> {
+    for frame in first..=last {
+        if let Some(spacing) = mean_spacing(&particles.frame(frame)?.position) {
+            return Ok(spacing);
+        }
+    }
+    Ok(DEFAULT_SPREAD)
+}

@@ -1,0 +1,126 @@
+//! What effects have in common once they are made.
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::error::{Error, Result};
+use crate::flame::{self, Flame, SceneFormat};
+use crate::gpu::profiler::Mode;
+use crate::host::Host;
+use crate::plan::{BufferId, Pass, Plan};
+use crate::smoke::{self, Smoke};
+
+/// What effects are made for: at least one, all of one picture size.
+#[derive(Clone, Debug, Default)]
+pub struct Effects {
+    /// The smoke.
+    pub smoke: Option<smoke::Desc>,
+    /// The flame. With smoke its scene is the smoke's depth, whatever this says.
+    pub flame: Option<flame::Desc>,
+}
+
+impl From<smoke::Desc> for Effects {
+    fn from(desc: smoke::Desc) -> Effects {
+        Effects { smoke: Some(desc), flame: None }
+    }
+}
+
+impl From<flame::Desc> for Effects {
+    fn from(desc: flame::Desc) -> Effects {
+        Effects { smoke: None, flame: Some(desc) }
+    }
+}
+
+impl Effects {
+    /// The size of the picture that all of them make.
+    pub(super) fn size(&self) -> Result<[u32; 2]> {
+        let refuse = |why: String| Err(Error::HostResource { name: "effects", why });
+        match (self.smoke.as_ref().map(|desc| desc.size), self.flame.as_ref().map(|desc| desc.size)) {
+            (Some(smoke), Some(flame)) if smoke != flame => {
+                refuse(format!("smoke of {smoke:?} pixels, flame of {flame:?}; expected one size"))
+            }
+            (Some(size), _) | (None, Some(size)) => Ok(size),
+            (None, None) => refuse("none; expected at least one".to_owned()),
+        }
+    }
+
+    /// The same with the smoke's depth in front of the fire and behind it.
+    pub(super) fn joined(mut self) -> Effects {
+        if let (Some(_), Some(flame)) = (&self.smoke, &mut self.flame) {
+            flame.scene = Some(SceneFormat::Buffer);
+        }
+        self
+    }
+}
+
+/// A buffer of an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EffectBuffer {
+    /// Of [`smoke::layout`].
+    Smoke(BufferId),
+    /// Of [`flame::layout`].
+    Flame(BufferId),
+}
+
+/// An effect that has been made. What differs from one to the other is how it is made and what its frames are.
+pub(crate) trait Effect {
+    /// As [`Smoke::set_mode`].
+    fn set_mode(&mut self, mode: Mode);
+    /// As [`Smoke::plan`].
+    fn plan(&self) -> &Plan;
+    /// As [`Smoke::plan_capacity`].
+    fn plan_capacity(&self) -> (usize, usize);
+    /// As [`Smoke::passes`].
+    fn passes(&self) -> &[Pass];
+    /// As [`Smoke::buffer`].
+    fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64);
+    /// As [`Smoke::replay`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()>;
+    /// As [`Smoke::destroy`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator);
+}
+
+macro_rules! effect {
+    ($effect:ty) => {
+        impl Effect for $effect {
+            fn set_mode(&mut self, mode: Mode) {
+                self.set_mode(mode);
+            }
+
+            fn plan(&self) -> &Plan {
+                self.plan()
+            }
+
+            fn plan_capacity(&self) -> (usize, usize) {
+                self.plan_capacity()
+            }
+
+            fn passes(&self) -> &[Pass] {
+                self.passes()
+            }
+
+            fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
+                self.buffer(id)
+            }
+
+            unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
+                // SAFETY: the caller's.
+                unsafe { self.replay(host, commands, plan) }
+            }
+
+            unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+                // SAFETY: the caller's.
+                unsafe { self.destroy(host, allocator) };
+            }
+        }
+    };
+}
+
+effect!(Smoke);
+effect!(Flame);
