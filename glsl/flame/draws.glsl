@@ -6,15 +6,15 @@ layout(constant_id = 0) const uint CUBE = 0;     // 1: offsets fill a cube, not 
 layout(constant_id = 1) const uint SOBOL = 0;    // 1: offsets are stratified over the repetitions
 layout(constant_id = 2) const uint FLICKER = 0;  // 1: some draws change from frame to frame
 
-// The word that all draws of a render particle come from. `key` is the hash of the particle's id.
-uint draw_word(uint key, uint k, uint repetition) {
-    uint particle_word = pcg(k + key);
-    uint word = pcg(repetition + particle_word);
-    if (FLICKER == 1u) {
-        uint phase = pcg(0xffffffffu + particle_word) >> 16u;
-        word += (params.draw.z + ((params.draw.w + phase) >> 16u)) * 0x9e3779b9u;
-    }
-    return word;
+// How often a render particle has been drawn anew up to this frame, times an odd number that is added to its words.
+uint flickered(uint particle_word) {
+    uint phase = pcg(0xffffffffu + particle_word) >> 16u;
+    return FLICKER == 1u ? (params.draw.z + ((params.draw.w + phase) >> 16u)) * 0x9e3779b9u : 0u;
+}
+
+// The word that all draws of a render particle come from. `particle_word`: hash of its particle's id and its sample.
+uint draw_word(uint particle_word, uint repetition) {
+    return pcg(repetition + particle_word) + flickered(particle_word);
 }
 
 // Owen scrambling of a word whose bits are reversed (Laine and Karras 2011, with a better hash).
@@ -32,8 +32,8 @@ uint scrambled(uint x, uint seed) {
 }
 
 // Point `repetition` of a Sobol sequence of the render particle's own: its order shuffled, its coordinates scrambled.
-vec3 sobol_point(uint key, uint k, uint repetition) {
-    uint seed = pcg(0xfffffffeu + pcg(k + key));
+vec3 sobol_point(uint particle_word, uint repetition) {
+    uint seed = pcg(0xfffffffeu + particle_word) + flickered(particle_word);
     uint bits = params.flags.y;
     uint index = scrambled(repetition, pcg(seed)) & ((1u << bits) - 1u);
     uvec3 direction = uvec3(0x80000000u);
@@ -73,8 +73,8 @@ float cube_root(float u) {
 }
 
 // Offset from the particle's centre along the world's axes, in spreads.
-vec3 draw_offset(uint word, uint key, uint k, uint repetition) {
-    vec3 u = SOBOL == 1u ? sobol_point(key, k, repetition) : vec3(unit(pcg(word)), unit(pcg(word + 1u)), unit(pcg(word + 2u)));
+vec3 draw_offset(uint word, uint particle_word, uint repetition) {
+    vec3 u = SOBOL == 1u ? sobol_point(particle_word, repetition) : vec3(unit(pcg(word)), unit(pcg(word + 1u)), unit(pcg(word + 2u)));
     if (CUBE == 1u) {
         return 2.0 * u - 1.0;
     }

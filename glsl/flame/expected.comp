@@ -30,6 +30,7 @@ const uint BLOCKS = 4u;
 const int ROWS = int(BLOCK);
 const float FIXED = 16777216.0;  // 1 as a fixed-point number
 const float MOST_DEPTH = 127.0;  // optical depth of one particle in one bin
+const float LAST = float(PLACES - 1);
 const float OPAQUE = 1e-6;       // transmittance below which nothing is seen any more
 
 shared uint queue[BLOCKS][LANES];
@@ -51,8 +52,8 @@ float corner(ivec2 at, float share) {
     return mix(imageLoad(kernel, at).r, imageLoad(kernel, at + ivec2(1, 0)).r, share);
 }
 
-// How ln(1 - G) falls from depth to depth of the grid at a place of it.
-float fall(vec2 place, vec2 depths, int class_index) {
+// ln(1 - G) at a place of the grid and two depths of it.
+vec2 logarithms(vec2 place, vec2 depths, int class_index) {
     ivec2 low = ivec2(min(place, vec2(float(PLACES) - 1.001)));
     vec2 f = place - vec2(low);
     ivec2 k = ivec2(min(depths, vec2(float(DEPTHS) - 1.001)));
@@ -60,11 +61,34 @@ float fall(vec2 place, vec2 depths, int class_index) {
     ivec2 at = ivec2(DEPTHS * low.x, low.y + PLACES * class_index);
     ivec2 right = ivec2(DEPTHS, 0);
     ivec2 down = ivec2(0, 1);
-    float begin = mix(mix(corner(at + ivec2(k.x, 0), g.x), corner(at + right + ivec2(k.x, 0), g.x), f.x),
-                      mix(corner(at + down + ivec2(k.x, 0), g.x), corner(at + right + down + ivec2(k.x, 0), g.x), f.x), f.y);
-    float end = mix(mix(corner(at + ivec2(k.y, 0), g.y), corner(at + right + ivec2(k.y, 0), g.y), f.x),
-                    mix(corner(at + down + ivec2(k.y, 0), g.y), corner(at + right + down + ivec2(k.y, 0), g.y), f.x), f.y);
-    return max(begin - end, 0.0);
+    vec2 here = vec2(corner(at + ivec2(k.x, 0), g.x), corner(at + ivec2(k.y, 0), g.y));
+    vec2 beside = vec2(corner(at + right + ivec2(k.x, 0), g.x), corner(at + right + ivec2(k.y, 0), g.y));
+    at += down;
+    vec2 below = vec2(corner(at + ivec2(k.x, 0), g.x), corner(at + ivec2(k.y, 0), g.y));
+    vec2 across = vec2(corner(at + right + ivec2(k.x, 0), g.x), corner(at + right + ivec2(k.y, 0), g.y));
+    return mix(mix(here, beside, f.x), mix(below, across, f.x), f.y);
+}
+
+// The same at the nearest place of the grid.
+float nearest_logarithm(vec2 place, float depth, int class_index) {
+    ivec2 at = ivec2(place + 0.5);
+    int k = int(min(depth, float(DEPTHS) - 1.001));
+    return corner(ivec2(DEPTHS * at.x + k, at.y + PLACES * class_index), depth - float(k));
+}
+
+// 1 - exp(-h), without cancelling.
+float opacity(float h) {
+    return h < 0.02 ? h * (1.0 - h * (0.5 - h * (0.16666667 - h * 0.041666667))) : 1.0 - exp(-h);
+}
+
+// -ln(1 - x), without cancelling.
+float depth_of(float x) {
+    return x < 0.02 ? x * (1.0 + x * (0.5 + x * (0.33333333 + x * 0.25))) : -log(max(1.0 - x, 1e-30));
+}
+
+// Where an offset from a particle's centre (metres, up) lies in the grid.
+vec2 grid_place(vec2 offset, float narrow) {
+    return (vec2(offset.x, -offset.y) * narrow * 0.5 + 0.5) * LAST;
 }
 
 // Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
@@ -76,26 +100,29 @@ void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest
     float reach = kernel_reach();
     float narrow = min(reach / max(0.75 * params.focal.w * view.z, 1e-30), 1.0) / reach;
     float per_depth = 1.0 / max(params.space.z, 1e-12);
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+    [[dont_unroll]] for (int y = 0; y < ROWS; ++y) {
         vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
         float end = min(bin.y, scene_depth[y]);
         vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);
-        // The ray's offset from the centre halfway through the bin: it slants through the space.
-        vec2 m = view.z * slope - view.xy + 0.5 * (zeta.x + zeta.y) * slope;
-        vec2 place = (vec2(m.x, -m.y) * narrow * 0.5 + 0.5) * float(PLACES - 1);
+        // The ray slants through the space: its offset from the centre halfway through the bin.
+        vec2 centre = view.z * slope - view.xy;
+        vec2 place = grid_place(centre + 0.5 * (zeta.x + zeta.y) * slope, narrow);
         vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
-        bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(float(PLACES - 1))));
-        float h = weight * fall(clamp(place, vec2(0.0), vec2(float(PLACES - 1))), depths, class_index);
+        vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
+        // What passed before the bin did so at other offsets: on average at the middle of the cap before it.
+        float share = 1.0 - zeta.x * per_depth;
+        float before = -0.75 * share * share / (1.0 + share) * params.space.z;
+        vec2 place_before = clamp(grid_place(centre + before * slope, narrow), 0.0, LAST);
+        float passed = nearest_logarithm(place_before, depths.x, class_index);
+        bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST)));
+        // The rise of G over what is left of 1 - G.
+        float x = exp(ends.x - passed) * opacity(max(ends.x - ends.y, 0.0));
+        float h = weight * depth_of(clamp(x, 0.0, 1.0));
         h = inside && bin.x < end ? min(h, MOST_DEPTH) : 0.0;
-        uvec4 x = uvec4(vec4(h * colour, h) * FIXED + 0.5);
-        bin_low[y] += x;
-        bin_high[y] += uvec4(lessThan(bin_low[y], x));
+        uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);
+        bin_low[y] += added;
+        bin_high[y] += uvec4(lessThan(bin_low[y], added));
     }
-}
-
-// 1 - exp(-h), without cancelling.
-float opacity(float h) {
-    return h < 0.02 ? h * (1.0 - h * (0.5 - h * (0.16666667 - h * 0.041666667))) : 1.0 - exp(-h);
 }
 
 // Lays a finished bin behind what is nearer.

@@ -12,8 +12,9 @@ struct Sprite {
 
 // `origin`: the pixel that positions are relative to.
 Sprite make_sprite(vec4 view, vec4 centre, vec4 slope, uint key, uint k, uint repetition, vec2 origin, uint level) {
-    uint word = draw_word(key, k, repetition);
-    vec3 offset = params.space.x * draw_offset(word, key, k, repetition);
+    uint particle_word = pcg(k + key);
+    uint word = draw_word(particle_word, repetition);
+    vec3 offset = params.space.x * draw_offset(word, particle_word, repetition);
     vec3 in_view = vec3(dot(params.right.xyz, offset), dot(params.up.xyz, offset), dot(params.forward.xyz, offset));
     // Near the camera there is no slope, and all of the position is an offset.
     vec3 from = in_view + (slope.z == 1.0 ? view.xyz : vec3(0.0));
