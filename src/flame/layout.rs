@@ -19,6 +19,8 @@ use crate::plan::{BufferId, ImageId, Resource, Slot};
 /// Loop turns that a dispatch over a tile's list may take for its render particles: what batches of one render particle each
 /// cost besides is less again, and both together stay within [`crate::layout::LOOP_BUDGET`].
 pub const TURNS: u32 = 28_000;
+/// Loop turns that a particle takes in a bin of the expected image: a column of pixels, and what leads up to it.
+pub const BIN_TURNS: u32 = 10;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
 pub const FIRST_STAGE: u32 = 16;
 /// The most dispatches of a frame's repetitions.
@@ -161,7 +163,7 @@ impl Layout {
         let expected = settings.mode == Mode::Expected;
         let particles = u64::from(desc.particles.max(1));
         let turns = u64::from(TURNS);
-        let visits = if expected { 1 } else { most_count(desc) };
+        let visits = if expected { BIN_TURNS.into() } else { most_count(desc) };
         let segments = particles.div_ceil((turns / visits).max(1));
         let at_once = if segments > 1 { 1 } else { (turns / (particles * visits)).max(1) };
         let all = if expected { settings.bins } else { settings.repetitions };

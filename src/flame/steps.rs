@@ -157,7 +157,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.count, particles);
         let (visits, repetitions) = match self.desc.settings.mode {
             Mode::Stochastic => (0, self.desc.settings.repetitions),
-            Mode::Expected => (1, self.desc.settings.bins),
+            Mode::Expected => (BIN_TURNS, self.desc.settings.bins),
         };
         let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, visits, repetitions };
         self.plan.step_with(self.passes.scan, one_group, &constants);
