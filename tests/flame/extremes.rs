@@ -71,7 +71,7 @@ fn temperatures() {
     let given = particles(&rows);
     let mut total = Tally::default();
     let ramp = Colour::Ramp(vec![[0.1, 0.2, 0.9], [1.0, 0.5, 0.0]]);
-    for hottest in [800.0, 3000.0, 1e5, f32::MAX] {
+    for hottest in [800.0, 3000.0, 1e5] {
         for colour in [Colour::Displayable, Colour::Physical, ramp.clone()] {
             // Everything that has a temperature passes, if it has any alpha.
             let settings = Settings { threshold: 1e-3, count: 9.0, colour, ..base() };
@@ -92,7 +92,7 @@ fn temperatures() {
 #[test]
 fn ties() {
     let ramp = Colour::Ramp(vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    let settings = Settings { spread: Some(0.0), threshold: 0.0, size: Some(5.0), colour: ramp, ..base() };
+    let settings = Settings { spread: Some(0.0), threshold: 0.0, size: Some(100.0), colour: ramp, ..base() };
     let rows: Vec<[f32; 4]> = (0..300).map(|i| [0.0, 0.0, -2.0, 800.0 + 7.0 * i as f32]).collect();
     let positions = particles(&rows);
     let orders: [Vec<u32>; 4] = [
