@@ -67,6 +67,8 @@ struct State {
     camera: Option<Camera>,
     /// The camera of the last frame that could see fire.
     lit: Option<Camera>,
+    /// Whether tables and mask are on the device.
+    has_tables: bool,
     given: Given,
     /// A bound of its particles' temperatures.
     hottest: f32,
@@ -200,7 +202,6 @@ impl Flame {
     /// # Safety
     /// As for [`Flame::record`].
     #[cfg(feature = "cli")]
-    #[allow(dead_code)]
     pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
         for image in [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH] {
             self.resources.set_host_image(image, None);
@@ -264,10 +265,12 @@ impl Flame {
         }
         state.repetitions = state.given.before + repetitions;
         state.camera = Some(frame.camera);
-        let first = self.state.camera.is_none();
         let dark = self.dark(&state);
+        // The mask is a layer of frames without fire, too.
+        let make_tables = !state.has_tables && (dark.is_none() || self.desc.layers);
+        state.has_tables |= make_tables;
         state.lit = if dark.is_none() { Some(frame.camera) } else { state.lit };
-        Ok((Moment { given: state.given, camera: self.state.lit, first, dark }, state))
+        Ok((Moment { given: state.given, camera: self.state.lit, make_tables, dark }, state))
     }
 
     /// Only what is the same can be added to.
