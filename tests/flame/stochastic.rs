@@ -116,7 +116,7 @@ fn cameras() {
 #[test]
 fn thresholds() {
     let mut total = Tally::default();
-    for threshold in [-1.0, 0.0, 0.05, 0.7, 1.0] {
+    for threshold in [-1.0, 0.05, 1.0] {
         for size in [0.25, 1.2] {
             let settings = Settings { threshold, size: Some(size), count: 4.0, ..base() };
             look(&format!("{threshold} {size}"), settings, camera(0.0), &mut total);
