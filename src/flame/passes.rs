@@ -90,7 +90,7 @@ impl Passes {
                 Pass::compute("flame.kernel", &glsl::kernel::SHADER)
                     .specialise([u32::from(desc.settings.shape == Shape::Cube)]),
             ),
-            clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST]),
+            clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES]),
             sprites: d.compute("flame.raster", &glsl::sprites::SHADER),
             raster: d.add(raster(desc)),
             add: d.compute("flame.raster", &glsl::add::SHADER),

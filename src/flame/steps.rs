@@ -105,12 +105,14 @@ impl Steps<'_> {
         }
     }
 
-    /// Layers are whole images; the picture is one of them.
+    /// Layers are whole images; the picture is one of them. Where no particle is prepared, none of an earlier frame, or of
+    /// what the memory held before, is left in the list either.
     fn clear(&mut self) {
         if !self.desc.layers {
             return self.plan.skip("flame.clear", "no layers are kept");
         }
-        for buffer in [PICTURE, MEAN, VARIANCE] {
+        let particles = self.moment.dark.map(|_| PARTICLES);
+        for buffer in [PICTURE, MEAN, VARIANCE].into_iter().chain(particles) {
             self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
         }
         let word = f32::INFINITY.to_bits();
