@@ -161,7 +161,8 @@ fn light(desc: &Desc) -> Pass {
 }
 
 fn expected(desc: &Desc) -> Pass {
-    Pass::compute("flame.accumulate", &glsl::expected::SHADER).specialise([u32::from(desc.scene.is_some())])
+    Pass::compute("flame.accumulate", &glsl::expected::SHADER)
+        .specialise([u32::from(desc.scene.is_some()), u32::from(desc.layers)])
 }
 
 fn composite(desc: &Desc) -> Pass {
