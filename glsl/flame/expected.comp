@@ -100,7 +100,7 @@ void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest
     float reach = kernel_reach();
     float narrow = min(reach / max(0.75 * params.focal.w * view.z, 1e-30), 1.0) / reach;
     float per_depth = 1.0 / max(params.space.z, 1e-12);
-    [[dont_unroll]] for (int y = 0; y < ROWS; ++y) {
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
         vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
         float end = min(bin.y, scene_depth[y]);
         vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);

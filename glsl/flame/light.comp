@@ -32,7 +32,8 @@ void main() {
         vec3 middle = place.xyz / max(place.w, 1e-30);
         float spread = max(colour.w / max(place.w, 1e-30) - dot(middle, middle), 0.0);
         float brightest = max(colour.r, max(colour.g, colour.b));
-        lamp.place = vec4(middle, max(spread, 1e-6));
+        // The fire reaches about two standard deviations from its middle.
+        lamp.place = vec4(middle, max(4.0 * spread, 1e-6));
         lamp.colour = vec4(params.light.w * colour.rgb / max(brightest, 1e-30), 0.0);
     }
 }

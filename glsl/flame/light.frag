@@ -1,4 +1,4 @@
-// How much the fire brightens what is in the scene: its colour, less with the squared distance, halved at the fire's own width.
+// How much the fire brightens what is in the scene: its colour, half of it at the edge of the fire, less with the squared distance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"

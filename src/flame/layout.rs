@@ -13,7 +13,7 @@ use crate::flame::settings::{MOST_COUNT, Method, Mode, Settings};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::layout::{LOOP_BUDGET, buffers};
+use crate::layout::{LOOP_BUDGET, Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
 /// Loop turns that a dispatch over a tile's list may take for its render particles: what batches of one render particle each
@@ -126,8 +126,7 @@ pub struct Layout {
     pub buckets: u32,
     /// Stages of the repetitions; one unless `adaptive`.
     pub stages: Vec<Stage>,
-    /// Bytes of each buffer.
-    pub bytes: [u64; BUFFERS as usize],
+    sizes: Sizes<{ BUFFERS as usize }>,
 }
 
 impl Layout {
@@ -142,7 +141,7 @@ impl Layout {
             cells,
             buckets: buckets(settings.mode, settings.bins),
             stages: Vec::new(),
-            bytes: [16; BUFFERS as usize],
+            sizes: Sizes::LEAST,
         };
         layout.cut_stages(desc)?;
         layout.size_particles(desc, table);
@@ -200,12 +199,12 @@ impl Layout {
     }
 
     fn set(&mut self, id: BufferId, bytes: u64) {
-        self.bytes[usize::from(id.0)] = bytes.max(16).next_multiple_of(16);
+        self.sizes.set(id, bytes);
     }
 
     /// Bytes of a buffer.
     pub fn size(&self, id: BufferId) -> u64 {
-        self.bytes[usize::from(id.0)]
+        self.sizes.get(id)
     }
 
     fn size_particles(&mut self, desc: &Desc, table: &Table) {
@@ -259,21 +258,12 @@ impl Layout {
             PART_ARGUMENTS => "use fewer particles or fewer flame.repetitions",
             _ => "render a smaller picture",
         };
-        for (index, needed) in self.bytes.iter().enumerate() {
-            if *needed > limit {
-                let what = SIZES[index];
-                return Err(Error::Limit { what, needed: *needed, limit, advice: advice(BufferId(index as u16)) });
-            }
-        }
-        Ok(())
+        self.sizes.check(limit, &NAMES, advice)
     }
 
     /// Descriptions of the own buffers, in order.
-    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + '_ {
-        NAMES.iter().zip(self.bytes).enumerate().map(|(index, (name, bytes))| match BufferId(index as u16) {
-            PARAMS => BufferDesc::uniform(name, bytes),
-            _ => BufferDesc::storage(name, bytes),
-        })
+    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
+        self.sizes.descriptions(&NAMES, PARAMS)
     }
 
     /// Descriptions of the own images, in order.
@@ -305,13 +295,7 @@ impl Layout {
     /// Device memory, before alignment.
     pub fn memory(&self, desc: &Desc) -> Memory {
         let kept = [POSITIONS, IDS, COLOURS, MASK, SUMS, TILE_REPETITIONS, SCENE];
-        let mut memory = Memory::default();
-        for (index, bytes) in self.bytes.iter().enumerate() {
-            match kept.contains(&BufferId(index as u16)) {
-                true => memory.history += bytes,
-                false => memory.scratch += bytes,
-            }
-        }
+        let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             let texel = if image.format == vk::Format::R32G32_UINT { 8 } else { 4 };
             memory.history += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;

@@ -8,6 +8,7 @@ use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, Frame};
 use crate::flame::layout::Layout;
 use crate::flame::settings::{Mode, Shape};
+use crate::layout::push_constants;
 use crate::view::CameraRows;
 
 /// Side of a screen tile in pixels.
@@ -100,15 +101,6 @@ pub struct Particle {
 pub struct Lamp {
     pub place: [f32; 4],
     pub colour: [f32; 4],
-}
-
-macro_rules! push_constants {
-    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? })*) => {$(
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-        pub struct $name { $(pub $field: $type),* }
-    )*};
 }
 
 push_constants! {

@@ -35,8 +35,8 @@ pub struct Moment {
     pub given: Given,
     /// The camera of the last frame that saw fire.
     pub camera: Option<Camera>,
-    /// Tables and mask are not on the device yet.
-    pub first: bool,
+    /// Tables and mask are not on the device yet, and asked for.
+    pub make_tables: bool,
     /// Why no fire can be seen, if it is known before the device has looked.
     pub dark: Option<&'static str>,
 }
@@ -56,21 +56,21 @@ impl Steps<'_> {
         self.background(&frame.background);
         self.particles(frame);
         self.clear();
-        if self.moment.first {
-            // The mask is a layer of frames without fire, too.
-            self.plan.update_slice(self.passes.tables, COLOURS, &table.entries);
+        let dark = self.moment.dark;
+        if self.moment.make_tables || dark.is_none() {
             self.plan.update(self.passes.params, PARAMS, params);
+        }
+        if self.moment.make_tables {
+            self.plan.update_slice(self.passes.tables, COLOURS, &table.entries);
             self.mask();
         } else {
-            self.plan.skip("flame.tables", "unchanged");
-            self.plan.skip("flame.mask", "size and seed unchanged");
+            let reason = dark.unwrap_or("size and seed unchanged");
+            self.plan.skip("flame.tables", reason);
+            self.plan.skip("flame.mask", reason);
         }
-        if let Some(reason) = self.moment.dark {
+        if let Some(reason) = dark {
             FIRE_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
             return;
-        }
-        if !self.moment.first {
-            self.plan.update(self.passes.params, PARAMS, params);
         }
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.scene(frame);
