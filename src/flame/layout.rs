@@ -16,9 +16,12 @@ use crate::host::Memory;
 use crate::layout::{LOOP_BUDGET, Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
-/// Loop turns that a dispatch over a tile's list may take for its render particles: what batches of one render particle each
-/// cost besides is less again, and both together stay within [`crate::layout::LOOP_BUDGET`].
-pub const TURNS: u32 = 28_000;
+/// Loop turns that a dispatch over a tile's list is charged at most: one for each render particle, one for each particle, and
+/// [`REPETITION_TURNS`]. Each stands for up to 1.9 turns, with what batches of particles and rounds of sprites take besides:
+/// together they stay within [`crate::layout::LOOP_BUDGET`].
+pub const TURNS: u32 = 25_000;
+/// Turns that a repetition is charged however short the list is.
+pub const REPETITION_TURNS: u32 = 32;
 /// Loop turns that a particle takes in a bin of the expected image: a column of pixels, and what leads up to it.
 pub const BIN_TURNS: u32 = 10;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
@@ -161,10 +164,10 @@ impl Layout {
         let settings = &desc.settings;
         let expected = settings.mode == Mode::Expected;
         let particles = u64::from(desc.particles.max(1));
-        let turns = u64::from(TURNS);
-        let visits = if expected { BIN_TURNS.into() } else { most_count(desc) };
-        let segments = particles.div_ceil((turns / visits).max(1));
-        let at_once = if segments > 1 { 1 } else { (turns / (particles * visits)).max(1) };
+        let (turns, once) = (u64::from(TURNS), u64::from(REPETITION_TURNS));
+        let visits = if expected { BIN_TURNS.into() } else { most_count(desc) + 1 };
+        let segments = particles.div_ceil(((turns - once) / visits).max(1));
+        let at_once = if segments > 1 { 1 } else { (turns / (particles * visits + once)).max(1) };
         let all = if expected { settings.bins } else { settings.repetitions };
         if is_raster(desc) {
             // No dispatches, but all of the repetitions.

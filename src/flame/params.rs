@@ -105,7 +105,7 @@ pub struct Lamp {
 
 push_constants! {
     /// Of `scan`.
-    ScanConstants { cells: u32, turns: u32, visits: u32, repetitions: u32 }
+    ScanConstants { cells: u32, turns: u32, once: u32, visits: u32, repetitions: u32 }
     /// Of `tiles` and `adapt`.
     PartsConstants { first: u32, most: u32, repetitions: u32, stages: u32 }
     /// Of `mips`.

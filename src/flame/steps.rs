@@ -159,7 +159,8 @@ impl Steps<'_> {
             Mode::Stochastic => (0, self.desc.settings.repetitions),
             Mode::Expected => (BIN_TURNS, self.desc.settings.bins),
         };
-        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, visits, repetitions };
+        let (turns, once) = (TURNS, REPETITION_TURNS);
+        let constants = ScanConstants { cells: self.layout.cells, turns, once, visits, repetitions };
         self.plan.step_with(self.passes.scan, one_group, &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {
