@@ -39,6 +39,7 @@ const SINGLE: f64 = 1e-5;
 fn the_device_integrates_its_table() {
     for case in ways() {
         let Some((mut rig, image)) = both(&case) else { return };
+        println!("{:?}", rig.offline().times().map(|t| t.passes.iter().filter(|p| p.name.contains("kernel")).map(|p| (p.end_ns-p.begin_ns)/1000000).collect::<Vec<_>>()));
         let mean = rig.mean();
         let [rms, most] = apart(&mean, &image.mean);
         println!("{}: {rms:.1e} RMS, {most:.1e} at most of what f64 makes of the same table", case.name);

@@ -27,7 +27,7 @@ fn compare(case: &Case, repetitions: u32) -> Option<Compared> {
     let mut rig = repeated(case, repetitions).render()?;
     let (own, all) = (expected.mean(), rig.mean());
     let finite = |pixels: &[[f32; 4]]| pixels.iter().flatten().all(|c| (0.0..1e6).contains(c));
-    println!("{} finite {} {} min {:?} max {:?}", case.name, finite(&own), finite(&all), own.iter().flatten().fold(1e9f32,|a,b|a.min(*b)), own.iter().flatten().fold(-1e9f32,|a,b|a.max(*b)));
+    assert!(finite(&own) && finite(&all), "{}: {:?}", case.name, case.desc.settings);
     assert!(expected.picture().iter().flatten().all(|c| c.is_finite()), "{}", case.name);
     assert!(expected.variance().iter().flatten().all(|c| *c >= 0.0), "{}", case.name);
     assert!(own.iter().all(|p| p[3] <= 1.0), "{}", case.name);
@@ -120,4 +120,28 @@ fn what_nobody_sees_is_empty() {
     let Some(mut rig) = plain().render() else { return };
     rig.frame(&ball(0, 1), scenes::camera(0.0));
     assert!(rig.picture().iter().flatten().all(|c| *c == 0.0));
+}
+#[test]
+fn probe_shift() {
+    use celfx::flame::reference::expected;
+    for z in [30.0, 60.0, 100.0, 300.0] {
+        let (mut all, mut list) = ([0.0; 2], vec![]);
+        for k in 0..6 {
+            let px = z * 20.0_f64.to_radians().tan() / 6.0;
+            let s = [0.17 * f64::from(k) * px, 0.41 * f64::from(k) * px];
+            let mut camera = looking([s[0], s[1], z], [s[0], s[1], 0.0], 40.0);
+            camera.far = 1e3;
+            let case = Case::new("x", [16, 12], 60, Settings { count: 3000.0 / z as f32, ..settings() }, camera);
+            let Some(mut rig) = case.render() else { return };
+            let (mask, level) = (crate::cases::device_mask(&mut rig), crate::cases::level(&case, &mut rig));
+            let (particles, bins) = (crate::cases::prepared(&case, &mut rig), crate::cases::bins(&mut rig));
+            let image = expected::render(&case.frame(&mask, level), &particles, bins, 64);
+            let e: f64 = image.mean.iter().flatten().sum();
+            let d: f64 = rgb(&rig.mean()).iter().flatten().sum();
+            list.push((d / e * 1000.0).round() / 1000.0);
+            all[0] += d;
+            all[1] += e;
+        }
+        println!("SHIFT z {z} {list:?} all {:.3}", all[0] / all[1]);
+    }
 }

@@ -13,6 +13,8 @@ use crate::common::flame::FlameRig;
 
 const PLACES: usize = KERNEL_PLACES as usize;
 const DEPTHS: usize = KERNEL_DEPTHS as usize;
+/// Along a side of the mask, at least.
+const PLACES_OF_MASK: usize = 16;
 const LAST: f64 = (PLACES - 1) as f64;
 
 /// What is the same for all particles of a frame.
@@ -58,18 +60,22 @@ impl Space {
     /// ln(1 - G) at all nodes of a class, of whose mask's texels these shares pass.
     fn nodes(&self, shares: &[f64]) -> Vec<f64> {
         let side = shares.len().isqrt();
-        let texel_side = self.sprite / side as f64;
-        let widest = self.spread.max(2.0 * texel_side);
+        let places = (PLACES_OF_MASK / side).max(1);
+        let across = side * places;
+        let place_side = self.sprite / across as f64;
+        let widest = self.spread.max(2.0 * place_side);
         let radius = if self.cube { self.spread + 1e-12 } else { widest };
         let volume = if self.cube { 8.0 } else { 4.0 / 3.0 * std::f64::consts::PI } * radius.powi(3);
         let squeeze = self.depth / if self.cube { self.depth.max(1e-12) } else { widest };
-        let weight = texel_side * texel_side / volume / squeeze.max(1e-12);
+        let weight = place_side * place_side / volume / squeeze.max(1e-12);
+        let place = |i: usize| ([i % across, i / across], shares[i / across / places * side + i % across / places]);
+        let passing_places: Vec<_> = (0..across * across).map(place).filter(|(_, share)| *share > 0.0).collect();
         let mut nodes = Vec::with_capacity(PLACES * PLACES * DEPTHS);
         for place in 0..PLACES * PLACES {
             let m = [place % PLACES, place / PLACES].map(|i| self.reach() * (2.0 * i as f64 / LAST - 1.0));
             let mut g = [0.0; DEPTHS];
-            for (texel, share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
-                let u = [texel % side, texel / side].map(|i| (i as f64 + 0.5) / side as f64 - 0.5);
+            for (at, share) in passing_places.iter() {
+                let u = at.map(|i| (i as f64 + 0.5) / across as f64 - 0.5);
                 // The mask's rows go down, space goes up.
                 let at = DVec2::new(m[0] - self.sprite * u[0], -(m[1] - self.sprite * u[1]));
                 let [start, end] = self.chord(at, radius).map(|z| z * squeeze);
@@ -87,13 +93,13 @@ impl Space {
     }
 }
 
-/// How many alphas of all variants pass below each texel of a level.
-fn passing(mask: &Mask, level: u32, threshold: f32) -> Vec<u32> {
-    let side = SIDE >> level;
-    let mut counts = vec![0; side * side];
-    for (i, alpha) in mask.texels().iter().enumerate() {
-        let (x, y) = (i % SIDE >> level, i / SIDE % SIDE >> level);
-        counts[y * side + x] += u32::from(*alpha > 0.0 && *alpha >= f64::from(threshold));
+/// How many of the values of all variants pass in each texel of a level.
+fn passing(sorted: &[f64], level: u32, threshold: f32) -> Vec<u32> {
+    let texels = (SIDE >> level).pow(2);
+    let mut counts = vec![0; texels];
+    for (block, values) in sorted.chunks(1 << (2 * level)).enumerate() {
+        let passes = |alpha: &&f64| **alpha > 0.0 && **alpha >= f64::from(threshold);
+        counts[block % texels] += values.iter().filter(passes).count() as u32;
     }
     counts
 }
@@ -126,7 +132,8 @@ impl<'a> Model<'a> {
         // As the effect makes it: in single precision, as classes and thresholds are below.
         let largest = (Mask::new(case.desc.seed, settings.variants).largest() * 1.000001) as f32;
         let of_class = |class: usize| largest * class as f32 / (KERNEL_CLASSES - 1) as f32;
-        let all = |threshold: f32| passing(mask, 6, threshold)[0];
+        let last = mask.sorted(6);
+        let all = |threshold: f32| passing(&last, 6, threshold)[0];
         let rotation = case.camera.rotation();
         let views: Vec<DVec3> = particles
             .iter()
@@ -147,6 +154,7 @@ impl<'a> Model<'a> {
         };
         let weighed: Vec<Weighed> = particles.iter().zip(&views).map(weigh).collect();
         let level = level.max(1);
+        let sorted = mask.sorted(level);
         let below = f64::from(settings.variants << (2 * level));
         let mut used: Vec<usize> = particles.iter().zip(&weighed).filter(|(p, _)| p.count > 0).map(|p| p.1.class).collect();
         used.sort_unstable();
@@ -156,7 +164,7 @@ impl<'a> Model<'a> {
             let space = &space;
             let build = |class: usize| {
                 let shares: Vec<f64> =
-                    passing(mask, level, of_class(class)).into_iter().map(|n| f64::from(n) / below).collect();
+                    passing(&sorted, level, of_class(class)).into_iter().map(|n| f64::from(n) / below).collect();
                 (class, scope.spawn(move || space.nodes(&shares)))
             };
             let built: Vec<_> = used.into_iter().map(build).collect();
