@@ -11,6 +11,7 @@ layout(binding = 3, r32f) uniform writeonly image2D kernel;
 #include "kernel.glsl"
 
 const float LEAST = -24.0;
+const uint PLACES_OF_MASK = 16u;  // along a side, at least
 
 // The chord through the space at an offset across, in metres; empty where begin > end.
 vec2 chord(vec2 at, float radius) {
@@ -40,9 +41,12 @@ void main() {
     float reach = kernel_reach();
     vec2 m = reach * (2.0 * vec2(grid) / float(PLACES - 1) - 1.0);
     uint side = MASK_SIDE >> kernel_level;
-    float texel_side = params.space.y / float(side);
-    // A space narrower than two texels would fall between them.
-    float widest = max(params.space.x, 2.0 * texel_side);
+    // Coarse texels are areas: each is looked at in several places.
+    uint places = max(PLACES_OF_MASK / side, 1u);
+    uint across = side * places;
+    float place_side = params.space.y / float(across);
+    // A space narrower than two places would fall between them.
+    float widest = max(params.space.x, 2.0 * place_side);
     float radius = CUBE == 1u ? params.space.x + 1e-12 : widest;
     float volume = CUBE == 1u ? 8.0 * radius * radius * radius : 4.18879020478639 * radius * radius * radius;
     float squeeze = params.space.z / (CUBE == 1u ? max(params.space.z, 1e-12) : widest);
@@ -50,19 +54,26 @@ void main() {
     [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
         g[k] = 0.0;
     }
-    for (uint texel = 0u; texel < side * side; ++texel) {
-        float share = shares[class_index * side * side + texel];
-        vec2 u = (vec2(texel % side, texel / side) + 0.5) / float(side) - 0.5;
+    for (uint i = 0u; i < across * across; ++i) {
+        uvec2 at_mask = uvec2(i % across, i / across);
+        float share = shares[(class_index * side + at_mask.y / places) * side + at_mask.x / places];
+        if (share == 0.0) {
+            continue;
+        }
+        vec2 u = (vec2(at_mask) + 0.5) / float(across) - 0.5;
         vec2 at = m - params.space.y * u;
         // The mask's rows go down, space goes up.
         vec2 range = chord(vec2(at.x, -at.y), radius) * squeeze;
-        float length = max(range.y - range.x, 0.0);
+        float length = range.y - range.x;
+        if (length <= 0.0) {
+            continue;
+        }
         [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
             float depth = params.space.z * (2.0 * float(k) / float(DEPTHS - 1) - 1.0);
             g[k] += share * clamp(depth - range.x, 0.0, length);
         }
     }
-    float weight = texel_side * texel_side / volume / max(squeeze, 1e-12);
+    float weight = place_side * place_side / volume / max(squeeze, 1e-12);
     [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
         float p = min(weight * g[k], 1.0);
         // The series where 1 - p would lose p's digits.

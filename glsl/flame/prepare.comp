@@ -63,8 +63,8 @@ void main() {
             }
         }
         if (seen) {
-            atomicMin(common_values[2], ordered(nearest_of(view.z)));
-            atomicMax(common_values[3], ordered(view.z + params.space.z));
+            atomicMin(common_values[2], ordered(max(nearest_of(view.z), params.lens.z)));
+            atomicMax(common_values[3], ordered(min(view.z + params.space.z, params.lens.w)));
             atomicAdd(common_values[4], 1u);
         }
         bool kept = params.flags.x == 1u ? seen : valid && count > 0u && on_screen(bounds);

@@ -23,7 +23,8 @@ void main() {
         return;
     }
     vec4 view = particles[row].view;
-    float threshold = view.w > 0.0 ? params.model.y / view.w : 2.0;
+    // Without alpha all of the mask passes, or nothing.
+    float threshold = view.w > 0.0 ? params.model.y / view.w : params.model.y > 0.0 ? 2.0 : 0.0;
     float place = clamp(threshold / params.light.y, 0.0, 1.0) * float(CLASSES - 1);
     uint class_index = min(uint(place + 0.5), uint(CLASSES - 2));
     float weight = float(particles[row].draw.z) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);

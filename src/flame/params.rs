@@ -170,7 +170,12 @@ impl FlameParams {
         let flags = u32::from(settings.size_pixels.is_some()) | u32::from(given.ids) << 1;
         params.flags = [u32::from(desc.skipping), bits, given.before, flags];
         params.model = [settings.alpha_scale, settings.threshold, settings.count, settings.hottest];
-        let spread = settings.spread.unwrap_or_default();
+        let least = match settings.mode {
+            Mode::Stochastic => 0.0,
+            // The table is over the depth of a particle's space, which must have one.
+            Mode::Expected => settings.sprite() / 256.0,
+        };
+        let spread = settings.spread.unwrap_or_default().max(least);
         let depth = if settings.shape == Shape::Cube { spread * 3.0_f32.sqrt() } else { spread };
         params.space = [spread, settings.size_pixels.unwrap_or(settings.sprite()), depth, desc.hottest];
         params.light = [settings.intensity, max_alpha, settings.adaptive, settings.light];

@@ -1,0 +1,135 @@
+//! How close the expected image is: to its own table in f64, to the exact kernel, to many bins.
+
+use celfx::flame::Settings;
+use celfx::flame::reference::expected::{self, Bins, Expected};
+use celfx::flame::settings::Shape;
+use celfx::view::Camera;
+use glam::DVec3;
+
+use crate::cases::{self, Case, apart, near, parallel, plain, rgb, settings, usual, wide};
+use crate::common::flame::FlameRig;
+use crate::table::{Model, both};
+
+/// Cases in which the tables and look-ups take every way that they have.
+fn ways() -> Vec<Case> {
+    let tall = Camera { eye: DVec3::new(2.0, 1.5, 3.0), target: DVec3::ZERO, ..Camera::default() };
+    let cube = Settings { shape: Shape::Cube, ..settings() };
+    // The whole fire is some pixels wide, a particle's reach a fraction of one.
+    let far = Camera { eye: DVec3::new(0.0, 0.0, 160.0), target: DVec3::ZERO, far: 1e3, ..Camera::default() };
+    vec![
+        plain(),
+        wide(),
+        near(),
+        usual(),
+        Case::new("cube", [33, 41], 40, cube, tall),
+        Case::new("far", [24, 18], 40, settings(), far),
+        plain().with(|s| s.spread = Some(0.02)),
+        plain().with(|s| s.size = Some(0.03)),
+        plain().with(|s| s.threshold = 0.0),
+        plain().with(|s| s.bins = 1),
+        plain().with(|s| s.bins = 5),
+    ]
+}
+
+/// Single precision: of the some 200 roundings that a pixel's bins and particles make each is 6e-8 of a number below 1,
+/// and sums over a table's node up to a thousand texels. Measured: 3e-6.
+const SINGLE: f64 = 1e-5;
+
+#[test]
+fn the_device_integrates_its_table() {
+    for case in ways() {
+        let Some((mut rig, image)) = both(&case) else { return };
+        println!("{:?}", rig.offline().times().map(|t| t.passes.iter().filter(|p| p.name.contains("kernel")).map(|p| (p.end_ns-p.begin_ns)/1000000).collect::<Vec<_>>()));
+        let mean = rig.mean();
+        let [rms, most] = apart(&mean, &image.mean);
+        println!("{}: {rms:.1e} RMS, {most:.1e} at most of what f64 makes of the same table", case.name);
+        assert!(most < SINGLE, "{}, {:?}: {most}", case.name, case.desc.settings);
+        let coverage = mean.iter().zip(&image.coverage).map(|(m, c)| crate::common::apart(m[3], *c));
+        let most = coverage.fold(0.0, f64::max);
+        assert!(most < 3.0 * SINGLE, "{}: coverage {most}", case.name);
+        let seen: f32 = mean.iter().map(|m| m[3]).sum();
+        assert!(seen > 0.005, "{}: nothing is seen", case.name);
+        check_depths(&case, &mut rig, &image);
+    }
+}
+
+/// Mean depths, where enough is seen for a rounding of the coverage not to move them.
+fn check_depths(case: &Case, rig: &mut FlameRig, image: &Expected) {
+    let pixels = rig.nearest().into_iter().zip(rig.mean()).zip(&image.depth);
+    for (i, ((depth, mean), expected)) in pixels.enumerate() {
+        // The device has a particle's bounds with a margin; what it does not list there has no share.
+        assert_eq!(depth.is_finite(), mean[3] > 0.0, "{}: pixel {i}", case.name);
+        if mean[3] > 0.01 {
+            let difference = crate::common::apart(depth, *expected);
+            assert!(difference < 1e-3 * expected, "{}: pixel {i}: {depth}, {expected}", case.name);
+        }
+    }
+}
+
+#[test]
+fn particles_have_their_class_and_weight() {
+    for case in ways() {
+        let Some(mut rig) = case.render() else { return };
+        let (mask, level) = (cases::device_mask(&mut rig), cases::level(&case, &mut rig));
+        let (particles, given) = (cases::prepared(&case, &mut rig), rig.prepared());
+        let model = Model::new(&case, &mask, level.max(5), &particles);
+        for (particle, weighed) in given.iter().zip(&model.weighed).filter(|(p, _)| p.draw[2] > 0) {
+            let weight = f64::from(f32::from_bits(particle.light[2]));
+            assert_eq!(particle.draw[3] as usize, weighed.class, "{}", case.name);
+            // A few roundings of one product; and a square of what a depth has lost by cancelling.
+            assert!((weight - weighed.weight).abs() <= 1e-5 * weighed.weight, "{}: {weight}, {weighed:?}", case.name);
+        }
+    }
+}
+
+/// The device's frame, and without a table that of its mask, particles and borders of bins. Sprites in 64 x 64 cells: for
+/// minified masks some 1e-4 close (`reference::expected`).
+fn exact(case: &Case, count: Option<usize>) -> Option<(FlameRig, Expected)> {
+    let mut rig = case.render()?;
+    let (mask, level) = (cases::device_mask(&mut rig), cases::level(case, &mut rig));
+    let (particles, bins) = (cases::prepared(case, &mut rig), cases::bins(&mut rig));
+    let bins = Bins { count: count.unwrap_or(bins.count), ..bins };
+    let image = expected::render(&case.frame(&mask, level), &particles, bins, 64);
+    Some((rig, image))
+}
+
+/// What the table leaves of the exact kernel, with the same bins. The specified bound.
+#[test]
+fn the_table_is_close_to_the_exact_kernel() {
+    for case in [parallel()] {
+        let Some((mut rig, image)) = exact(&case, None) else { return };
+        let [rms, most] = apart(&rig.mean(), &image.mean);
+        println!("{}: {rms:.2e} RMS, {most:.1e} at most of the exact kernel", case.name);
+        assert!(rms < 3e-4, "{}: {rms}", case.name);
+    }
+}
+
+/// All there is between the image and the integral: table, slanted rays in steps along the axis, bins.
+#[test]
+fn the_image_is_close_to_the_integral() {
+    // Bounds are a quarter more than what is measured.
+    for (case, bound) in [(plain(), 1.5e-3), (wide(), 2e-3), (near(), 2.5e-3), (usual(), 2.9e-3)] {
+        let Some((mut rig, image)) = exact(&case, Some(512)) else { return };
+        let [rms, most] = apart(&rig.mean(), &image.mean);
+        println!("{}: {rms:.2e} RMS, {most:.1e} at most of the integral", case.name);
+        assert!(rms < bound, "{}: {rms}", case.name);
+    }
+}
+
+#[test]
+fn bins_converge_to_second_order() {
+    // The specified bound. Where rays slant by up to 1.6 a metre bins are longer along them: twice that is measured.
+    for (case, bound) in [(plain(), 5e-4), (parallel(), 5e-4), (near(), 5e-4), (wide(), 1.3e-3)] {
+        let Some(mut many) = case.with(|s| s.bins = 1024).render() else { return };
+        let truth = rgb(&many.mean());
+        let error = |bins| {
+            let mut rig = case.with(|s| s.bins = bins).render()?;
+            Some(apart(&rig.mean(), &truth)[0])
+        };
+        let Some(errors) = [16, 32, 64].map(error).into_iter().collect::<Option<Vec<f64>>>() else { return };
+        println!("{}: {errors:.6?} RMS with 16, 32, 64 bins", case.name);
+        assert!(errors[1] < bound, "{}: {errors:?}", case.name);
+        // A second order is a factor of 4 each time; a single one scatters by what particles lie on borders of bins.
+        assert!(errors[0] / errors[2] > 9.0, "{}: {errors:?}", case.name);
+    }
+}

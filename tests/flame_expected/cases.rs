@@ -1,0 +1,179 @@
+//! Scenes that several tests render, and what they compare images by.
+
+use celfx::flame::layout;
+use celfx::flame::params::Control;
+use celfx::flame::reference::expected::Bins;
+use celfx::flame::reference::mask::{self, Mask};
+use celfx::flame::reference::prepare;
+use celfx::flame::reference::stochastic::Frame;
+use celfx::flame::settings::Mode;
+use celfx::flame::{Desc, Settings};
+use celfx::io::particles::Particles;
+use celfx::offline::EffectBuffer;
+use celfx::view::Camera;
+use glam::DVec3;
+
+use crate::common::flame::{FlameRig, ball, desc};
+use crate::common::scenes;
+
+/// What is rendered.
+#[derive(Clone)]
+pub struct Case {
+    pub name: &'static str,
+    pub desc: Desc,
+    pub camera: Camera,
+    pub particles: Particles,
+}
+
+/// The expected image of fire whose sprites are about as large as the spaces that they fill.
+pub fn settings() -> Settings {
+    Settings {
+        mode: Mode::Expected,
+        spread: Some(0.2),
+        size: Some(0.25),
+        count: 10.0,
+        variants: 4,
+        ..Settings::default()
+    }
+}
+
+impl Case {
+    /// Particles in a ball of 1 m around the origin.
+    pub fn new(name: &'static str, size: [u32; 2], count: u32, settings: Settings, camera: Camera) -> Case {
+        Case { name, desc: desc(size, count, settings), camera, particles: ball(count, 3) }
+    }
+
+    /// The same with other settings.
+    pub fn with(&self, change: impl FnOnce(&mut Settings)) -> Case {
+        let mut case = self.clone();
+        change(&mut case.desc.settings);
+        case
+    }
+
+    /// Rendered by an effect of its own.
+    pub fn render(&self) -> Option<FlameRig> {
+        let mut rig = FlameRig::new(self.desc.clone())?;
+        rig.frame(&self.particles, self.camera);
+        Some(rig)
+    }
+}
+
+/// All of the fire in the middle of the picture, from 4 m.
+pub fn plain() -> Case {
+    Case::new("plain", [48, 36], 60, settings(), scenes::camera(25.0))
+}
+
+/// A wide lens past which fire burns in a corner of the picture: rays slant by up to 1.6 a metre.
+pub fn wide() -> Case {
+    let camera = Camera {
+        eye: DVec3::new(0.0, 0.1, 1.7),
+        target: DVec3::new(-1.3, -0.9, 0.6),
+        vertical_fov: 100.0,
+        ..Camera::default()
+    };
+    Case::new("wide", [48, 36], 60, settings(), camera)
+}
+
+/// So near that perspective is strong within a particle and sprites are large: the mask is magnified.
+pub fn near() -> Case {
+    let camera = Camera { eye: DVec3::new(0.1, 0.0, 1.15), target: DVec3::ZERO, vertical_fov: 60.0, ..Camera::default() };
+    Case::new("near", [40, 30], 24, settings(), camera)
+}
+
+/// As users have it: the defaults, with the usual spread of 300 particles.
+pub fn usual() -> Case {
+    let particles = ball(300, 3);
+    let spread = celfx::flame::mean_spacing(&particles.position);
+    let settings = Settings { mode: Mode::Expected, spread, ..Settings::default() };
+    Case { particles, ..Case::new("usual", [40, 30], 300, settings, scenes::camera(25.0)) }
+}
+
+/// The same from so far away that rays are parallel: what the tables' bounds were measured on.
+pub fn parallel() -> Case {
+    let case = usual();
+    let away = 30.0;
+    let fov = 2.0 * ((case.camera.vertical_fov.to_radians() / 2.0).tan() / away).atan().to_degrees();
+    let camera = Camera { eye: case.camera.eye * away, vertical_fov: fov, far: 1e4, ..case.camera };
+    Case { name: "parallel", camera, ..case }
+}
+
+/// What the device has decided.
+pub fn control(rig: &mut FlameRig) -> Control {
+    let read = rig.offline().read_as(EffectBuffer::Flame(layout::CONTROL), 1);
+    read.expect("the buffer can be read")[0]
+}
+
+/// A float from the number that orders as it does.
+pub fn from_ordered(word: u32) -> f32 {
+    f32::from_bits(if word >> 31 == 1 { word ^ 1 << 31 } else { !word })
+}
+
+/// The bins of the device's frame.
+pub fn bins(rig: &mut FlameRig) -> Bins {
+    let control = control(rig);
+    let [near, far] = [control.range_low, control.range_high].map(|word| f64::from(from_ordered(word)));
+    Bins { near, far, count: rig.desc().settings.bins as usize }
+}
+
+/// The device's mask.
+pub fn device_mask(rig: &mut FlameRig) -> Mask {
+    Mask::from_texels(rig.mask().into_iter().map(f64::from).collect())
+}
+
+/// The level of the mask in the device's frame.
+pub fn level(case: &Case, rig: &mut FlameRig) -> u32 {
+    let nearest = f32::from_bits(control(rig).nearest);
+    prepare::mask_level(&case.desc.settings, &case.camera, case.desc.size, nearest.into())
+}
+
+/// The device's particles as the references take them: with its counts, alphas and colours.
+pub fn prepared(case: &Case, rig: &mut FlameRig) -> Vec<prepare::Particle> {
+    let brightest = f64::from(f32::from_bits(control(rig).brightest));
+    let rows = rig.prepared().into_iter().zip(&case.particles.position).enumerate();
+    let particle = |(row, (given, centre)): (usize, (celfx::flame::params::Particle, &[f32; 3]))| {
+        let colour = [0, 1, 2].map(|c| f64::from(given.colour[c]));
+        prepare::Particle {
+            row: row as u32,
+            id: given.draw[1],
+            centre: *centre,
+            alpha: given.view[3].into(),
+            mean_count: given.colour[3].into(),
+            count: given.draw[2],
+            colour,
+            light: colour.map(|c| prepare::light(c, brightest)),
+        }
+    };
+    rows.map(particle).collect()
+}
+
+impl Case {
+    /// As the references take it.
+    pub fn frame<'a>(&'a self, mask: &'a Mask, level: u32) -> Frame<'a> {
+        Frame {
+            settings: &self.desc.settings,
+            seed: self.desc.seed,
+            number: 0,
+            camera: &self.camera,
+            size: self.desc.size,
+            scene: None,
+            mask,
+            level,
+        }
+    }
+}
+
+/// Root mean square of what two images differ by, over all channels of all pixels, and the largest difference.
+pub fn apart(a: &[[f32; 4]], b: &[[f64; 3]]) -> [f64; 2] {
+    assert_eq!(a.len(), b.len());
+    let channels = a.iter().zip(b).flat_map(|(a, b)| (0..3).map(|c| crate::common::apart(a[c], b[c])));
+    let (sum, most) = channels.fold((0.0, 0.0_f64), |(sum, most), d| (sum + d * d, most.max(d)));
+    [(sum / (3 * a.len()) as f64).sqrt(), most]
+}
+
+/// RGB in f64.
+pub fn rgb(pixels: &[[f32; 4]]) -> Vec<[f64; 3]> {
+    pixels.iter().map(|p| [0, 1, 2].map(|c| f64::from(p[c]))).collect()
+}
+
+/// Alphas of a level, sorted within each texel, are looked up at the side of a level.
+pub const SIDE: usize = mask::SIDE;

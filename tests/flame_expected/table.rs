@@ -1,0 +1,236 @@
+//! The table of the expected image and its look-ups in f64, with the nodes, classes and weights of the kernels.
+
+use celfx::flame::params::{KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES};
+use celfx::flame::reference::expected::{Bins, Expected, integrate};
+use celfx::flame::reference::kernel::FLOOR;
+use celfx::flame::reference::mask::Mask;
+use celfx::flame::reference::prepare::Particle;
+use celfx::flame::settings::Shape;
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::cases::{self, Case, SIDE};
+use crate::common::flame::FlameRig;
+
+const PLACES: usize = KERNEL_PLACES as usize;
+const DEPTHS: usize = KERNEL_DEPTHS as usize;
+/// Along a side of the mask, at least.
+const PLACES_OF_MASK: usize = 16;
+const LAST: f64 = (PLACES - 1) as f64;
+
+/// What is the same for all particles of a frame.
+struct Space {
+    spread: f64,
+    /// How far render particles go in depth.
+    depth: f64,
+    sprite: f64,
+    cube: bool,
+    rotation: DMat3,
+}
+
+impl Space {
+    fn new(case: &Case) -> Space {
+        let settings = &case.desc.settings;
+        let (spread, cube) = (f64::from(settings.spread.unwrap_or_default()), settings.shape == Shape::Cube);
+        let depth = if cube { spread * 3.0_f64.sqrt() } else { spread };
+        Space { spread, depth, sprite: settings.sprite().into(), cube, rotation: case.camera.rotation() }
+    }
+
+    fn reach(&self) -> f64 {
+        self.depth + 0.5 * self.sprite
+    }
+
+    /// Depths between which a ray along the view axis is within the space of a radius; the first is larger if none.
+    fn chord(&self, at: DVec2, radius: f64) -> [f64; 2] {
+        if self.cube {
+            let back = self.rotation.transpose();
+            let (across, forward) = (back * at.extend(0.0), back * DVec3::Z);
+            let mut range = [-1e30, 1e30];
+            for axis in 0..3 {
+                let along = if forward[axis].abs() < 1e-6 { 1e-6 } else { forward[axis] };
+                let ends = [-radius, radius].map(|side| (side - across[axis]) / along);
+                range = [f64::max(range[0], ends[0].min(ends[1])), f64::min(range[1], ends[0].max(ends[1]))];
+            }
+            return range;
+        }
+        let rest = radius * radius - at.length_squared();
+        let half = if rest > 0.0 { rest.sqrt() } else { -1.0 };
+        [-half, half]
+    }
+
+    /// ln(1 - G) at all nodes of a class, of whose mask's texels these shares pass.
+    fn nodes(&self, shares: &[f64]) -> Vec<f64> {
+        let side = shares.len().isqrt();
+        let places = (PLACES_OF_MASK / side).max(1);
+        let across = side * places;
+        let place_side = self.sprite / across as f64;
+        let widest = self.spread.max(2.0 * place_side);
+        let radius = if self.cube { self.spread + 1e-12 } else { widest };
+        let volume = if self.cube { 8.0 } else { 4.0 / 3.0 * std::f64::consts::PI } * radius.powi(3);
+        let squeeze = self.depth / if self.cube { self.depth.max(1e-12) } else { widest };
+        let weight = place_side * place_side / volume / squeeze.max(1e-12);
+        let place = |i: usize| ([i % across, i / across], shares[i / across / places * side + i % across / places]);
+        let passing_places: Vec<_> = (0..across * across).map(place).filter(|(_, share)| *share > 0.0).collect();
+        let mut nodes = Vec::with_capacity(PLACES * PLACES * DEPTHS);
+        for place in 0..PLACES * PLACES {
+            let m = [place % PLACES, place / PLACES].map(|i| self.reach() * (2.0 * i as f64 / LAST - 1.0));
+            let mut g = [0.0; DEPTHS];
+            for (at, share) in passing_places.iter() {
+                let u = at.map(|i| (i as f64 + 0.5) / across as f64 - 0.5);
+                // The mask's rows go down, space goes up.
+                let at = DVec2::new(m[0] - self.sprite * u[0], -(m[1] - self.sprite * u[1]));
+                let [start, end] = self.chord(at, radius).map(|z| z * squeeze);
+                let length = (end - start).max(0.0);
+                if length > 0.0 {
+                    for (k, g) in g.iter_mut().enumerate() {
+                        let depth = self.depth * (2.0 * k as f64 / (DEPTHS - 1) as f64 - 1.0);
+                        *g += share * (depth - start).clamp(0.0, length);
+                    }
+                }
+            }
+            nodes.extend(g.map(|g| (-(weight * g).min(1.0 - 1e-30)).ln_1p().max(FLOOR)));
+        }
+        nodes
+    }
+}
+
+/// How many of the values of all variants pass in each texel of a level.
+fn passing(sorted: &[f64], level: u32, threshold: f32) -> Vec<u32> {
+    let texels = (SIDE >> level).pow(2);
+    let mut counts = vec![0; texels];
+    for (block, values) in sorted.chunks(1 << (2 * level)).enumerate() {
+        let passes = |alpha: &&f64| **alpha > 0.0 && **alpha >= f64::from(threshold);
+        counts[block % texels] += values.iter().filter(passes).count() as u32;
+    }
+    counts
+}
+
+/// A particle's class, and how many of the class its render particles are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weighed {
+    pub class: usize,
+    pub weight: f64,
+    /// What is narrower than a pixel is this much wider.
+    pub narrow: f64,
+}
+
+/// The whole of it for a frame.
+pub struct Model<'a> {
+    case: &'a Case,
+    space: Space,
+    tables: Vec<Vec<f64>>,
+    pub weighed: Vec<Weighed>,
+    /// Centres in view space.
+    views: Vec<DVec3>,
+    particles: &'a [Particle],
+}
+
+impl<'a> Model<'a> {
+    /// Of the device's mask and particles.
+    pub fn new(case: &'a Case, mask: &Mask, level: u32, particles: &'a [Particle]) -> Model<'a> {
+        let space = Space::new(case);
+        let settings = &case.desc.settings;
+        // As the effect makes it: in single precision, as classes and thresholds are below.
+        let largest = (Mask::new(case.desc.seed, settings.variants).largest() * 1.000001) as f32;
+        let of_class = |class: usize| largest * class as f32 / (KERNEL_CLASSES - 1) as f32;
+        let last = mask.sorted(6);
+        let all = |threshold: f32| passing(&last, 6, threshold)[0];
+        let rotation = case.camera.rotation();
+        let views: Vec<DVec3> = particles
+            .iter()
+            .map(|p| rotation * (DVec3::from_array(p.centre.map(f64::from)) - case.camera.eye))
+            .collect();
+        let pixel = 2.0 * case.camera.half_extent(case.desc.size).y / f64::from(case.desc.size[1]);
+        let weigh = |(particle, view): (&Particle, &DVec3)| {
+            let threshold = match particle.alpha > 0.0 {
+                true => settings.threshold / particle.alpha as f32,
+                false if settings.threshold <= 0.0 => 0.0,
+                false => 2.0,
+            };
+            let place = (threshold / largest).clamp(0.0, 1.0) * (KERNEL_CLASSES - 1) as f32;
+            let class = ((place + 0.5) as usize).min(KERNEL_CLASSES as usize - 2);
+            let share = f64::from(all(threshold)) / f64::from(all(of_class(class)).max(1));
+            let narrow = (space.reach() / (0.75 * pixel * view.z).max(1e-30)).min(1.0);
+            Weighed { class, weight: f64::from(particle.count) * share * narrow * narrow, narrow }
+        };
+        let weighed: Vec<Weighed> = particles.iter().zip(&views).map(weigh).collect();
+        let level = level.max(1);
+        let sorted = mask.sorted(level);
+        let below = f64::from(settings.variants << (2 * level));
+        let mut used: Vec<usize> = particles.iter().zip(&weighed).filter(|(p, _)| p.count > 0).map(|p| p.1.class).collect();
+        used.sort_unstable();
+        used.dedup();
+        let mut tables = vec![Vec::new(); KERNEL_CLASSES as usize];
+        std::thread::scope(|scope| {
+            let space = &space;
+            let build = |class: usize| {
+                let shares: Vec<f64> =
+                    passing(&sorted, level, of_class(class)).into_iter().map(|n| f64::from(n) / below).collect();
+                (class, scope.spawn(move || space.nodes(&shares)))
+            };
+            let built: Vec<_> = used.into_iter().map(build).collect();
+            built.into_iter().for_each(|(class, nodes)| tables[class] = nodes.join().expect("a table"));
+        });
+        Model { case, space, tables, weighed, views, particles }
+    }
+
+    /// The image.
+    pub fn render(&self, bins: Bins) -> Expected {
+        let mask = Mask::from_texels(vec![0.0; SIDE * SIDE]);
+        let near = self.case.camera.near;
+        integrate(&self.case.frame(&mask, 0), self.particles, bins, |index, slope, borders, depths| {
+            for (depth, ends) in depths.iter_mut().zip(borders.windows(2)) {
+                *depth = self.optical(index, slope, [ends[0].max(near), ends[1].max(near)]);
+            }
+            true
+        })
+    }
+
+    /// Optical depth of a particle between two view depths along a ray.
+    fn optical(&self, index: usize, slope: DVec2, bin: [f64; 2]) -> f64 {
+        let (view, weighed) = (self.views[index], &self.weighed[index]);
+        let radius = self.space.depth;
+        let zeta = bin.map(|z| (z - view.z).clamp(-radius, radius));
+        let centre = view.z * slope - view.truncate();
+        let place = self.place(centre + 0.5 * (zeta[0] + zeta[1]) * slope, weighed.narrow);
+        let outside = place.min_element() < 0.0 || place.max_element() > LAST;
+        if bin[0] >= bin[1] || outside {
+            return 0.0;
+        }
+        let depths = zeta.map(|z| (z / radius.max(1e-12) * 0.5 + 0.5) * (DEPTHS - 1) as f64);
+        let ends = depths.map(|depth| self.logarithm(weighed.class, place, depth));
+        let share = 1.0 - zeta[0] / radius.max(1e-12);
+        let before = -0.75 * share * share / (1.0 + share) * radius;
+        let before = self.place(centre + before * slope, weighed.narrow).clamp(DVec2::ZERO, DVec2::splat(LAST));
+        let passed = self.logarithm(weighed.class, (before + 0.5).floor(), depths[0]);
+        let x = (ends[0] - passed).exp() * -(-(ends[0] - ends[1]).max(0.0)).exp_m1();
+        (weighed.weight * -(-x.clamp(0.0, 1.0 - 1e-30)).ln_1p()).min(127.0)
+    }
+
+    fn place(&self, offset: DVec2, narrow: f64) -> DVec2 {
+        (DVec2::new(offset.x, -offset.y) * narrow / self.space.reach() * 0.5 + 0.5) * LAST
+    }
+
+    /// Between the eight nodes around a place and a depth of the grid.
+    fn logarithm(&self, class: usize, place: DVec2, depth: f64) -> f64 {
+        let low = [place.x, place.y].map(|c| (c as usize).min(PLACES - 2));
+        let (f, g) = (place - DVec2::new(low[0] as f64, low[1] as f64), (depth as usize).min(DEPTHS - 2));
+        let t = depth - g as f64;
+        let node = |x: usize, y: usize| {
+            let first = ((low[1] + y) * PLACES + low[0] + x) * DEPTHS + g;
+            let row = &self.tables[class][first..first + 2];
+            row[0] + (row[1] - row[0]) * t
+        };
+        let (upper, lower) = (node(0, 0) + (node(1, 0) - node(0, 0)) * f.x, node(0, 1) + (node(1, 1) - node(0, 1)) * f.x);
+        upper + (lower - upper) * f.y
+    }
+}
+
+/// The device's frame, and the model's of the same mask, particles and bins.
+pub fn both(case: &Case) -> Option<(FlameRig, Expected)> {
+    let mut rig = case.render()?;
+    let (mask, particles, level) =
+        (cases::device_mask(&mut rig), cases::prepared(case, &mut rig), cases::level(case, &mut rig));
+    let bins = cases::bins(&mut rig);
+    let image = Model::new(case, &mask, level, &particles).render(bins);
+    Some((rig, image))
+}
