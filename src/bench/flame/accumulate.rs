@@ -155,3 +155,26 @@ fn prepare(
     let mean = scene.mean(rig, effect)?;
     Ok((Run::Effect(effect, plan), mean))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The names that `bench.json` is documented to have.
+    #[test]
+    fn every_documented_name_is_there() {
+        let runs = |method: &str, repetitions: &[u32]| -> Vec<String> {
+            repetitions.iter().map(|r| format!("{method} R={r}")).collect()
+        };
+        let mut documented = runs("raster", &[1, 4, 16, 64]);
+        documented.extend(runs("tiles", &[1, 4, 16, 20, 64, 256, 1024]));
+        documented.extend(runs("tiles sobol", &[4, 16, 20, 64, 256, 1024]));
+        documented.extend([8, 16, 32, 64].map(|bins| format!("expected {bins}")));
+        documented.extend(["sorted", "weighted"].map(String::from));
+        assert_eq!(VARIANTS.map(|(name, _)| name.to_owned()).to_vec(), documented);
+        assert_eq!(WORKLOADS.map(|workload| workload.name), ["paper", "thin", "thick"]);
+        for workload in &WORKLOADS {
+            assert!(Scene::new(workload, true).name.starts_with(workload.name));
+        }
+    }
+}

@@ -173,3 +173,31 @@ fn ball(count: u32, radius: f64) -> Particles {
         id: None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flame::reference::prepare::prepare;
+
+    #[test]
+    fn the_papers_frame_has_its_numbers() {
+        let scene = Scene::new(&PAPER, false);
+        let Scene { particles: Particles { position, temperature, .. }, settings, camera, .. } = &scene;
+        assert_eq!((scene.name.as_str(), scene.size, position.len()), ("paper", [512, 512], 2500));
+        let rows = position.iter().zip(temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
+        let prepared = prepare(settings, 3000.0, SEED, camera, &rows.collect::<Vec<_>>(), None);
+        let sprites: u32 = prepared.particles.iter().map(|particle| particle.count).sum();
+        assert!((49_000..51_000).contains(&sprites), "{sprites}");
+        let focal = 256.0 / camera.half_extent(scene.size).y;
+        let side = f64::from(settings.sprite()) * focal / 2.6;
+        assert!((side - 13.0).abs() < 1e-3, "{side}");
+    }
+
+    #[test]
+    fn a_quick_scene_says_what_it_is() {
+        let scene = Scene::new(&PAPER, true);
+        assert_eq!(scene.name, "paper (cut to 128x128, 156 particles)");
+        assert_eq!((scene.size, scene.particles.position.len()), ([128, 128], 156));
+        assert_eq!(Scene::new(&THIN, true).name, "thin");
+    }
+}

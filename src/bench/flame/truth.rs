@@ -68,7 +68,7 @@ impl Truth {
         };
         let differences = self.pixels.iter().flat_map(difference).collect();
         let of = format!(
-            "f64 integral of the repetitions' limit, linear channels 0 to 1, at {} pixels with fire, own error {:.0e}",
+            "f64 limit of repetitions, linear channels 0 to 1, at {} pixels with fire, own error {:.0e}",
             self.pixels.len(),
             self.own
         );
