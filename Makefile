@@ -16,8 +16,10 @@ build: setup
 
 demo: build
 	mkdir -p demo
-	$(CELFX) render builtin:smoke -o demo/%04d.png --sheet demo/sheet.png --animation demo/smoke.gif
-	@echo "The frames are demo/0001.png and on, side by side in demo/sheet.png, moving in demo/smoke.gif."
+	for shot in smoke flame campfire; do \
+	  $(CELFX) render builtin:$$shot -o demo/$$shot/%04d.png --sheet demo/$$shot.png --animation demo/$$shot.gif || exit; \
+	done
+	@echo "For each of smoke, flame and campfire: frames in demo/smoke/ and so on, side by side in demo/smoke.png, moving in demo/smoke.gif."
 
 # The dev profile and not release: it checks integer overflow and debug assertions. Its opt-level is 1 (Cargo.toml),
 # fast enough for the references.

@@ -323,6 +323,39 @@ impl Pass {
     }
 }
 
+/// Collects an effect's passes as they are declared; every kernel binds its slots by their names.
+pub(crate) struct Declare {
+    /// By [`PassId`].
+    pub(crate) list: Vec<Pass>,
+    resource: fn(&Slot) -> Option<Resource>,
+}
+
+impl Declare {
+    /// `resource`: what a slot stands for.
+    pub(crate) fn new(resource: fn(&Slot) -> Option<Resource>) -> Declare {
+        Declare { list: Vec::new(), resource }
+    }
+
+    pub(crate) fn add(&mut self, pass: Pass) -> PassId {
+        self.list.push(pass.bind_all(self.resource));
+        PassId(self.list.len() as u16 - 1)
+    }
+
+    pub(crate) fn compute(&mut self, name: &'static str, shader: &'static Shader) -> PassId {
+        self.add(Pass::compute(name, shader))
+    }
+
+    pub(crate) fn transfer(&mut self, name: &'static str, uses: &[(Resource, Usage)]) -> PassId {
+        self.add(uses.iter().fold(Pass::transfer(name), |pass, (resource, usage)| pass.uses(*resource, *usage)))
+    }
+
+    /// Writes to buffers by fills and updates.
+    pub(crate) fn writes(&mut self, name: &'static str, buffers: &[BufferId]) -> PassId {
+        let uses: Vec<_> = buffers.iter().map(|buffer| ((*buffer).into(), Usage::COPY_TARGET)).collect();
+        self.transfer(name, &uses)
+    }
+}
+
 /// Bytes of push constants.
 pub const PUSH_CONSTANT_BYTES: usize = 128;
 

@@ -103,7 +103,6 @@ impl ParticleInput {
 }
 
 impl Frame {
-    #[allow(dead_code)]
     pub(crate) fn validate(&self, desc: &Desc, first: bool) -> Result<()> {
         self.camera.validate()?;
         match &self.particles {

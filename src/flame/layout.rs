@@ -9,18 +9,15 @@ use crate::flame::params::{
     CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS, MASK_SIDE,
     Particle, SHARE_SIDE, TILE, buckets,
 };
-use crate::flame::settings::{MOST_COUNT, Method, Mode, Settings};
+use crate::flame::settings::{MOST_COUNT, Method, Mode, Sampling, Settings};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::layout::{LOOP_BUDGET, buffers};
+use crate::layout::{LOOP_BUDGET, Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
-/// Loop turns that a dispatch over a tile's list may take for its render particles: what batches of one render particle each
-/// cost besides is less again, and both together stay within [`crate::layout::LOOP_BUDGET`].
-pub const TURNS: u32 = 28_000;
-/// Loop turns that a particle takes in a bin of the expected image: a column of pixels, and what leads up to it.
-pub const BIN_TURNS: u32 = 10;
+/// Loop turns that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
+pub const TURNS: u32 = 44_000;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
 pub const FIRST_STAGE: u32 = 16;
 /// The most dispatches of a frame's repetitions.
@@ -93,6 +90,32 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
+/// Loop turns of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Whatever is in the list.
+    pub base: u32,
+    /// For each entry.
+    pub visit: u32,
+    /// For each of the entry's render particles, in eighths.
+    pub eighths: u32,
+}
+
+impl Cost {
+    /// The most that the kernels of this effect take.
+    pub fn new(desc: &Desc) -> Cost {
+        match (desc.settings.mode, desc.settings.sampling) {
+            // A batch of 32 entries looks them up in up to 12 lists and adds up 5 times; a round makes 32 sprites, each
+            // of which a column of pixels then tests at most once.
+            (Mode::Stochastic, Sampling::Independent) => Cost { base: 48, visit: 1, eighths: 10 },
+            // And a Sobol point takes up to 20 turns.
+            (Mode::Stochastic, Sampling::ShuffledSobol) => Cost { base: 48, visit: 1, eighths: 16 },
+            // A particle meets the 8 pixels of a column.
+            (Mode::Expected, _) => Cost { base: 48, visit: 11, eighths: 0 },
+        }
+    }
+}
+
 /// A run of repetitions after which tiles may be done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stage {
@@ -126,8 +149,7 @@ pub struct Layout {
     pub buckets: u32,
     /// Stages of the repetitions; one unless `adaptive`.
     pub stages: Vec<Stage>,
-    /// Bytes of each buffer.
-    pub bytes: [u64; BUFFERS as usize],
+    sizes: Sizes<{ BUFFERS as usize }>,
 }
 
 impl Layout {
@@ -142,7 +164,7 @@ impl Layout {
             cells,
             buckets: buckets(settings.mode, settings.bins),
             stages: Vec::new(),
-            bytes: [16; BUFFERS as usize],
+            sizes: Sizes::LEAST,
         };
         layout.cut_stages(desc)?;
         layout.size_particles(desc, table);
@@ -162,10 +184,11 @@ impl Layout {
         let settings = &desc.settings;
         let expected = settings.mode == Mode::Expected;
         let particles = u64::from(desc.particles.max(1));
-        let turns = u64::from(TURNS);
-        let visits = if expected { BIN_TURNS.into() } else { most_count(desc) };
-        let segments = particles.div_ceil((turns / visits).max(1));
-        let at_once = if segments > 1 { 1 } else { (turns / (particles * visits)).max(1) };
+        let cost = Cost::new(desc);
+        let visit = u64::from(cost.visit) + (most_count(desc) * u64::from(cost.eighths)).div_ceil(8);
+        let segments = particles.div_ceil((u64::from(TURNS - cost.base) / visit).max(1));
+        let of_all = u64::from(cost.base) + particles * visit;
+        let at_once = if segments > 1 { 1 } else { (u64::from(TURNS) / of_all).max(1) };
         let all = if expected { settings.bins } else { settings.repetitions };
         if is_raster(desc) {
             // No dispatches, but all of the repetitions.
@@ -200,12 +223,12 @@ impl Layout {
     }
 
     fn set(&mut self, id: BufferId, bytes: u64) {
-        self.bytes[usize::from(id.0)] = bytes.max(16).next_multiple_of(16);
+        self.sizes.set(id, bytes);
     }
 
     /// Bytes of a buffer.
     pub fn size(&self, id: BufferId) -> u64 {
-        self.bytes[usize::from(id.0)]
+        self.sizes.get(id)
     }
 
     fn size_particles(&mut self, desc: &Desc, table: &Table) {
@@ -232,8 +255,12 @@ impl Layout {
         let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]);
         let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
         let words = matches!(desc.scene, Some(SceneFormat::Image(_)));
-        let stochastic = desc.settings.mode == Mode::Stochastic;
-        let segmented = stochastic && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
+        let segmented = !is_raster(desc) && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
+        // What a tile's pixels have of a repetition, or of a bin, that is not done yet.
+        let unfinished = match desc.settings.mode {
+            Mode::Stochastic => 16,
+            Mode::Expected => kept(desc.layers, 32),
+        };
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);
         self.set(TILE_REPETITIONS, tiles * 4);
@@ -244,7 +271,7 @@ impl Layout {
         let sprites = u64::from(desc.particles) * most_count(desc);
         self.set(SPRITE_LIST, kept(is_raster(desc), sprites * 8));
         self.set(LAMP, size_of::<Lamp>() as u64);
-        self.set(WINNERS, kept(segmented && !is_raster(desc), pixels * 16));
+        self.set(WINNERS, kept(segmented, pixels * unfinished));
         self.set(PICTURE, pixels * 16);
         self.set(MEAN, kept(desc.layers, pixels * 16));
         self.set(VARIANCE, kept(desc.layers, pixels * 16));
@@ -259,21 +286,12 @@ impl Layout {
             PART_ARGUMENTS => "use fewer particles or fewer flame.repetitions",
             _ => "render a smaller picture",
         };
-        for (index, needed) in self.bytes.iter().enumerate() {
-            if *needed > limit {
-                let what = SIZES[index];
-                return Err(Error::Limit { what, needed: *needed, limit, advice: advice(BufferId(index as u16)) });
-            }
-        }
-        Ok(())
+        self.sizes.check(limit, &NAMES, advice)
     }
 
     /// Descriptions of the own buffers, in order.
-    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + '_ {
-        NAMES.iter().zip(self.bytes).enumerate().map(|(index, (name, bytes))| match BufferId(index as u16) {
-            PARAMS => BufferDesc::uniform(name, bytes),
-            _ => BufferDesc::storage(name, bytes),
-        })
+    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
+        self.sizes.descriptions(&NAMES, PARAMS)
     }
 
     /// Descriptions of the own images, in order.
@@ -305,13 +323,7 @@ impl Layout {
     /// Device memory, before alignment.
     pub fn memory(&self, desc: &Desc) -> Memory {
         let kept = [POSITIONS, IDS, COLOURS, MASK, SUMS, TILE_REPETITIONS, SCENE];
-        let mut memory = Memory::default();
-        for (index, bytes) in self.bytes.iter().enumerate() {
-            match kept.contains(&BufferId(index as u16)) {
-                true => memory.history += bytes,
-                false => memory.scratch += bytes,
-            }
-        }
+        let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             let texel = if image.format == vk::Format::R32G32_UINT { 8 } else { 4 };
             memory.history += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;

@@ -26,10 +26,8 @@ pub use settings::Settings;
 pub use spacing::mean_spacing;
 
 use crate::error::{Error, Result};
-use crate::gpu::kernel::Pipelines;
+use crate::gpu::effect::{Inventory, OnDevice};
 use crate::gpu::profiler::{Mode, Timing};
-use crate::gpu::recorder::{Recorder, Recording};
-use crate::gpu::resources::Resources;
 use crate::host::{Host, Memory, check_sides};
 use crate::plan::Plan;
 use crate::view::Camera;
@@ -54,9 +52,7 @@ pub struct Flame {
     /// The largest alpha of the mask.
     max_alpha: f32,
     plan: Plan,
-    resources: Resources,
-    pipelines: Pipelines,
-    recorder: Recorder,
+    on_device: OnDevice,
     state: State,
 }
 
@@ -67,6 +63,8 @@ struct State {
     camera: Option<Camera>,
     /// The camera of the last frame that could see fire.
     lit: Option<Camera>,
+    /// Whether tables and mask are on the device.
+    has_tables: bool,
     given: Given,
     /// A bound of its particles' temperatures.
     hottest: f32,
@@ -98,21 +96,18 @@ impl Flame {
         check_sides(desc.size, &limits)?;
         let table = table(&desc);
         let layout = Layout::new(&desc, &table, u64::from(limits.max_storage_buffer_range))?;
-        let passes = Passes::new(&desc, &table);
-        let mut resources = Resources::default();
-        // SAFETY: the caller's; what was made is destroyed unused on error.
-        let pipelines = unsafe {
-            create_resources(host, allocator, &desc, &layout, &mut resources)
-                .and_then(|()| Pipelines::new(host, &passes.list, &resources))
-                .inspect_err(|_| resources.destroy(host, allocator))?
-        };
+        let mut passes = Passes::new(&desc, &table);
+        let inventory =
+            Inventory { buffers: layout.buffers(), host_buffers: 3, images: layout.images(&desc), host_images: 3 };
+        let list = std::mem::take(&mut passes.list);
+        // SAFETY: the caller's.
+        let on_device = unsafe { OnDevice::new(host, allocator, list, inventory)? };
         let (steps, bytes) = steps::capacity(&layout, &table);
         let plan = Plan::with_capacity(steps, bytes);
-        let recorder = Recorder::new(&resources);
         // The largest alpha that the device's mask can have, which is the reference's but for rounding.
         let max_alpha = (Mask::new(desc.seed, desc.settings.variants).largest() * 1.000001) as f32;
         let state = State::default();
-        Ok(Flame { desc, layout, passes, table, max_alpha, plan, resources, pipelines, recorder, state })
+        Ok(Flame { desc, layout, passes, table, max_alpha, plan, on_device, state })
     }
 
     /// Changes the size of the picture. The next frame must bring particles. On error the effect is as it was.
@@ -134,7 +129,7 @@ impl Flame {
 
     /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
     pub fn set_mode(&mut self, mode: Mode) {
-        self.recorder.set_mode(mode);
+        self.on_device.set_mode(mode);
     }
 
     /// Records a frame. Allocates nothing, submits nothing, waits for nothing.
@@ -159,15 +154,8 @@ impl Flame {
         let Flame { desc, layout, passes, plan, table, .. } = self;
         Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, table);
         self.hand_over(frame);
-        let mut recording = Recording {
-            host,
-            commands,
-            passes: &self.passes.list,
-            pipelines: &self.pipelines,
-            resources: &mut self.resources,
-        };
         // SAFETY: the caller's.
-        unsafe { self.recorder.record(&self.plan, &mut recording, timing)? };
+        unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
         self.state = state;
         Ok(())
     }
@@ -183,12 +171,12 @@ impl Flame {
             Background::Copy(image) => Some(image),
             _ => None,
         };
-        self.resources.set_host_buffer(layout::HOST_POSITIONS, particles.map(|p| p.position_temperature));
-        self.resources.set_host_buffer(layout::HOST_IDS, particles.and_then(|p| p.ids));
-        self.resources.set_host_buffer(layout::HOST_SCENE, buffer);
-        self.resources.set_host_image(layout::TARGET, Some(frame.target));
-        self.resources.set_host_image(layout::BACKGROUND, background);
-        self.resources.set_host_image(layout::HOST_DEPTH, image);
+        self.on_device.resources.set_host_buffer(layout::HOST_POSITIONS, particles.map(|p| p.position_temperature));
+        self.on_device.resources.set_host_buffer(layout::HOST_IDS, particles.and_then(|p| p.ids));
+        self.on_device.resources.set_host_buffer(layout::HOST_SCENE, buffer);
+        self.on_device.resources.set_host_image(layout::TARGET, Some(frame.target));
+        self.on_device.resources.set_host_image(layout::BACKGROUND, background);
+        self.on_device.resources.set_host_image(layout::HOST_DEPTH, image);
     }
 
     /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none
@@ -200,15 +188,10 @@ impl Flame {
     /// # Safety
     /// As for [`Flame::record`].
     #[cfg(feature = "cli")]
-    #[allow(dead_code)]
     pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-        for image in [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH] {
-            self.resources.set_host_image(image, None);
-        }
-        let Flame { passes, pipelines, resources, recorder, .. } = self;
-        let mut recording = Recording { host, commands, passes: &passes.list, pipelines, resources };
+        let images = [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH];
         // SAFETY: the caller's.
-        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+        unsafe { self.on_device.replay(host, commands, plan, &images) }
     }
 
     /// The list of the frame recorded last.
@@ -223,13 +206,13 @@ impl Flame {
 
     /// The declared passes, which the plan's steps refer to.
     pub fn passes(&self) -> &[crate::plan::Pass] {
-        &self.passes.list
+        &self.on_device.passes
     }
 
     /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in [`layout`].
     /// The last access to it was a shader's or a transfer's write.
     pub fn buffer(&self, id: crate::plan::BufferId) -> (vk::Buffer, u64, u64) {
-        self.resources.buffer(id)
+        self.on_device.buffer(id)
     }
 
     /// What the effect was made for.
@@ -244,10 +227,7 @@ impl Flame {
     /// called afterwards.
     pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
         // SAFETY: the caller's.
-        unsafe {
-            self.pipelines.destroy(host);
-            self.resources.destroy(host, allocator);
-        }
+        unsafe { self.on_device.destroy(host, allocator) };
     }
 
     /// What this frame is to the ones before, and the state after it.
@@ -264,10 +244,12 @@ impl Flame {
         }
         state.repetitions = state.given.before + repetitions;
         state.camera = Some(frame.camera);
-        let first = self.state.camera.is_none();
         let dark = self.dark(&state);
+        // The mask is a layer of frames without fire, too.
+        let make_tables = !state.has_tables && (dark.is_none() || self.desc.layers);
+        state.has_tables |= make_tables;
         state.lit = if dark.is_none() { Some(frame.camera) } else { state.lit };
-        Ok((Moment { given: state.given, camera: self.state.lit, first, dark }, state))
+        Ok((Moment { given: state.given, camera: self.state.lit, make_tables, dark }, state))
     }
 
     /// Only what is the same can be added to.
@@ -321,31 +303,6 @@ fn validate(desc: &Desc) -> Result<()> {
     }
     if !(desc.hottest > 0.0 && desc.hottest.is_finite()) {
         return Err(Error::setting("flame's hottest particle", desc.hottest, "kelvin, above 0, finite"));
-    }
-    Ok(())
-}
-
-unsafe fn create_resources(
-    host: &Host,
-    allocator: &mut Allocator,
-    desc: &Desc,
-    layout: &Layout,
-    resources: &mut Resources,
-) -> Result<()> {
-    // SAFETY: the caller's.
-    unsafe {
-        for buffer in layout.buffers() {
-            resources.add_buffer(host, allocator, &buffer)?;
-        }
-        for _ in [layout::HOST_POSITIONS, layout::HOST_IDS, layout::HOST_SCENE] {
-            resources.add_host_buffer();
-        }
-        for image in layout.images(desc) {
-            resources.add_image(host, allocator, &image)?;
-        }
-        for _ in [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH] {
-            resources.add_host_image();
-        }
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, Frame};
 use crate::flame::layout::Layout;
 use crate::flame::settings::{Mode, Shape};
+use crate::layout::push_constants;
 use crate::view::CameraRows;
 
 /// Side of a screen tile in pixels.
@@ -102,18 +103,9 @@ pub struct Lamp {
     pub colour: [f32; 4],
 }
 
-macro_rules! push_constants {
-    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? })*) => {$(
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-        pub struct $name { $(pub $field: $type),* }
-    )*};
-}
-
 push_constants! {
     /// Of `scan`.
-    ScanConstants { cells: u32, turns: u32, visits: u32, repetitions: u32 }
+    ScanConstants { cells: u32, turns: u32, base: u32, visit: u32, eighths: u32, repetitions: u32 }
     /// Of `tiles` and `adapt`.
     PartsConstants { first: u32, most: u32, repetitions: u32, stages: u32 }
     /// Of `mips`.

@@ -6,7 +6,7 @@ use crate::flame::colour::{Form, Table};
 use crate::flame::frame::Desc;
 use crate::flame::layout::*;
 use crate::flame::settings::{Mode, Sampling, Shape};
-use crate::plan::{Blend, BufferId, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
+use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Usage};
 use crate::shaders::flame as glsl;
 
 /// What an effect declares: its passes, and which is which.
@@ -46,34 +46,10 @@ pub struct Passes {
     pub(super) composite: PassId,
 }
 
-/// Collects declarations.
-struct Declare(Vec<Pass>);
-
-impl Declare {
-    fn add(&mut self, pass: Pass) -> PassId {
-        self.0.push(pass.bind_all(resource));
-        PassId(self.0.len() as u16 - 1)
-    }
-
-    fn compute(&mut self, name: &'static str, shader: &'static Shader) -> PassId {
-        self.add(Pass::compute(name, shader))
-    }
-
-    fn transfer(&mut self, name: &'static str, uses: &[(Resource, Usage)]) -> PassId {
-        self.add(uses.iter().fold(Pass::transfer(name), |pass, (resource, usage)| pass.uses(*resource, *usage)))
-    }
-
-    /// Writes to buffers by fills and updates.
-    fn writes(&mut self, name: &'static str, buffers: &[BufferId]) -> PassId {
-        let uses: Vec<_> = buffers.iter().map(|buffer| ((*buffer).into(), Usage::COPY_TARGET)).collect();
-        self.transfer(name, &uses)
-    }
-}
-
 impl Passes {
     /// Declares every pass that some frame of this effect may need.
     pub fn new(desc: &Desc, table: &Table) -> Passes {
-        let mut d = Declare(Vec::new());
+        let mut d = Declare::new(resource);
         let (from, to) = (Usage::COPY_SOURCE, Usage::COPY_TARGET);
         let form = match table.form {
             Form::Radiance => 0,
@@ -114,7 +90,7 @@ impl Passes {
                 Pass::compute("flame.kernel", &glsl::kernel::SHADER)
                     .specialise([u32::from(desc.settings.shape == Shape::Cube)]),
             ),
-            clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST]),
+            clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES]),
             sprites: d.compute("flame.raster", &glsl::sprites::SHADER),
             raster: d.add(raster(desc)),
             add: d.compute("flame.raster", &glsl::add::SHADER),
@@ -125,7 +101,7 @@ impl Passes {
                     .specialise([u32::from(desc.layers), u32::from(desc.settings.mode == Mode::Expected)]),
             ),
             composite: d.add(composite(desc)),
-            list: d.0,
+            list: d.list,
         }
     }
 }
@@ -185,7 +161,8 @@ fn light(desc: &Desc) -> Pass {
 }
 
 fn expected(desc: &Desc) -> Pass {
-    Pass::compute("flame.accumulate", &glsl::expected::SHADER).specialise([u32::from(desc.scene.is_some())])
+    Pass::compute("flame.accumulate", &glsl::expected::SHADER)
+        .specialise([u32::from(desc.scene.is_some()), u32::from(desc.layers)])
 }
 
 fn composite(desc: &Desc) -> Pass {

@@ -1,6 +1,6 @@
 //! The settings of the flame effect: one field per key of `[flame]`, with unit, range and default.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, within};
 
 /// What a pixel's colour is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -149,14 +149,7 @@ impl Settings {
 
     /// Checks every value; the error names the key and what is allowed.
     pub fn validate(&self) -> Result<()> {
-        let number = |name, value: f32, low: f32, high: f32, allowed: &str| match (low..=high).contains(&value) {
-            true => Ok(()),
-            false => Err(Error::setting(name, value, allowed)),
-        };
-        let whole = |name, value: u32, low: u32, high: u32, allowed: &str| match (low..=high).contains(&value) {
-            true => Ok(()),
-            false => Err(Error::setting(name, value, allowed)),
-        };
+        let (number, whole) = (within::<f32>, within::<u32>);
         whole("flame.repetitions", self.repetitions, 1, MOST_REPETITIONS, "1 to 1048576")?;
         number("flame.count", self.count, 0.0, MOST_COUNT, "0 to 32768")?;
         if let Some(spread) = self.spread {

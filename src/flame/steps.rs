@@ -35,8 +35,8 @@ pub struct Moment {
     pub given: Given,
     /// The camera of the last frame that saw fire.
     pub camera: Option<Camera>,
-    /// Tables and mask are not on the device yet.
-    pub first: bool,
+    /// Tables and mask are not on the device yet, and asked for.
+    pub make_tables: bool,
     /// Why no fire can be seen, if it is known before the device has looked.
     pub dark: Option<&'static str>,
 }
@@ -56,21 +56,21 @@ impl Steps<'_> {
         self.background(&frame.background);
         self.particles(frame);
         self.clear();
-        if self.moment.first {
-            // The mask is a layer of frames without fire, too.
-            self.plan.update_slice(self.passes.tables, COLOURS, &table.entries);
+        let dark = self.moment.dark;
+        if self.moment.make_tables || dark.is_none() {
             self.plan.update(self.passes.params, PARAMS, params);
+        }
+        if self.moment.make_tables {
+            self.plan.update_slice(self.passes.tables, COLOURS, &table.entries);
             self.mask();
         } else {
-            self.plan.skip("flame.tables", "unchanged");
-            self.plan.skip("flame.mask", "size and seed unchanged");
+            let reason = dark.unwrap_or("size and seed unchanged");
+            self.plan.skip("flame.tables", reason);
+            self.plan.skip("flame.mask", reason);
         }
-        if let Some(reason) = self.moment.dark {
+        if let Some(reason) = dark {
             FIRE_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
             return;
-        }
-        if !self.moment.first {
-            self.plan.update(self.passes.params, PARAMS, params);
         }
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.scene(frame);
@@ -105,12 +105,14 @@ impl Steps<'_> {
         }
     }
 
-    /// Layers are whole images; the picture is one of them.
+    /// Layers are whole images; the picture is one of them. Where no particle is prepared, none of an earlier frame, or of
+    /// what the memory held before, is left in the list either.
     fn clear(&mut self) {
         if !self.desc.layers {
             return self.plan.skip("flame.clear", "no layers are kept");
         }
-        for buffer in [PICTURE, MEAN, VARIANCE] {
+        let particles = self.moment.dark.map(|_| PARTICLES);
+        for buffer in [PICTURE, MEAN, VARIANCE].into_iter().chain(particles) {
             self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
         }
         let word = f32::INFINITY.to_bits();
@@ -155,11 +157,12 @@ impl Steps<'_> {
         self.plan.step(self.passes.prepare, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
-        let (visits, repetitions) = match self.desc.settings.mode {
-            Mode::Stochastic => (0, self.desc.settings.repetitions),
-            Mode::Expected => (BIN_TURNS, self.desc.settings.bins),
+        let repetitions = match self.desc.settings.mode {
+            Mode::Stochastic => self.desc.settings.repetitions,
+            Mode::Expected => self.desc.settings.bins,
         };
-        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, visits, repetitions };
+        let Cost { base, visit, eighths } = Cost::new(self.desc);
+        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, base, visit, eighths, repetitions };
         self.plan.step_with(self.passes.scan, one_group, &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {

@@ -3,6 +3,7 @@
 pub mod buffer;
 pub mod capabilities;
 pub mod debug;
+pub mod effect;
 #[cfg(feature = "cli")]
 pub mod headless;
 pub mod image;

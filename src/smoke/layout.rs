@@ -7,7 +7,7 @@ use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 pub use crate::layout::LOOP_BUDGET;
-use crate::layout::buffers;
+use crate::layout::{Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
@@ -131,8 +131,7 @@ pub struct Layout {
     pub luminance_parts: u32,
     /// Dispatches of the longest radius search.
     pub search_parts: u32,
-    /// Bytes of each buffer.
-    pub bytes: [u64; BUFFERS as usize],
+    sizes: Sizes<{ BUFFERS as usize }>,
 }
 
 impl Layout {
@@ -168,7 +167,7 @@ impl Layout {
             cells_across: cells_across as u32,
             luminance_parts: if exact { (spheres as u32).div_ceil(LUMINANCE_TURNS).max(1) } else { 1 },
             search_parts: 0,
-            bytes: [16; BUFFERS as usize],
+            sizes: Sizes::LEAST,
         };
         layout.size_particles(desc);
         layout.size_volume(desc)?;
@@ -182,12 +181,12 @@ impl Layout {
     }
 
     fn set(&mut self, id: BufferId, bytes: u64) {
-        self.bytes[usize::from(id.0)] = bytes.max(16).next_multiple_of(16);
+        self.sizes.set(id, bytes);
     }
 
     /// Bytes of a buffer.
     pub fn size(&self, id: BufferId) -> u64 {
-        self.bytes[usize::from(id.0)]
+        self.sizes.get(id)
     }
 
     fn size_particles(&mut self, desc: &Desc) {
@@ -288,21 +287,12 @@ impl Layout {
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "render a smaller picture",
         };
-        for (index, needed) in self.bytes.iter().enumerate() {
-            if *needed > limit {
-                let what = SIZES[index];
-                return Err(Error::Limit { what, needed: *needed, limit, advice: advice(BufferId(index as u16)) });
-            }
-        }
-        Ok(())
+        self.sizes.check(limit, &NAMES, advice)
     }
 
     /// Descriptions of the own buffers, in order.
-    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + '_ {
-        NAMES.iter().zip(self.bytes).enumerate().map(|(index, (name, bytes))| match BufferId(index as u16) {
-            PARAMS => BufferDesc::uniform(name, bytes),
-            _ => BufferDesc::storage(name, bytes),
-        })
+    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
+        self.sizes.descriptions(&NAMES, PARAMS)
     }
 
     /// Descriptions of the own images, in order.
@@ -336,13 +326,7 @@ impl Layout {
     pub fn memory(&self, desc: &Desc) -> Memory {
         let kept =
             [DENSITY, VELOCITY, OCCUPANCY, BIRTH_COUNTS, HISTORY, PARTICLES, DYING, DYING_STEPS, SPHERES, GROUPS];
-        let mut memory = Memory::default();
-        for (index, bytes) in self.bytes.iter().enumerate() {
-            match kept.contains(&BufferId(index as u16)) {
-                true => memory.history += bytes,
-                false => memory.scratch += bytes,
-            }
-        }
+        let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * u64::from(image.layers) * 4;
         }

@@ -21,10 +21,8 @@ pub use frame::{Desc, Frame, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
 
 use crate::error::{Error, Result};
-use crate::gpu::kernel::Pipelines;
+use crate::gpu::effect::{Inventory, OnDevice};
 use crate::gpu::profiler::{Mode, Timing};
-use crate::gpu::recorder::{Recorder, Recording};
-use crate::gpu::resources::Resources;
 use crate::host::{Host, Memory, check_sides};
 use crate::plan::Plan;
 use crate::view::Light;
@@ -45,9 +43,7 @@ pub struct Smoke {
     passes: Passes,
     tables: Tables,
     plan: Plan,
-    resources: Resources,
-    pipelines: Pipelines,
-    recorder: Recorder,
+    on_device: OnDevice,
     state: State,
 }
 
@@ -90,19 +86,16 @@ impl Smoke {
         let limits = unsafe { host.instance.get_physical_device_properties(host.physical_device) }.limits;
         check_sides(desc.size, &limits)?;
         let layout = Layout::new(&desc, u64::from(limits.max_storage_buffer_range))?;
-        let passes = Passes::new(&desc, &layout);
+        let mut passes = Passes::new(&desc, &layout);
         let tables = Tables::new(&desc.settings, &layout);
-        let mut resources = Resources::default();
-        // SAFETY: the caller's; what was made is destroyed unused on error.
-        let pipelines = unsafe {
-            create_resources(host, allocator, &desc, &layout, &mut resources)
-                .and_then(|()| Pipelines::new(host, &passes.list, &resources))
-                .inspect_err(|_| resources.destroy(host, allocator))?
-        };
+        let inventory =
+            Inventory { buffers: layout.buffers(), host_buffers: 2, images: layout.images(&desc), host_images: 3 };
+        let list = std::mem::take(&mut passes.list);
+        // SAFETY: the caller's.
+        let on_device = unsafe { OnDevice::new(host, allocator, list, inventory)? };
         let (steps, bytes) = steps::capacity(&layout, &tables);
         let plan = Plan::with_capacity(steps, bytes);
-        let recorder = Recorder::new(&resources);
-        Ok(Smoke { desc, layout, passes, tables, plan, resources, pipelines, recorder, state: State::default() })
+        Ok(Smoke { desc, layout, passes, tables, plan, on_device, state: State::default() })
     }
 
     /// Changes the size of the picture. The next frame must be a [`Sequence::Restart`]. On error the effect is as it was.
@@ -124,7 +117,7 @@ impl Smoke {
 
     /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
     pub fn set_mode(&mut self, mode: Mode) {
-        self.recorder.set_mode(mode);
+        self.on_device.set_mode(mode);
     }
 
     /// Records a frame. Allocates nothing, submits nothing, waits for nothing.
@@ -150,25 +143,18 @@ impl Smoke {
         let Smoke { desc, layout, passes, tables, plan, .. } = self;
         Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, tables);
         let volume = frame.volume;
-        self.resources.set_host_buffer(layout::HOST_DENSITY, volume.map(|v| v.density));
-        self.resources.set_host_buffer(layout::HOST_VELOCITY, volume.and_then(|v| v.velocity));
-        self.resources.set_host_image(layout::TARGET, frame.target);
+        self.on_device.resources.set_host_buffer(layout::HOST_DENSITY, volume.map(|v| v.density));
+        self.on_device.resources.set_host_buffer(layout::HOST_VELOCITY, volume.and_then(|v| v.velocity));
+        self.on_device.resources.set_host_image(layout::TARGET, frame.target);
         let background = match frame.background {
             Background::Copy(image) if frame.target.is_some() => Some(image),
             _ => None,
         };
-        self.resources.set_host_image(layout::BACKGROUND, background);
+        self.on_device.resources.set_host_image(layout::BACKGROUND, background);
         let depth = frame.depth.filter(|_| frame.target.is_some());
-        self.resources.set_host_image(layout::HOST_DEPTH, depth.map(|depth| depth.image));
-        let mut recording = Recording {
-            host,
-            commands,
-            passes: &self.passes.list,
-            pipelines: &self.pipelines,
-            resources: &mut self.resources,
-        };
+        self.on_device.resources.set_host_image(layout::HOST_DEPTH, depth.map(|depth| depth.image));
         // SAFETY: the caller's.
-        unsafe { self.recorder.record(&self.plan, &mut recording, timing)? };
+        unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
         self.state = state;
         Ok(())
     }
@@ -183,13 +169,9 @@ impl Smoke {
     /// As for [`Smoke::record`].
     #[cfg(feature = "cli")]
     pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-        for image in [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH] {
-            self.resources.set_host_image(image, None);
-        }
-        let Smoke { passes, pipelines, resources, recorder, .. } = self;
-        let mut recording = Recording { host, commands, passes: &passes.list, pipelines, resources };
+        let images = [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH];
         // SAFETY: the caller's.
-        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+        unsafe { self.on_device.replay(host, commands, plan, &images) }
     }
 
     /// The list of the frame recorded last.
@@ -204,13 +186,13 @@ impl Smoke {
 
     /// The declared passes, which the plan's steps refer to.
     pub fn passes(&self) -> &[crate::plan::Pass] {
-        &self.passes.list
+        &self.on_device.passes
     }
 
     /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in [`layout`].
     /// The last access to it was a shader's or a transfer's write.
     pub fn buffer(&self, id: crate::plan::BufferId) -> (vk::Buffer, u64, u64) {
-        self.resources.buffer(id)
+        self.on_device.buffer(id)
     }
 
     /// What the effect was made for.
@@ -225,10 +207,7 @@ impl Smoke {
     /// called afterwards.
     pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
         // SAFETY: the caller's.
-        unsafe {
-            self.pipelines.destroy(host);
-            self.resources.destroy(host, allocator);
-        }
+        unsafe { self.on_device.destroy(host, allocator) };
     }
 
     /// What this frame is to the ones before, and the state after it.
@@ -295,30 +274,6 @@ fn validate(desc: &Desc) -> Result<()> {
     if desc.dimensions.contains(&0) || desc.dimensions.iter().any(|n| *n > 1 << 16) {
         let dimensions = format!("{:?}", desc.dimensions);
         return Err(Error::setting("volume", dimensions, "1 to 65536 voxels a side"));
-    }
-    Ok(())
-}
-
-unsafe fn create_resources(
-    host: &Host,
-    allocator: &mut Allocator,
-    desc: &Desc,
-    layout: &Layout,
-    resources: &mut Resources,
-) -> Result<()> {
-    // SAFETY: the caller's.
-    unsafe {
-        for buffer in layout.buffers() {
-            resources.add_buffer(host, allocator, &buffer)?;
-        }
-        resources.add_host_buffer();
-        resources.add_host_buffer();
-        for image in layout.images(desc) {
-            resources.add_image(host, allocator, &image)?;
-        }
-        resources.add_host_image();
-        resources.add_host_image();
-        resources.add_host_image();
     }
     Ok(())
 }

@@ -5,6 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
 
+use crate::layout::push_constants;
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::{Layout, Pyramid};
 use crate::smoke::settings::{Emitter, Settings};
@@ -108,15 +109,6 @@ pub struct History {
 pub struct Particle {
     pub position_age: [f32; 4],
     pub step_generation: [f32; 4],
-}
-
-macro_rules! push_constants {
-    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? })*) => {$(
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-        pub struct $name { $(pub $field: $type),* }
-    )*};
 }
 
 push_constants! {

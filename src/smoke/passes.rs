@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::host::DepthFormat;
-use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Resource, Shader, Usage};
+use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Usage};
 use crate::shaders::smoke as glsl;
 use crate::smoke::frame::Desc;
 use crate::smoke::layout::*;
@@ -53,34 +53,10 @@ pub struct Passes {
     pub(super) composite: PassId,
 }
 
-/// Collects declarations.
-struct Declare(Vec<Pass>);
-
-impl Declare {
-    fn add(&mut self, pass: Pass) -> PassId {
-        self.0.push(pass.bind_all(resource));
-        PassId(self.0.len() as u16 - 1)
-    }
-
-    fn compute(&mut self, name: &'static str, shader: &'static Shader) -> PassId {
-        self.add(Pass::compute(name, shader))
-    }
-
-    fn transfer(&mut self, name: &'static str, uses: &[(Resource, Usage)]) -> PassId {
-        self.add(uses.iter().fold(Pass::transfer(name), |pass, (resource, usage)| pass.uses(*resource, *usage)))
-    }
-
-    /// Writes to buffers by fills and updates.
-    fn writes(&mut self, name: &'static str, buffers: &[crate::plan::BufferId]) -> PassId {
-        let uses: Vec<_> = buffers.iter().map(|buffer| ((*buffer).into(), Usage::COPY_TARGET)).collect();
-        self.transfer(name, &uses)
-    }
-}
-
 impl Passes {
     /// Declares every pass that some frame of this effect may need.
     pub fn new(desc: &Desc, layout: &Layout) -> Passes {
-        let mut d = Declare(Vec::new());
+        let mut d = Declare::new(resource);
         let settings = &desc.settings;
         let across = (layout.cells_across as f32).to_bits();
         let (from, to) = (Usage::COPY_SOURCE, Usage::COPY_TARGET);
@@ -143,7 +119,7 @@ impl Passes {
             ),
             tone: d.add(tone(desc)),
             composite: d.add(composite(desc)),
-            list: d.0,
+            list: d.list,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The settings of the smoke effect: one field per key of `[smoke]`, with unit, range and default.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, within};
 
 /// Where particles are placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -222,14 +222,7 @@ impl Settings {
 
     /// Checks every value; the error names the key and what is allowed.
     pub fn validate(&self) -> Result<()> {
-        let number = |name, value: f32, low: f32, high: f32, allowed: &str| match (low..=high).contains(&value) {
-            true => Ok(()),
-            false => Err(Error::setting(name, value, allowed)),
-        };
-        let whole = |name, value: u32, low: u32, high: u32, allowed: &str| match (low..=high).contains(&value) {
-            true => Ok(()),
-            false => Err(Error::setting(name, value, allowed)),
-        };
+        let (number, whole) = (within::<f32>, within::<u32>);
         number("smoke.threshold", self.threshold, f32::MIN, f32::MAX, "a finite density")?;
         whole("smoke.particles", self.particles, 0, 1_000_000, "0 to 1000000")?;
         if self.placement == Placement::Cover {

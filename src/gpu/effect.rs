@@ -1,0 +1,156 @@
+//! What every effect is on the device: its buffers and images, its pipelines, and the recorder that walks its plans.
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::error::Result;
+use crate::gpu::buffer::BufferDesc;
+use crate::gpu::image::ImageDesc;
+use crate::gpu::kernel::Pipelines;
+use crate::gpu::profiler::{Mode, Timing};
+use crate::gpu::recorder::{Recorder, Recording};
+use crate::gpu::resources::Resources;
+use crate::host::Host;
+use crate::plan::{BufferId, Pass, Plan};
+
+/// An effect's objects on the device, and the list of its passes that they were made for.
+#[derive(Debug)]
+pub struct OnDevice {
+    /// By [`crate::plan::PassId`].
+    pub passes: Vec<Pass>,
+    /// What plans name. The host's buffers and images come after the own ones.
+    pub resources: Resources,
+    pipelines: Pipelines,
+    recorder: Recorder,
+}
+
+/// How many buffers and images an effect has.
+pub struct Inventory<B, I> {
+    /// Its own buffers, in the order of their ids.
+    pub buffers: B,
+    /// Buffers that the host hands over.
+    pub host_buffers: usize,
+    /// Its own images, in the order of their ids.
+    pub images: I,
+    /// Images that the host hands over.
+    pub host_images: usize,
+}
+
+impl OnDevice {
+    /// Creates everything; leaves nothing behind on error.
+    ///
+    /// # Safety
+    /// `host` holds valid handles, and `allocator` belongs to its device.
+    pub unsafe fn new<B, I>(
+        host: &Host,
+        allocator: &mut Allocator,
+        passes: Vec<Pass>,
+        inventory: Inventory<B, I>,
+    ) -> Result<OnDevice>
+    where
+        B: IntoIterator<Item = BufferDesc>,
+        I: IntoIterator<Item = ImageDesc>,
+    {
+        let mut resources = Resources::default();
+        // SAFETY: the caller's; what was made is destroyed unused on error.
+        unsafe {
+            let pipelines = create(host, allocator, inventory, &mut resources)
+                .and_then(|()| Pipelines::new(host, &passes, &resources))
+                .inspect_err(|_| resources.destroy(host, allocator))?;
+            let recorder = Recorder::new(&resources);
+            Ok(OnDevice { passes, resources, pipelines, recorder })
+        }
+    }
+
+    /// Whether steps overlap or are isolated by full barriers.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.recorder.set_mode(mode);
+    }
+
+    /// Records a plan of the passes.
+    ///
+    /// # Errors
+    /// A step does not fit the resources.
+    ///
+    /// # Safety
+    /// `host` is the one that everything was made with; `commands` is in recording state, outside of a render pass; what
+    /// the host has handed over is in the states that it declared.
+    pub unsafe fn record(
+        &mut self,
+        host: &Host,
+        commands: vk::CommandBuffer,
+        plan: &Plan,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        let OnDevice { passes, resources, pipelines, recorder } = self;
+        let mut recording = Recording { host, commands, passes, pipelines, resources };
+        // SAFETY: the caller's.
+        unsafe { recorder.record(plan, &mut recording, timing) }
+    }
+
+    /// Records steps of a plan once more, without any image of the host's.
+    ///
+    /// # Errors
+    /// A step does not fit the resources.
+    ///
+    /// # Safety
+    /// As [`OnDevice::record`].
+    #[cfg(feature = "cli")]
+    pub unsafe fn replay(
+        &mut self,
+        host: &Host,
+        commands: vk::CommandBuffer,
+        plan: &Plan,
+        host_images: &[crate::plan::ImageId],
+    ) -> Result<()> {
+        host_images.iter().for_each(|image| self.resources.set_host_image(*image, None));
+        // SAFETY: the caller's.
+        unsafe { self.record(host, commands, plan, &mut Timing::None) }
+    }
+
+    /// A buffer: handle, offset and size in bytes.
+    pub fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
+        self.resources.buffer(id)
+    }
+
+    /// Destroys what celfx made.
+    ///
+    /// # Safety
+    /// The GPU is done with every recorded plan; `host` and `allocator` are those it was made with. Nothing else is called
+    /// afterwards.
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        unsafe {
+            self.pipelines.destroy(host);
+            self.resources.destroy(host, allocator);
+        }
+    }
+}
+
+unsafe fn create<B, I>(
+    host: &Host,
+    allocator: &mut Allocator,
+    inventory: Inventory<B, I>,
+    resources: &mut Resources,
+) -> Result<()>
+where
+    B: IntoIterator<Item = BufferDesc>,
+    I: IntoIterator<Item = ImageDesc>,
+{
+    // SAFETY: the caller's.
+    unsafe {
+        for buffer in inventory.buffers {
+            resources.add_buffer(host, allocator, &buffer)?;
+        }
+        for _ in 0..inventory.host_buffers {
+            resources.add_host_buffer();
+        }
+        for image in inventory.images {
+            resources.add_image(host, allocator, &image)?;
+        }
+        for _ in 0..inventory.host_images {
+            resources.add_host_image();
+        }
+    }
+    Ok(())
+}
