@@ -22,7 +22,7 @@ pub const MASK_LEVELS: u32 = 7;
 /// Levels that the cells of the screen can have.
 pub const MAX_LEVELS: usize = 12;
 /// Classes of the kernel table, by threshold.
-pub const KERNEL_CLASSES: u32 = 48;
+pub const KERNEL_CLASSES: u32 = 64;
 /// Its places along x and along y.
 pub const KERNEL_PLACES: u32 = 49;
 /// Its depths.
