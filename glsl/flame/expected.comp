@@ -96,6 +96,12 @@ vec2 grid_place(vec2 offset, float narrow) {
     return (vec2(offset.x, -offset.y) * narrow * 0.5 + 0.5) * LAST;
 }
 
+// The middle of the part of a ball's depth before one (in radii from its centre), in metres from the centre.
+float cap_middle(float depth) {
+    float share = 1.0 - depth;
+    return -0.75 * share * share / (1.0 + share) * params.space.z;
+}
+
 // Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
 void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
     vec3 view = particles[row].view.xyz;
@@ -105,6 +111,7 @@ void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest
     float reach = kernel_reach();
     float narrow = min(reach / max(0.75 * params.focal.w * view.z, 1e-30), 1.0) / reach;
     float per_depth = 1.0 / max(params.space.z, 1e-12);
+    float near = params.lens.z - view.z;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
         float end = min(bin.y, scene_depth[y]);
@@ -115,13 +122,18 @@ void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest
         vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
         vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
         // What passed before the bin did so at other offsets: on average at the middle of the cap before it.
-        float share = 1.0 - zeta.x * per_depth;
-        float before = -0.75 * share * share / (1.0 + share) * params.space.z;
-        vec2 place_before = clamp(grid_place(centre + before * slope, narrow), 0.0, LAST);
+        vec2 place_before = clamp(grid_place(centre + cap_middle(zeta.x * per_depth) * slope, narrow), 0.0, LAST);
         float passed = nearest_logarithm(place_before, depths.x, class_index);
         bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST)));
         // The rise of G over what is left of 1 - G.
         float x = exp(ends.x - passed) * opacity(max(ends.x - ends.y, 0.0));
+        if (near > -params.space.z) {
+            // What would be before the near plane is not there, and has passed nowhere.
+            float cap = clamp(near * per_depth, -1.0, 1.0);
+            vec2 place_near = clamp(grid_place(centre + cap_middle(cap) * slope, narrow), 0.0, LAST);
+            float missing = 1.0 - exp(nearest_logarithm(place_near, (cap * 0.5 + 0.5) * float(DEPTHS - 1), class_index));
+            x /= 1.0 + exp(-passed) * missing;
+        }
         float h = weight * depth_of(clamp(x, 0.0, 1.0));
         h = inside && bin.x < end ? min(h, MOST_DEPTH) : 0.0;
         uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);

@@ -39,8 +39,8 @@ impl Mask {
             let whole = |dimension| f64::from(draw(dimension) >> 24);
             let [s, t] = [x, y].map(|c| (c as f64 + 0.5) / SIDE as f64);
             let (u, v) = (2.0 * s - 1.0, 2.0 * t - 1.0);
-            // Off the lattice planes, on which noise is 0 at the corners of cells.
-            let z = whole(2) + 0.25 + 0.5 * f64::from(unit(draw(3)));
+            // Off the lattice planes, on which noise is 0 at the corners of cells. A single number, as shaders have it.
+            let z = f64::from((draw(2) >> 24) as f32 + (0.25 + 0.5 * unit(draw(3))));
             let bumps = 0.5 + 0.5 * perlin([CELLS * s + whole(0), CELLS * t + whole(1), z]);
             ((1.0 - (u * u + v * v).sqrt()).max(0.0) * bumps).clamp(0.0, 1.0)
         };
