@@ -29,22 +29,23 @@ impl Watch for Impatient {
     }
 }
 
-fn request(only: &str) -> Request {
+fn request(what: What, only: &str) -> Request {
     let device = Options { validate: true, device: std::env::var("CELFX_DEVICE").ok(), ..Options::default() };
-    Request { what: What::Smoke, quick: true, only: Some(only.into()), device }
+    Request { what, quick: true, only: Some(only.into()), device }
 }
 
 /// Rows of `bench.json` after a benchmark under validation; a message of it is an error.
-fn rows(only: &str, folder: &Path) -> Vec<serde_json::Value> {
-    let table = run(&request(only), folder, &Silent).expect("a benchmark that succeeds");
+fn rows(what: What, only: &str, folder: &Path) -> Vec<serde_json::Value> {
+    let table = run(&request(what, only), folder, &Silent).expect("a benchmark that succeeds");
     let json = std::fs::read_to_string(folder.join("bench.json")).expect("bench.json");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     for limit in ["copy_gb_s", "fma_gflop_s"] {
         assert!(json["limits"][limit].as_f64().is_some_and(|value| value > 0.0), "{limit}: {json}");
     }
     assert!(json["device"].as_str().is_some_and(|name| table.contains(name)), "{table}");
-    for plot in ["smoke.svg", "smoke.png"] {
-        assert!(std::fs::metadata(folder.join(plot)).is_ok_and(|file| file.len() > 1000), "{plot}");
+    let effect = if what == What::Flame { "flame" } else { "smoke" };
+    for plot in ["svg", "png"].map(|kind| format!("{effect}.{kind}")) {
+        assert!(std::fs::metadata(folder.join(&plot)).is_ok_and(|file| file.len() > 1000), "{plot}");
     }
     json["rows"].as_array().expect("rows").clone()
 }
@@ -57,7 +58,7 @@ fn one_workload_of_each_pass() {
     let folder = std::env::temp_dir().join(format!("celfx-bench-{}", std::process::id()));
 
     // All ways to search a radius agree with the brute force to rounding.
-    let grow = rows("15x15x20", &folder);
+    let grow = rows(What::Smoke, "15x15x20", &folder);
     let names: Vec<&str> = grow.iter().filter_map(|row| row["variant"].as_str()).collect();
     assert_eq!(names, ["growth", "field", "pyramid", "chosen"]);
     for row in &grow {
@@ -68,7 +69,7 @@ fn one_workload_of_each_pass() {
     }
 
     // The exact forms of the masked Gaussian are exact, the wrong one and the one without mask are not.
-    for row in rows("/512x512 sigma 4", &folder) {
+    for row in rows(What::Smoke, "/512x512 sigma 4", &folder) {
         let error = row["error_max"].as_f64().expect("an error");
         match row["variant"].as_str().expect("a name") {
             "direct" | "per_id_image" | "per_id_tiles" => assert!(error < 2e-6, "{row}"),
@@ -78,9 +79,42 @@ fn one_workload_of_each_pass() {
     }
 
     // Exact shadows differ from those in f64 at borders only; a shadow map blurs them.
-    for row in rows("shadow/exact/paper", &folder) {
+    for row in rows(What::Smoke, "shadow/exact/paper", &folder) {
         assert!(row["error_p99"].as_f64().is_some_and(|error| error == 0.0), "{row}");
     }
+    std::fs::remove_dir_all(&folder).expect("the folder is removed");
+}
+
+#[test]
+fn fire_by_repetitions_by_its_limit_and_by_blending() {
+    if common::device().is_none() {
+        return;
+    }
+    let folder = std::env::temp_dir().join(format!("celfx-bench-flame-{}", std::process::id()));
+    let field = |row: &serde_json::Value, name: &str| row[name].as_f64().expect("a number");
+
+    let repetitions = rows(What::Flame, "R=16/thin", &folder);
+    let names: Vec<&str> = repetitions.iter().filter_map(|row| row["variant"].as_str()).collect();
+    assert_eq!(names, ["raster R=16", "tiles R=16", "tiles sobol R=16"]);
+    for row in &repetitions {
+        assert_eq!(
+            (&row["effect"], &row["pass"], &row["workload"]),
+            (&"flame".into(), &"accumulate".into(), &"thin".into())
+        );
+        assert!(field(row, "gpu_ms") > 0.0 && field(row, "items") > 16.0 * 600.0, "{row}");
+        assert!((5e-3..0.1).contains(&field(row, "error_rms")), "{row}");
+    }
+    // Two ways to the same picture.
+    let error = |row: &serde_json::Value| field(row, "error_rms");
+    assert!((error(&repetitions[0]) - error(&repetitions[1])).abs() < 1e-4);
+
+    let expected = rows(What::Flame, "expected 32/thin", &folder);
+    assert!(error(&expected[0]) < 0.5 * error(&repetitions[1]), "{}", expected[0]);
+    for row in rows(What::Flame, "ed/thin", &folder) {
+        assert!((error(&expected[0])..0.2).contains(&error(&row)), "blending is biased: {row}");
+    }
+    let frame = rows(What::Flame, "frame/R=10/paper", &folder);
+    assert_eq!((frame.len(), &frame[0]["pass"]), (1, &"frame".into()));
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }
 
@@ -90,7 +124,7 @@ fn an_interruption_writes_nothing() {
         return;
     }
     let folder = std::env::temp_dir().join(format!("celfx-bench-interrupted-{}", std::process::id()));
-    let ended = run(&request(""), &folder, &Impatient);
+    let ended = run(&request(What::All, ""), &folder, &Impatient);
     assert!(matches!(ended, Err(celfx::bench::BenchError::Interrupted)), "{ended:?}");
     assert!(!folder.join("bench.json").exists());
     std::fs::remove_dir_all(&folder).expect("the folder is removed");

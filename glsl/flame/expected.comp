@@ -14,7 +14,9 @@ layout(std430, binding = 5) readonly buffer ActiveTiles { uint active_tiles[]; }
 layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
 layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(binding = 8, r32f) uniform readonly image2D kernel;
-layout(constant_id = 0) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
+layout(std430, binding = 9) buffer Winners { uvec4 winners[]; };  // of an unfinished bin: sums of optical depth times squared colour
+layout(constant_id = 0) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
+layout(constant_id = 1) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
 layout(push_constant) uniform AccumulateConstants {
     uint part;         // which dispatch this is
     uint repetitions;  // first bin
@@ -29,6 +31,7 @@ const uint LANES = 32u;
 const uint BLOCKS = 4u;
 const int ROWS = int(BLOCK);
 const float FIXED = 16777216.0;  // 1 as a fixed-point number
+const float WORD = 4294967296.0 / FIXED;
 const float MOST_DEPTH = 127.0;  // optical depth of one particle in one bin
 const float LAST = float(PLACES - 1);
 const float OPAQUE = 1e-6;       // transmittance below which nothing is seen any more
@@ -45,6 +48,8 @@ float transmittance[ROWS];
 float depth_sum[ROWS];
 uvec4 bin_low[ROWS];   // sums of the bin: optical depth times colour, optical depth
 uvec4 bin_high[ROWS];
+uvec3 square_low[ROWS];  // optical depth times squared colour
+uvec3 square_high[ROWS];
 float scene_depth[ROWS];
 
 // ln(1 - G) at a corner of the grid, between two depths.
@@ -134,18 +139,28 @@ void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest
         uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);
         bin_low[y] += added;
         bin_high[y] += uvec4(lessThan(bin_low[y], added));
+        if (KEEP_LAYERS == 1u) {
+            uvec3 square = uvec3(h * colour * colour * FIXED + 0.5);
+            square_low[y] += square;
+            square_high[y] += uvec3(lessThan(square_low[y], square));
+        }
     }
 }
 
 // Lays a finished bin behind what is nearer.
 void composite_bin(float depth) {
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        vec4 sum = vec4(bin_high[y]) * (4294967296.0 / FIXED) + vec4(bin_low[y]) / FIXED;
+        vec4 sum = vec4(bin_high[y]) * WORD + vec4(bin_low[y]) / FIXED;
         float alpha = opacity(sum.w);
         vec3 colour = sum.rgb / max(sum.w, 1e-30);
         float share = transmittance[y] > OPAQUE ? transmittance[y] * alpha : 0.0;
         mean[y] += share * colour;
-        second[y] += share * colour * colour;
+        if (KEEP_LAYERS == 1u) {
+            vec3 squares = vec3(square_high[y]) * WORD + vec3(square_low[y]) / FIXED;
+            second[y] += share * squares / max(sum.w, 1e-30);
+            square_low[y] = uvec3(0u);
+            square_high[y] = uvec3(0u);
+        }
         depth_sum[y] += share * depth;
         transmittance[y] -= share;
         bin_low[y] = uvec4(0u);
@@ -196,6 +211,12 @@ void main() {
         depth_sum[y] = uintBitsToFloat(b.w);
         bin_low[y] = c;
         bin_high[y] = d;
+        square_low[y] = uvec3(0u);
+        square_high[y] = uvec3(0u);
+        if (KEEP_LAYERS == 1u && inside[y] && segment > 0u) {
+            square_low[y] = winners[2u * at].xyz;
+            square_high[y] = winners[2u * at + 1u].xyz;
+        }
     }
     if (lane < BLOCKS) {
         queue_length[lane] = 0u;
@@ -274,6 +295,10 @@ void main() {
             sums[4u * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
             sums[4u * at + 2u] = bin_low[y];
             sums[4u * at + 3u] = bin_high[y];
+            if (KEEP_LAYERS == 1u && !is_last_segment) {
+                winners[2u * at] = uvec4(square_low[y], 0u);
+                winners[2u * at + 1u] = uvec4(square_high[y], 0u);
+            }
         }
     }
 }

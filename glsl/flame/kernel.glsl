@@ -1,6 +1,6 @@
 // The table of ln(1 - G): G is the probability that a render particle of a physical particle passes at a place, nearer than a depth.
 // Classes of the threshold; places across the ray's offset from the particle's centre; depths through the space of its render particles.
-const int CLASSES = 48;
+const int CLASSES = 64;
 const int PLACES = 49;
 const int DEPTHS = 25;
 const uint SHARE_SIDE = 32u;  // texels of the pass shares along a side; the mask's own where its level has fewer
@@ -10,7 +10,22 @@ float kernel_reach() {
     return params.space.z + 0.5 * params.space.y;
 }
 
+// Classes are evenly spaced in alpha, 1 / threshold: as temperatures are. The first is where nothing passes any more, the last
+// that of the settings' hottest temperature.
+vec2 class_alphas() {
+    float lowest = 1.0 / max(params.light.y, 1e-6);
+    return vec2(lowest, max(params.model.x / max(params.model.y, 1e-6), lowest));
+}
+
 // The threshold of a class, as alpha of the mask.
 float class_threshold(uint index) {
-    return params.light.y * float(index) / float(CLASSES - 1);
+    vec2 range = class_alphas();
+    return 1.0 / mix(range.x, range.y, float(index) / float(CLASSES - 1));
+}
+
+// The place of a threshold among the classes; a particle's own is never the first.
+float class_place(float threshold) {
+    vec2 range = class_alphas();
+    float share = (1.0 / max(threshold, 1e-30) - range.x) / max(range.y - range.x, 1e-6);
+    return clamp(share * float(CLASSES - 1), 1.0, float(CLASSES - 1));
 }

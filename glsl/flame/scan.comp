@@ -8,11 +8,12 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 1) buffer Cells { uint cell_ends[]; };
 layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 layout(push_constant) uniform ScanConstants {
-    uint cells;   // cells of all levels
-    uint turns;   // loop turns that an invocation may take
-    uint once;    // of those, what a repetition takes however short the list is
-    uint visits;  // loop turns that an entry takes, unless 0: its render particles, and one
-    uint repetitions;
+    uint cells;        // cells of all levels
+    uint turns;        // loop turns that an invocation may take
+    uint base;         // turns that a repetition takes besides its entries
+    uint visit;        // turns that an entry takes besides its render particles
+    uint eighths;      // eighths of a turn that each of those takes
+    uint repetitions;  // most repetitions of a dispatch
 } constants;
 
 shared uint sums[256];
@@ -60,10 +61,10 @@ void main() {
         for (uint l = 0u; l < params.counts.z; ++l) {
             total += longest[l];
         }
-        uint visits = constants.visits > 0u ? constants.visits : max(control.most, 1u) + 1u;
-        uint entries_at_once = max((constants.turns - constants.once) / visits, 1u);
+        uint visit = constants.visit + (control.most * constants.eighths + 7u) / 8u;
+        uint entries_at_once = max((constants.turns - constants.base) / visit, 1u);
         uint segments = max((total + entries_at_once - 1u) / entries_at_once, 1u);
-        uint repetitions = segments > 1u ? 1u : max(constants.turns / (total * visits + constants.once), 1u);
+        uint repetitions = segments > 1u ? 1u : max(constants.turns / (constants.base + total * visit), 1u);
         control.segments = segments;
         control.segment_entries = segments > 1u ? entries_at_once : max(total, 1u);
         control.part_repetitions = min(repetitions, constants.repetitions);

@@ -25,8 +25,7 @@ void main() {
     vec4 view = particles[row].view;
     // Without alpha all of the mask passes, or nothing.
     float threshold = view.w > 0.0 ? params.model.y / view.w : params.model.y > 0.0 ? 2.0 : 0.0;
-    float place = clamp(threshold / params.light.y, 0.0, 1.0) * float(CLASSES - 1);
-    uint class_index = min(uint(place + 0.5), uint(CLASSES - 2));
+    uint class_index = uint(class_place(threshold) + 0.5);
     float weight = float(particles[row].draw.z) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);
     // What is narrower than a pixel is spread over one.
     float narrow = min(kernel_reach() / max(0.75 * params.focal.w * view.z, 1e-30), 1.0);

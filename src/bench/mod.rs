@@ -3,6 +3,7 @@
 //! Variants of one pass at one workload take turns in one run, with a full barrier around each step, after a warm-up:
 //! drivers may compile a kernel at its first dispatch.
 
+mod flame;
 mod font;
 mod limits;
 mod measure;
@@ -25,6 +26,8 @@ use rig::Rig;
 pub enum What {
     /// The smoke effect's kernels and frames.
     Smoke,
+    /// The flame effect's ways to accumulate, and its frames.
+    Flame,
     /// What the device can do: copy and arithmetic. Every run measures it.
     Limits,
     /// All of it.
@@ -116,8 +119,11 @@ pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String
     let (quick, only) = (request.quick, request.only.as_deref());
     let mut session = Session { rig, quick, only, limits: Limits::default(), rows: Vec::new(), watch };
     session.limits = limits::measure(&mut session)?;
-    if request.what != What::Limits {
+    if matches!(request.what, What::Smoke | What::All) {
         smoke::measure(&mut session)?;
+    }
+    if matches!(request.what, What::Flame | What::All) {
+        flame::measure(&mut session)?;
     }
     let Session { rig, limits, rows, .. } = session;
     drop(rig);

@@ -31,7 +31,7 @@ pub(super) struct Row {
     pub(super) pass: &'static str,
     pub(super) variant: String,
     pub(super) workload: String,
-    /// Spheres.
+    /// Spheres, or sprites: render particles times repetitions.
     pub(super) items: u64,
     /// Median.
     pub(super) gpu_ms: f64,

@@ -14,7 +14,8 @@ const EXAMPLES: &str = "\
 Examples:
   celfx bench                                       everything, into ./bench: bench.json and the plots
   celfx bench smoke --quick                         one effect, one run each
-  celfx bench smoke --only 'gaussian/per_id_tiles'  one variant at its workloads";
+  celfx bench smoke --only 'gaussian/per_id_tiles'  one variant at its workloads
+  celfx bench flame --only 'tiles R=16/paper'       one row";
 
 /// Options of `celfx bench`.
 #[derive(Debug, Args)]
@@ -38,6 +39,8 @@ pub(super) struct Options {
 enum What {
     /// The smoke effect's kernels and frames
     Smoke,
+    /// The flame effect's ways to accumulate, and its frames
+    Flame,
     /// What the device can do: copy and arithmetic
     Limits,
     /// All of it
@@ -84,6 +87,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     interrupt::install();
     let what = match options.what {
         What::Smoke => bench::What::Smoke,
+        What::Flame => bench::What::Flame,
         What::Limits => bench::What::Limits,
         What::All => bench::What::All,
     };

@@ -9,21 +9,15 @@ use crate::flame::params::{
     CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS, MASK_SIDE,
     Particle, SHARE_SIDE, TILE, buckets,
 };
-use crate::flame::settings::{MOST_COUNT, Method, Mode, Settings};
+use crate::flame::settings::{MOST_COUNT, Method, Mode, Sampling, Settings};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{LOOP_BUDGET, Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
-/// Loop turns that a dispatch over a tile's list is charged at most: one for each render particle, one for each particle, and
-/// [`REPETITION_TURNS`]. Each stands for up to 1.9 turns, with what batches of particles and rounds of sprites take besides:
-/// together they stay within [`crate::layout::LOOP_BUDGET`].
-pub const TURNS: u32 = 25_000;
-/// Turns that a repetition is charged however short the list is.
-pub const REPETITION_TURNS: u32 = 32;
-/// Loop turns that a particle takes in a bin of the expected image: a column of pixels, and what leads up to it.
-pub const BIN_TURNS: u32 = 10;
+/// Loop turns that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
+pub const TURNS: u32 = 44_000;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
 pub const FIRST_STAGE: u32 = 16;
 /// The most dispatches of a frame's repetitions.
@@ -96,6 +90,32 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
+/// Loop turns of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Whatever is in the list.
+    pub base: u32,
+    /// For each entry.
+    pub visit: u32,
+    /// For each of the entry's render particles, in eighths.
+    pub eighths: u32,
+}
+
+impl Cost {
+    /// The most that the kernels of this effect take.
+    pub fn new(desc: &Desc) -> Cost {
+        match (desc.settings.mode, desc.settings.sampling) {
+            // A batch of 32 entries looks them up in up to 12 lists and adds up 5 times; a round makes 32 sprites, each
+            // of which a column of pixels then tests at most once.
+            (Mode::Stochastic, Sampling::Independent) => Cost { base: 48, visit: 1, eighths: 10 },
+            // And a Sobol point takes up to 20 turns.
+            (Mode::Stochastic, Sampling::ShuffledSobol) => Cost { base: 48, visit: 1, eighths: 16 },
+            // A particle meets the 8 pixels of a column.
+            (Mode::Expected, _) => Cost { base: 48, visit: 11, eighths: 0 },
+        }
+    }
+}
+
 /// A run of repetitions after which tiles may be done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stage {
@@ -164,10 +184,11 @@ impl Layout {
         let settings = &desc.settings;
         let expected = settings.mode == Mode::Expected;
         let particles = u64::from(desc.particles.max(1));
-        let (turns, once) = (u64::from(TURNS), u64::from(REPETITION_TURNS));
-        let visits = if expected { BIN_TURNS.into() } else { most_count(desc) + 1 };
-        let segments = particles.div_ceil(((turns - once) / visits).max(1));
-        let at_once = if segments > 1 { 1 } else { (turns / (particles * visits + once)).max(1) };
+        let cost = Cost::new(desc);
+        let visit = u64::from(cost.visit) + (most_count(desc) * u64::from(cost.eighths)).div_ceil(8);
+        let segments = particles.div_ceil((u64::from(TURNS - cost.base) / visit).max(1));
+        let of_all = u64::from(cost.base) + particles * visit;
+        let at_once = if segments > 1 { 1 } else { (u64::from(TURNS) / of_all).max(1) };
         let all = if expected { settings.bins } else { settings.repetitions };
         if is_raster(desc) {
             // No dispatches, but all of the repetitions.
@@ -234,8 +255,12 @@ impl Layout {
         let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]);
         let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
         let words = matches!(desc.scene, Some(SceneFormat::Image(_)));
-        let stochastic = desc.settings.mode == Mode::Stochastic;
-        let segmented = stochastic && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
+        let segmented = !is_raster(desc) && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
+        // What a tile's pixels have of a repetition, or of a bin, that is not done yet.
+        let unfinished = match desc.settings.mode {
+            Mode::Stochastic => 16,
+            Mode::Expected => kept(desc.layers, 32),
+        };
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);
         self.set(TILE_REPETITIONS, tiles * 4);
@@ -246,7 +271,7 @@ impl Layout {
         let sprites = u64::from(desc.particles) * most_count(desc);
         self.set(SPRITE_LIST, kept(is_raster(desc), sprites * 8));
         self.set(LAMP, size_of::<Lamp>() as u64);
-        self.set(WINNERS, kept(segmented && !is_raster(desc), pixels * 16));
+        self.set(WINNERS, kept(segmented, pixels * unfinished));
         self.set(PICTURE, pixels * 16);
         self.set(MEAN, kept(desc.layers, pixels * 16));
         self.set(VARIANCE, kept(desc.layers, pixels * 16));

@@ -22,7 +22,7 @@ pub const MASK_LEVELS: u32 = 7;
 /// Levels that the cells of the screen can have.
 pub const MAX_LEVELS: usize = 12;
 /// Classes of the kernel table, by threshold.
-pub const KERNEL_CLASSES: u32 = 48;
+pub const KERNEL_CLASSES: u32 = 64;
 /// Its places along x and along y.
 pub const KERNEL_PLACES: u32 = 49;
 /// Its depths.
@@ -105,7 +105,7 @@ pub struct Lamp {
 
 push_constants! {
     /// Of `scan`.
-    ScanConstants { cells: u32, turns: u32, once: u32, visits: u32, repetitions: u32 }
+    ScanConstants { cells: u32, turns: u32, base: u32, visit: u32, eighths: u32, repetitions: u32 }
     /// Of `tiles` and `adapt`.
     PartsConstants { first: u32, most: u32, repetitions: u32, stages: u32 }
     /// Of `mips`.

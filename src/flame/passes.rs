@@ -90,7 +90,7 @@ impl Passes {
                 Pass::compute("flame.kernel", &glsl::kernel::SHADER)
                     .specialise([u32::from(desc.settings.shape == Shape::Cube)]),
             ),
-            clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST]),
+            clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES]),
             sprites: d.compute("flame.raster", &glsl::sprites::SHADER),
             raster: d.add(raster(desc)),
             add: d.compute("flame.raster", &glsl::add::SHADER),
@@ -161,7 +161,8 @@ fn light(desc: &Desc) -> Pass {
 }
 
 fn expected(desc: &Desc) -> Pass {
-    Pass::compute("flame.accumulate", &glsl::expected::SHADER).specialise([u32::from(desc.scene.is_some())])
+    Pass::compute("flame.accumulate", &glsl::expected::SHADER)
+        .specialise([u32::from(desc.scene.is_some()), u32::from(desc.layers)])
 }
 
 fn composite(desc: &Desc) -> Pass {

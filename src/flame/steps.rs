@@ -105,12 +105,14 @@ impl Steps<'_> {
         }
     }
 
-    /// Layers are whole images; the picture is one of them.
+    /// Layers are whole images; the picture is one of them. Where no particle is prepared, none of an earlier frame, or of
+    /// what the memory held before, is left in the list either.
     fn clear(&mut self) {
         if !self.desc.layers {
             return self.plan.skip("flame.clear", "no layers are kept");
         }
-        for buffer in [PICTURE, MEAN, VARIANCE] {
+        let particles = self.moment.dark.map(|_| PARTICLES);
+        for buffer in [PICTURE, MEAN, VARIANCE].into_iter().chain(particles) {
             self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
         }
         let word = f32::INFINITY.to_bits();
@@ -155,12 +157,12 @@ impl Steps<'_> {
         self.plan.step(self.passes.prepare, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
-        let (visits, repetitions) = match self.desc.settings.mode {
-            Mode::Stochastic => (0, self.desc.settings.repetitions),
-            Mode::Expected => (BIN_TURNS, self.desc.settings.bins),
+        let repetitions = match self.desc.settings.mode {
+            Mode::Stochastic => self.desc.settings.repetitions,
+            Mode::Expected => self.desc.settings.bins,
         };
-        let (turns, once) = (TURNS, REPETITION_TURNS);
-        let constants = ScanConstants { cells: self.layout.cells, turns, once, visits, repetitions };
+        let Cost { base, visit, eighths } = Cost::new(self.desc);
+        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, base, visit, eighths, repetitions };
         self.plan.step_with(self.passes.scan, one_group, &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {

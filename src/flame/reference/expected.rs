@@ -2,7 +2,6 @@
 //! optical depth of a particle is -n ln(1 - G)), in depth bins.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
@@ -75,8 +74,19 @@ impl Expected {
 /// Renders without a table. `side`: cells of the sprite's square that are summed ([`Weights::new`]); 128 is some 1e-5
 /// close where the spread is not much below the size.
 pub fn render(frame: &Frame, particles: &[Particle], bins: Bins, side: usize) -> Expected {
+    render_at(frame, particles, bins, side, &everywhere(frame))
+}
+
+/// The same at some pixels only, numbered row by row from the top: a whole picture takes minutes.
+pub fn render_at(frame: &Frame, particles: &[Particle], bins: Bins, side: usize, pixels: &[usize]) -> Expected {
     let exact = Exact::new(frame, particles, side);
-    integrate(frame, particles, bins, |index, slope, borders, depths| exact.depths(index, slope, borders, depths))
+    integrate_at(frame, particles, bins, pixels, |index, slope, borders, depths| {
+        exact.depths(index, slope, borders, depths)
+    })
+}
+
+fn everywhere(frame: &Frame) -> Vec<usize> {
+    (0..frame.size[0] as usize * frame.size[1] as usize).collect()
 }
 
 /// Composites bins front to back. `optical(particle, slope of the ray, borders, depths)` writes the optical depth that a
@@ -85,6 +95,16 @@ pub fn integrate(
     frame: &Frame,
     particles: &[Particle],
     bins: Bins,
+    optical: impl Fn(usize, DVec2, &[f64], &mut [f64]) -> bool + Sync,
+) -> Expected {
+    integrate_at(frame, particles, bins, &everywhere(frame), optical)
+}
+
+fn integrate_at(
+    frame: &Frame,
+    particles: &[Particle],
+    bins: Bins,
+    pixels: &[usize],
     optical: impl Fn(usize, DVec2, &[f64], &mut [f64]) -> bool + Sync,
 ) -> Expected {
     let [width, height] = frame.size.map(|n| n as usize);
@@ -104,12 +124,11 @@ pub fn integrate(
         }
         composite(&column, &borders)
     };
-    let rows = |rows: Range<usize>| (rows.start * width..rows.end * width).map(&pixel).collect::<Vec<Seen>>();
-    let each = height.div_ceil(4 * threads).max(1);
-    let parts: Vec<Range<usize>> = (0..height).step_by(each).map(|y| y..height.min(y + each)).collect();
+    let pixel = &pixel;
+    let each = pixels.len().div_ceil(4 * threads).max(1);
     let seen: Vec<Seen> = std::thread::scope(|scope| {
-        let rows = &rows;
-        let threads: Vec<_> = parts.into_iter().map(|part| scope.spawn(move || rows(part))).collect();
+        let part = |part: &[usize]| part.iter().map(|place| pixel(*place)).collect::<Vec<Seen>>();
+        let threads: Vec<_> = pixels.chunks(each).map(|chunk| scope.spawn(move || part(chunk))).collect();
         threads.into_iter().flat_map(|thread| thread.join().expect("a thread of the reference")).collect()
     });
     Expected {
@@ -212,10 +231,14 @@ impl<'a> Exact<'a> {
         if centre.z + reach < camera.near || centre.z - reach > camera.far {
             return false;
         }
+        let (body, beside) = (self.body(index), centre.z * slope - centre.truncate());
+        if !body.touches(beside, slope) {
+            return false;
+        }
         let relative: Vec<f64> = borders.iter().map(|z| z - centre.z).collect();
         let range = [camera.near, camera.far].map(|z| z - centre.z);
         let mut shares = vec![0.0; borders.len()];
-        let met = self.body(index).shares(centre.z * slope - centre.truncate(), slope, range, &relative, &mut shares);
+        let met = body.shares(beside, slope, range, &relative, &mut shares);
         let count = f64::from(self.particles[index].count);
         for (depth, ends) in depths.iter_mut().zip(shares.windows(2)) {
             *depth = count * (logarithm(ends[0]) - logarithm(ends[1])).max(0.0);

@@ -36,7 +36,7 @@ impl Body<'_> {
     }
 
     /// Whether a ray can meet any sprite. `beside` and `slope` as in [`Body::shares`].
-    fn touches(&self, beside: DVec2, slope: DVec2) -> bool {
+    pub fn touches(&self, beside: DVec2, slope: DVec2) -> bool {
         let radius = if self.shape == Shape::Ball { self.spread } else { 3.0_f64.sqrt() * self.spread };
         // The ray is at its nearest to the axis at some depth within the body.
         let squared = slope.length_squared();

@@ -1,0 +1,193 @@
+//! Repetitions against the reference, which makes the same decisions in f64: integer sums bit for bit, except where
+//! rounding decides. Such samples are counted, and so are those that differ.
+
+use celfx::flame::settings::{Sampling, Shape};
+use celfx::flame::{Desc, SceneFormat, Settings};
+use celfx::io::particles::Particles;
+use celfx::view::Camera;
+use glam::DVec3;
+
+use crate::common::flame::{FlameRig, ball, desc};
+use crate::common::scenes::{camera, random};
+use crate::oracle::{Shot, Tally, check};
+
+const SIZE: [u32; 2] = [96, 72];
+const PARTICLES: u32 = 150;
+
+/// The specification's: of all samples, so many may differ.
+const SHARE: f64 = 1e-5;
+
+pub fn base() -> Settings {
+    Settings { repetitions: 24, count: 8.0, spread: Some(0.15), size: Some(0.2), ..Settings::default() }
+}
+
+fn rig(settings: Settings) -> Option<FlameRig> {
+    FlameRig::new(desc(SIZE, PARTICLES, settings))
+}
+
+/// Checks a look; what it sees must be worth it.
+fn look(name: &str, settings: Settings, camera: Camera, total: &mut Tally) {
+    let Some(mut rig) = rig(settings) else { return };
+    let particles = ball(PARTICLES, 1);
+    let tally = check(name, &mut rig, &Shot::new(&particles, camera));
+    assert!(tally.hits * 50 > tally.samples, "{name}: {tally:?} is empty");
+    total.add(tally);
+}
+
+fn from(x: f64, y: f64, z: f64) -> Camera {
+    Camera { eye: DVec3::new(x, y, z), ..camera(0.0) }
+}
+
+#[test]
+fn samplings_and_shapes() {
+    let mut total = Tally::default();
+    look("independent", base(), camera(0.0), &mut total);
+    look("cube", Settings { shape: Shape::Cube, ..base() }, camera(40.0), &mut total);
+    let sobol = Settings { sampling: Sampling::ShuffledSobol, ..base() };
+    look("Sobol", sobol.clone(), camera(-20.0), &mut total);
+    // Not a power of two, and in a cube.
+    let odd = Settings { repetitions: 37, shape: Shape::Cube, ..sobol.clone() };
+    look("Sobol in a cube", odd, camera(-20.0), &mut total);
+    look("Sobol once", Settings { repetitions: 1, ..sobol }, camera(0.0), &mut total);
+    look("once", Settings { repetitions: 1, ..base() }, camera(0.0), &mut total);
+    total.assert_few("samplings and shapes", SHARE);
+}
+
+#[test]
+fn flicker() {
+    let particles = ball(PARTICLES, 1);
+    let mut total = Tally::default();
+    for sampling in [Sampling::Independent, Sampling::ShuffledSobol] {
+        for flicker in [0.3, 1.0] {
+            let Some(mut rig) = rig(Settings { flicker, sampling, ..base() }) else { return };
+            // The last of these overflows any product of two words.
+            for number in [0, 1, 1000, u32::MAX] {
+                let shot = Shot { number, ..Shot::new(&particles, camera(0.0)) };
+                total.add(check(&format!("{sampling:?} {flicker} {number}"), &mut rig, &shot));
+            }
+        }
+    }
+    total.assert_few("flicker", SHARE);
+}
+
+/// Sprites of all sizes: every level of the mask, down to those far below a pixel.
+#[test]
+fn levels() {
+    let mut total = Tally::default();
+    // At the nearest particle a metre is some 41 pixels.
+    for (size, count) in [(1.2, 3.0), (0.6, 4.0), (0.3, 6.0), (0.15, 8.0), (0.08, 20.0), (0.04, 60.0), (0.012, 300.0)] {
+        let settings = Settings { size: Some(size), count, alpha_scale: 8.0, ..base() };
+        look(&format!("{size} m"), settings, camera(0.0), &mut total);
+    }
+    total.assert_few("levels", SHARE);
+}
+
+#[test]
+fn sizes_in_pixels() {
+    let mut total = Tally::default();
+    for (pixels, count) in [(0.6, 300.0), (1.0, 100.0), (5.0, 10.0), (33.0, 3.0), (80.0, 2.0)] {
+        let (size, size_pixels) = (None, Some(pixels));
+        let settings = Settings { size, size_pixels, count, alpha_scale: 8.0, ..base() };
+        look(&format!("{pixels} pixels"), settings, camera(0.0), &mut total);
+    }
+    total.assert_few("sizes in pixels", SHARE);
+}
+
+#[test]
+fn cameras() {
+    let mut total = Tally::default();
+    look("near", base(), from(0.2, 0.1, 1.25), &mut total);
+    // Inside of the cloud and of some particles' balls; the near plane cuts through others.
+    look("inside", Settings { spread: Some(0.4), ..base() }, from(0.1, 0.05, 0.2), &mut total);
+    let close = Camera { near: 0.01, ..from(0.1, 0.05, 0.2) };
+    look("inside and close", Settings { spread: Some(0.4), ..base() }, close, &mut total);
+    // Seen at the edge of a wide picture, where squares are far from round.
+    let wide = Camera { vertical_fov: 120.0, target: DVec3::new(2.4, 1.0, 0.0), ..from(0.0, 0.0, 1.6) };
+    look("off axis", base(), wide, &mut total);
+    let cut = Camera { near: 3.7, far: 4.3, ..camera(0.0) };
+    look("cut", base(), cut, &mut total);
+    look("cut in a cube", Settings { shape: Shape::Cube, ..base() }, cut, &mut total);
+    look("no end", base(), Camera { far: f64::INFINITY, ..camera(0.0) }, &mut total);
+    let rolled = Camera { up: DVec3::new(1.0, 0.3, -0.2), ..from(-2.0, 2.0, -2.0) };
+    look("rolled", base(), rolled, &mut total);
+    total.assert_few("cameras", SHARE);
+}
+
+#[test]
+fn thresholds() {
+    let mut total = Tally::default();
+    for threshold in [-1.0, 0.05, 1.0] {
+        for size in [0.25, 1.2] {
+            let settings = Settings { threshold, size: Some(size), count: 4.0, ..base() };
+            look(&format!("{threshold} {size}"), settings, camera(0.0), &mut total);
+        }
+    }
+    total.assert_few("thresholds", SHARE);
+}
+
+#[test]
+fn a_scene_hides_what_is_behind_it() {
+    let particles = ball(PARTICLES, 1);
+    // A slope through the cloud, a hole in it, and a wall in front of all.
+    let depth: Vec<f32> = (0..SIZE[0] * SIZE[1])
+        .map(|i| match (i % SIZE[0], i / SIZE[0]) {
+            (x, _) if x % 7 == 3 => f32::INFINITY,
+            (_, y) if y < 10 => 0.5,
+            (x, y) => 3.2 + 0.01 * x as f32 + 0.007 * y as f32,
+        })
+        .collect();
+    let mut total = Tally::default();
+    for size in [0.2, 1.2] {
+        let settings = Settings { size: Some(size), ..base() };
+        let scene = Some(SceneFormat::Buffer);
+        let Some(mut rig) = FlameRig::new(Desc { scene, ..desc(SIZE, PARTICLES, settings) }) else { return };
+        let shot = Shot { depth: Some(&depth), ..Shot::new(&particles, camera(0.0)) };
+        let hidden = check("scene", &mut rig, &shot);
+        let open = vec![f32::INFINITY; depth.len()];
+        let shot = Shot { depth: Some(&open), ..shot };
+        let seen = check("open", &mut rig, &shot);
+        assert!(hidden.hits < seen.hits * 9 / 10 && hidden.hits > 0, "{hidden:?} of {seen:?}");
+        total.add(hidden);
+        total.add(seen);
+    }
+    total.assert_few("scene", SHARE);
+}
+
+/// Draws belong to ids, not to rows.
+#[test]
+fn ids() {
+    let particles = ball(PARTICLES, 1);
+    let Some(mut rig) = rig(base()) else { return };
+    let mut total = Tally::default();
+    let given = [
+        (0..PARTICLES).rev().collect::<Vec<u32>>(),
+        (0..PARTICLES).map(|i| i * 37 % PARTICLES).collect(),
+        (0..PARTICLES).map(|i| (random(8, i, 0) * 4e9) as u32).collect(),
+        // All alike: then rows decide ties, and all draw the same.
+        vec![u32::MAX; PARTICLES as usize],
+    ];
+    for (index, ids) in given.into_iter().enumerate() {
+        let particles = Particles { id: Some(ids), ..particles.clone() };
+        total.add(check(&format!("ids {index}"), &mut rig, &Shot::new(&particles, camera(0.0))));
+    }
+    total.assert_few("ids", SHARE);
+}
+
+/// Particles far from the origin of the world, and a world of another scale.
+#[test]
+fn worlds() {
+    let mut total = Tally::default();
+    for (scale, shift) in [(1e-3, 0.0), (1e3, 0.0), (1.0, 100.0)] {
+        let settings = Settings { spread: Some(0.15 * scale), size: Some(0.2 * scale), ..base() };
+        let Some(mut rig) = rig(settings) else { return };
+        let mut particles = ball(PARTICLES, 1);
+        particles.position.iter_mut().flatten().for_each(|x| *x = *x * scale + shift);
+        let by = |p: DVec3| p * f64::from(scale) + f64::from(shift);
+        let (near, far) = (0.1 * f64::from(scale), 100.0 * f64::from(scale));
+        let camera = Camera { eye: by(camera(0.0).eye), target: by(DVec3::ZERO), near, far, ..camera(0.0) };
+        let tally = check(&format!("{scale} {shift}"), &mut rig, &Shot::new(&particles, camera));
+        assert!(tally.hits * 50 > tally.samples, "{tally:?}");
+        total.add(tally);
+    }
+    total.assert_few("worlds", SHARE);
+}
