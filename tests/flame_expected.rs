@@ -13,8 +13,14 @@ mod cases;
 mod colour;
 #[path = "flame_expected/extremes.rs"]
 mod extremes;
+#[path = "flame_expected/frames.rs"]
+mod frames;
+#[path = "flame_expected/host.rs"]
+mod host;
 #[path = "flame_expected/mask.rs"]
 mod mask;
+#[path = "flame_expected/scene.rs"]
+mod scene;
 #[path = "flame_expected/stochastic.rs"]
 mod stochastic;
 #[path = "flame_expected/table.rs"]

@@ -9,11 +9,11 @@ use celfx::flame::reference::stochastic::Frame;
 use celfx::flame::settings::Mode;
 use celfx::flame::{Desc, Settings};
 use celfx::io::particles::Particles;
-use celfx::offline::EffectBuffer;
+use celfx::offline::{EffectBuffer, Scene};
 use celfx::view::Camera;
 use glam::DVec3;
 
-use crate::common::flame::{FlameRig, ball, desc};
+use crate::common::flame::{FlameRig, ball, desc, scene};
 use crate::common::scenes;
 
 /// What is rendered.
@@ -23,6 +23,8 @@ pub struct Case {
     pub desc: Desc,
     pub camera: Camera,
     pub particles: Particles,
+    /// View depth of the scene a pixel, if the effect is made for one.
+    pub depth: Option<Vec<f32>>,
 }
 
 /// The expected image of fire whose sprites are about as large as the spaces that they fill.
@@ -40,7 +42,7 @@ pub fn settings() -> Settings {
 impl Case {
     /// Particles in a ball of 1 m around the origin.
     pub fn new(name: &'static str, size: [u32; 2], count: u32, settings: Settings, camera: Camera) -> Case {
-        Case { name, desc: desc(size, count, settings), camera, particles: ball(count, 3) }
+        Case { name, desc: desc(size, count, settings), camera, particles: ball(count, 3), depth: None }
     }
 
     /// The same with other settings.
@@ -53,7 +55,7 @@ impl Case {
     /// Rendered by an effect of its own.
     pub fn render(&self) -> Option<FlameRig> {
         let mut rig = FlameRig::new(self.desc.clone())?;
-        rig.frame(&self.particles, self.camera);
+        rig.render(&Scene { depth: self.depth.as_deref(), ..scene(Some(&self.particles), self.camera) });
         Some(rig)
     }
 }
@@ -76,7 +78,8 @@ pub fn wide() -> Case {
 
 /// So near that perspective is strong within a particle and sprites are large: the mask is magnified.
 pub fn near() -> Case {
-    let camera = Camera { eye: DVec3::new(0.1, 0.0, 1.15), target: DVec3::ZERO, vertical_fov: 60.0, ..Camera::default() };
+    let camera =
+        Camera { eye: DVec3::new(0.1, 0.0, 1.15), target: DVec3::ZERO, vertical_fov: 60.0, ..Camera::default() };
     Case::new("near", [40, 30], 24, settings(), camera)
 }
 
@@ -155,7 +158,7 @@ impl Case {
             number: 0,
             camera: &self.camera,
             size: self.desc.size,
-            scene: None,
+            scene: self.depth.as_deref(),
             mask,
             level,
         }

@@ -114,11 +114,11 @@ pub struct Weighed {
 }
 
 /// The whole of it for a frame.
-pub struct Model<'a> {
+struct Model<'a> {
     case: &'a Case,
     space: Space,
     tables: Vec<Vec<f64>>,
-    pub weighed: Vec<Weighed>,
+    weighed: Vec<Weighed>,
     /// Centres in view space.
     views: Vec<DVec3>,
     particles: &'a [Particle],
@@ -126,7 +126,7 @@ pub struct Model<'a> {
 
 impl<'a> Model<'a> {
     /// Of the device's mask and particles.
-    pub fn new(case: &'a Case, mask: &Mask, level: u32, particles: &'a [Particle]) -> Model<'a> {
+    fn new(case: &'a Case, mask: &Mask, level: u32, particles: &'a [Particle]) -> Model<'a> {
         let space = Space::new(case);
         let settings = &case.desc.settings;
         // As the effect makes it: in single precision, as classes and thresholds are below.
@@ -156,7 +156,8 @@ impl<'a> Model<'a> {
         let level = level.max(1);
         let sorted = mask.sorted(level);
         let below = f64::from(settings.variants << (2 * level));
-        let mut used: Vec<usize> = particles.iter().zip(&weighed).filter(|(p, _)| p.count > 0).map(|p| p.1.class).collect();
+        let mut used: Vec<usize> =
+            particles.iter().zip(&weighed).filter(|(p, _)| p.count > 0).map(|p| p.1.class).collect();
         used.sort_unstable();
         used.dedup();
         let mut tables = vec![Vec::new(); KERNEL_CLASSES as usize];
@@ -174,7 +175,7 @@ impl<'a> Model<'a> {
     }
 
     /// The image.
-    pub fn render(&self, bins: Bins) -> Expected {
+    fn render(&self, bins: Bins) -> Expected {
         let mask = Mask::from_texels(vec![0.0; SIDE * SIDE]);
         let near = self.case.camera.near;
         integrate(&self.case.frame(&mask, 0), self.particles, bins, |index, slope, borders, depths| {
@@ -198,12 +199,24 @@ impl<'a> Model<'a> {
         }
         let depths = zeta.map(|z| (z / radius.max(1e-12) * 0.5 + 0.5) * (DEPTHS - 1) as f64);
         let ends = depths.map(|depth| self.logarithm(weighed.class, place, depth));
-        let share = 1.0 - zeta[0] / radius.max(1e-12);
-        let before = -0.75 * share * share / (1.0 + share) * radius;
-        let before = self.place(centre + before * slope, weighed.narrow).clamp(DVec2::ZERO, DVec2::splat(LAST));
-        let passed = self.logarithm(weighed.class, (before + 0.5).floor(), depths[0]);
-        let x = (ends[0] - passed).exp() * -(-(ends[0] - ends[1]).max(0.0)).exp_m1();
+        let passed = self.passed(weighed, centre, slope, zeta[0]);
+        let mut x = (ends[0] - passed).exp() * -(-(ends[0] - ends[1]).max(0.0)).exp_m1();
+        let near = self.case.camera.near - view.z;
+        if near > -radius {
+            let missing = -self.passed(weighed, centre, slope, near.min(radius)).exp_m1();
+            x /= 1.0 + (-passed).exp() * missing;
+        }
         (weighed.weight * -(-x.clamp(0.0, 1.0 - 1e-30)).ln_1p()).min(127.0)
+    }
+
+    /// What has passed before a depth, at the grid's place next to the middle of the cap before it.
+    fn passed(&self, weighed: &Weighed, centre: DVec2, slope: DVec2, zeta: f64) -> f64 {
+        let radius = self.space.depth;
+        let depth = zeta / radius.max(1e-12);
+        let share = 1.0 - depth;
+        let before = -0.75 * share * share / (1.0 + share) * radius;
+        let place = self.place(centre + before * slope, weighed.narrow).clamp(DVec2::ZERO, DVec2::splat(LAST));
+        self.logarithm(weighed.class, (place + 0.5).floor(), (depth * 0.5 + 0.5) * (DEPTHS - 1) as f64)
     }
 
     fn place(&self, offset: DVec2, narrow: f64) -> DVec2 {
@@ -220,17 +233,19 @@ impl<'a> Model<'a> {
             let row = &self.tables[class][first..first + 2];
             row[0] + (row[1] - row[0]) * t
         };
-        let (upper, lower) = (node(0, 0) + (node(1, 0) - node(0, 0)) * f.x, node(0, 1) + (node(1, 1) - node(0, 1)) * f.x);
+        let (upper, lower) =
+            (node(0, 0) + (node(1, 0) - node(0, 0)) * f.x, node(0, 1) + (node(1, 1) - node(0, 1)) * f.x);
         upper + (lower - upper) * f.y
     }
 }
 
 /// The device's frame, and the model's of the same mask, particles and bins.
-pub fn both(case: &Case) -> Option<(FlameRig, Expected)> {
+pub fn both(case: &Case) -> Option<(FlameRig, Vec<Weighed>, Expected)> {
     let mut rig = case.render()?;
     let (mask, particles, level) =
         (cases::device_mask(&mut rig), cases::prepared(case, &mut rig), cases::level(case, &mut rig));
     let bins = cases::bins(&mut rig);
-    let image = Model::new(case, &mask, level, &particles).render(bins);
-    Some((rig, image))
+    let model = Model::new(case, &mask, level, &particles);
+    let image = model.render(bins);
+    Some((rig, model.weighed, image))
 }

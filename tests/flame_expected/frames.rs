@@ -1,0 +1,111 @@
+//! The same bits whatever the order of particles and whatever was rendered before.
+
+use celfx::flame::Settings;
+use celfx::flame::settings::Shape;
+use celfx::io::particles::Particles;
+use celfx::view::Camera;
+use glam::DVec3;
+
+use crate::cases::{Case, control, near, plain, settings};
+use crate::common::flame::{FlameRig, ball};
+use crate::common::rig::Bits;
+use crate::common::scenes;
+
+/// Every layer that does not follow the order of the particles.
+fn picture(rig: &mut FlameRig) -> Bits {
+    let mut bits = Bits::default();
+    bits.push("picture", &rig.picture());
+    bits.push("mean", &rig.mean());
+    bits.push("variance", &rig.variance());
+    bits.push("nearest", &rig.nearest());
+    bits
+}
+
+/// The particles in another order, each with the id that it has.
+fn shuffled(particles: &Particles, by: usize) -> Particles {
+    let count = particles.position.len();
+    let order: Vec<usize> = (0..count).map(|i| (i * by + 7) % count).collect();
+    let ids: Vec<u32> = particles.id.clone().unwrap_or((0..count as u32).collect());
+    Particles {
+        position: order.iter().map(|i| particles.position[*i]).collect(),
+        temperature: order.iter().map(|i| particles.temperature[*i]).collect(),
+        id: Some(order.iter().map(|i| ids[*i]).collect()),
+    }
+}
+
+#[test]
+fn a_frame_has_the_same_bits_again_and_in_any_order() {
+    for case in [plain(), near()] {
+        let count = case.particles.position.len() as u32;
+        let case = Case {
+            particles: Particles { id: Some((0..count).map(|i| 3 * i + 1).collect()), ..case.particles },
+            ..case
+        };
+        let Some(mut rig) = case.render() else { return };
+        let first = picture(&mut rig);
+        rig.frame(&case.particles, case.camera);
+        assert_eq!(first.differences(&picture(&mut rig)), [], "{}: again", case.name);
+        // 11 and 1 have no divisor in common with 60 and 24: every row once.
+        for by in [11, 1] {
+            rig.frame(&shuffled(&case.particles, by), case.camera);
+            assert_eq!(first.differences(&picture(&mut rig)), [], "{}: rows by {by}", case.name);
+        }
+        let Some(mut other) = case.render() else { return };
+        assert_eq!(first.differences(&picture(&mut other)), [], "{}: another effect", case.name);
+    }
+}
+
+#[test]
+fn leaving_out_what_is_not_needed_changes_nothing() {
+    let mut occluded = plain();
+    occluded.desc.scene = Some(celfx::flame::SceneFormat::Buffer);
+    let pixels = occluded.desc.size[0] * occluded.desc.size[1];
+    occluded.depth = Some((0..pixels).map(|i| if i % 3 == 0 { 3.9 } else { f32::INFINITY }).collect());
+    for case in [plain(), near(), occluded, plain().with(|s| s.count = 300.0)] {
+        let mut thorough = case.clone();
+        thorough.desc.skipping = false;
+        let (Some(mut quick), Some(mut thorough)) = (case.render(), thorough.render()) else { return };
+        assert_eq!(picture(&mut quick).differences(&picture(&mut thorough)), [], "{}", case.name);
+    }
+}
+
+#[test]
+fn a_frame_after_others_is_as_it_is_alone() {
+    let from = |eye: [f64; 3]| Camera {
+        eye: DVec3::from_array(eye),
+        target: DVec3::ZERO,
+        vertical_fov: 32.0,
+        ..Camera::default()
+    };
+    // Turned; farther and nearer, where the mask has other levels; away from the fire, and back.
+    let away = Camera { target: DVec3::new(0.0, 0.0, 9.0), ..from([0.0, 0.6, 4.0]) };
+    let cameras = [
+        scenes::camera(0.0),
+        scenes::camera(50.0),
+        from([0.0, 1.0, 9.0]),
+        away,
+        from([0.0, 1.0, 9.0]),
+        scenes::camera(0.0),
+    ];
+    for shape in [Shape::Ball, Shape::Cube] {
+        let settings = Settings { shape, bins: 16, ..settings() };
+        let case = Case::new("sequence", [32, 24], 20, settings, cameras[0]);
+        let Some(mut rig) = FlameRig::new(case.desc.clone()) else { return };
+        let mut levels = Vec::new();
+        for (i, camera) in cameras.into_iter().enumerate() {
+            rig.frame(&case.particles, camera);
+            let Some(mut alone) = (Case { camera, ..case.clone() }).render() else { return };
+            assert_eq!(picture(&mut rig).differences(&picture(&mut alone)), [], "{shape:?}: frame {i}");
+            levels.push(crate::cases::level(&Case { camera, ..case.clone() }, &mut rig));
+            let seen = control(&mut rig).visible;
+            assert_eq!(seen == 0, i == 3, "frame {i}: {seen} particles");
+        }
+        levels.dedup();
+        assert!(levels.len() > 2, "the level does not change: {levels:?}");
+        // No fire at all from elsewhere, and some again.
+        let last = picture(&mut rig);
+        rig.frame(&ball(0, 1), cameras[1]);
+        rig.frame(&case.particles, cameras[0]);
+        assert_eq!(picture(&mut rig).differences(&last), [], "{shape:?}: after a frame without fire");
+    }
+}

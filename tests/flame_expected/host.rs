@@ -1,0 +1,368 @@
+//! A host of the flame: targets with states of its own, frames in flight, other sizes, the end.
+
+use std::collections::VecDeque;
+
+use ash::vk;
+use celfx::error::Error;
+use celfx::flame::{Background, Desc, Flame, Frame, ParticleInput, Settings};
+use celfx::gpu::buffer::{Buffer, BufferDesc};
+use celfx::gpu::headless::Commands;
+use celfx::gpu::image::{Image, ImageDesc};
+use celfx::gpu::profiler::Timing;
+use celfx::host::{Host, HostBuffer, HostImage, ImageState};
+use celfx::io::particles::Particles;
+use gpu_allocator::MemoryLocation;
+
+use crate::cases::{Case, plain};
+use crate::common::allocations::allocated;
+use crate::common::flame::ball;
+use crate::common::{TestDevice, device, scenes};
+
+pub const FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+const SKY: [f32; 4] = [0.2, 0.5, 0.9, 1.0];
+/// How the host's drawing leaves an image, and how it wants it back.
+pub const DRAWN: ImageState = ImageState {
+    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
+    access: vk::AccessFlags2::TRANSFER_WRITE,
+    layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+};
+pub const SHOWN: ImageState = ImageState {
+    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
+    access: vk::AccessFlags2::TRANSFER_READ,
+    layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+};
+
+/// What one frame in flight needs of a host.
+pub struct Slot {
+    size: [u32; 2],
+    pub target: Image,
+    backdrop: Image,
+    rows: Buffer,
+    ids: Buffer,
+    picture: Buffer,
+}
+
+impl Slot {
+    pub fn new(device: &mut TestDevice, size: [u32; 2], particles: u32) -> Slot {
+        let (host, allocator) = device.parts();
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::TRANSFER_DST;
+        let image = ImageDesc { name: "target", extent: size, layers: 1, array_view: false, format: FORMAT, usage };
+        let (from, to) = (vk::BufferUsageFlags::TRANSFER_SRC, vk::BufferUsageFlags::TRANSFER_DST);
+        let (up, down) = (MemoryLocation::CpuToGpu, MemoryLocation::GpuToCpu);
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let buffer = |name, size, usage, location| BufferDesc { name, size, usage, location };
+        // SAFETY: the handles are the device's own.
+        unsafe {
+            let mut make = |desc| Buffer::new(&host, allocator, &desc).expect("a buffer");
+            let rows = make(buffer("rows", 16 * u64::from(particles), from, up));
+            let ids = make(buffer("ids", 4 * u64::from(particles), from, up));
+            let picture = make(buffer("picture", 4 * pixels, to, down));
+            let target = Image::new(&host, allocator, &image).expect("a target");
+            let backdrop = Image::new(&host, allocator, &ImageDesc { name: "backdrop", ..image }).expect("a backdrop");
+            Slot { size, target, backdrop, rows, ids, picture }
+        }
+    }
+
+    fn image(&self, image: &Image, state_in: ImageState, state_out: ImageState) -> HostImage {
+        HostImage { image: image.handle, view: image.view, format: FORMAT, extent: self.size, state_in, state_out }
+    }
+
+    /// Frame `number` over the target as it is, its particles written, with ids.
+    pub fn frame(&mut self, particles: &Particles, number: u32) -> Frame {
+        let rows: Vec<[f32; 4]> =
+            particles.position.iter().zip(&particles.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]).collect();
+        let ids = ids(rows.len());
+        let fill = |buffer: &mut Buffer, bytes: &[u8]| {
+            buffer.mapped_mut().expect("mapped memory")[..bytes.len()].copy_from_slice(bytes);
+            let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+            HostBuffer { buffer: buffer.handle, offset: 0, size: buffer.size, stage, access }
+        };
+        let given = ParticleInput {
+            count: rows.len() as u32,
+            hottest: f32::INFINITY,
+            position_temperature: fill(&mut self.rows, bytemuck::cast_slice(&rows)),
+            ids: Some(fill(&mut self.ids, bytemuck::cast_slice(&ids))),
+        };
+        Frame {
+            camera: scenes::camera(25.0 + 3.0 * f64::from(number)),
+            particles: Some(given),
+            number,
+            accumulate: false,
+            target: self.image(&self.target, DRAWN, SHOWN),
+            background: Background::Keep,
+            scene: None,
+        }
+    }
+
+    /// The host's own drawing: the sky into the target and into the backdrop.
+    pub unsafe fn draw(&self, host: &Host, commands: vk::CommandBuffer) {
+        for image in [&self.target, &self.backdrop] {
+            // SAFETY: the caller's.
+            unsafe {
+                barrier(
+                    host,
+                    commands,
+                    image.handle,
+                    ImageState { layout: vk::ImageLayout::UNDEFINED, ..SHOWN },
+                    DRAWN,
+                );
+                let colour = vk::ClearColorValue { float32: SKY };
+                let range = [whole(vk::ImageAspectFlags::COLOR)];
+                host.device.cmd_clear_color_image(commands, image.handle, DRAWN.layout, &colour, &range);
+            }
+        }
+    }
+
+    /// Copies the picture to where the host reads it.
+    pub unsafe fn show(&self, host: &Host, commands: vk::CommandBuffer) {
+        let layers = vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            mip_level: 0,
+            base_array_layer: 0,
+            layer_count: 1,
+        };
+        let [width, height] = self.size;
+        let extent = vk::Extent3D { width, height, depth: 1 };
+        let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent)];
+        let barriers = [vk::MemoryBarrier2::default()
+            .src_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
+            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+            .dst_access_mask(vk::AccessFlags2::HOST_READ)];
+        // SAFETY: the caller's; the effect left the image in this layout.
+        unsafe {
+            let (image, to) = (self.target.handle, self.picture.handle);
+            host.device.cmd_copy_image_to_buffer(commands, image, SHOWN.layout, to, &regions);
+            let dependency = vk::DependencyInfo::default().memory_barriers(&barriers);
+            host.device.cmd_pipeline_barrier2(commands, &dependency);
+        }
+    }
+
+    pub fn pixels(&self) -> Vec<[u8; 4]> {
+        let bytes = self.picture.mapped().expect("mapped memory");
+        bytes.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect()
+    }
+
+    pub fn destroy(mut self, device: &mut TestDevice) {
+        let (host, allocator) = device.parts();
+        // SAFETY: every submission has been waited for.
+        unsafe {
+            [&mut self.rows, &mut self.ids, &mut self.picture]
+                .into_iter()
+                .for_each(|buffer| buffer.destroy(&host, allocator));
+            [&mut self.target, &mut self.backdrop].into_iter().for_each(|image| image.destroy(&host, allocator));
+        }
+    }
+}
+
+/// Ids that are not rows.
+fn ids(count: usize) -> Vec<u32> {
+    (0..count as u32).map(|i| 5 * i + 2).collect()
+}
+
+pub fn whole(aspect_mask: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
+    vk::ImageSubresourceRange { aspect_mask, base_mip_level: 0, level_count: 1, base_array_layer: 0, layer_count: 1 }
+}
+
+unsafe fn barrier(host: &Host, commands: vk::CommandBuffer, image: vk::Image, from: ImageState, to: ImageState) {
+    let barriers = [vk::ImageMemoryBarrier2::default()
+        .src_stage_mask(from.stage)
+        .src_access_mask(from.access)
+        .dst_stage_mask(to.stage)
+        .dst_access_mask(to.access)
+        .old_layout(from.layout)
+        .new_layout(to.layout)
+        .image(image)
+        .subresource_range(whole(vk::ImageAspectFlags::COLOR))];
+    let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+    // SAFETY: the caller's.
+    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
+}
+
+fn effect(size: [u32; 2], settings: Settings) -> Desc {
+    Desc { target_format: FORMAT, layers: false, ..Case::new("", size, 80, settings, scenes::camera(0.0)).desc }
+}
+
+fn settings() -> Settings {
+    Settings { bins: 8, repetitions: 4, ..crate::cases::settings() }
+}
+
+pub fn make(device: &mut TestDevice, desc: Desc) -> Flame {
+    let (host, allocator) = device.parts();
+    // SAFETY: the handles are the device's own, and the device has what is required.
+    unsafe { Flame::new(&host, allocator, desc) }.expect("an effect")
+}
+
+fn destroy(device: &mut TestDevice, mut flame: Flame) {
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe { flame.destroy(&host, allocator) };
+}
+
+/// Renders a sequence with so many frames on their way; the pictures. Recording allocates nothing after two frames.
+fn sequence(device: &mut TestDevice, desc: &Desc, in_flight: usize, frames: u32) -> Vec<Vec<[u8; 4]>> {
+    let mut flame = make(device, desc.clone());
+    let mut slots: Vec<Slot> = (0..in_flight).map(|_| Slot::new(device, desc.size, 80)).collect();
+    let mut on_their_way = VecDeque::new();
+    let mut pictures = Vec::new();
+    for i in 0..frames {
+        let slot = i as usize % in_flight;
+        if on_their_way.len() == in_flight {
+            device.wait(on_their_way.pop_front().expect("a submission")).expect("it ends");
+            pictures.push(slots[slot].pixels());
+        }
+        // Fewer particles, none, and every other frame those of the frame before.
+        let particles = ball([60, 80, 0, 30][i as usize / 2 % 4], 7);
+        let frame = slots[slot].frame(&particles, i);
+        let backdrop = slots[slot].image(&slots[slot].backdrop, DRAWN, SHOWN);
+        let background = [Background::Keep, Background::Clear(SKY), Background::Copy(backdrop)][i as usize % 3];
+        let given = frame.particles.filter(|_| i % 2 == 0);
+        let frame = Frame { background, particles: given, ..frame };
+        let commands: Commands = device.begin().expect("commands");
+        // SAFETY: frames are submitted in order to one queue; this slot's last frame has been waited for.
+        let allocations = unsafe {
+            let host = device.host();
+            slots[slot].draw(&host, commands.raw());
+            let before = allocated();
+            flame.record(&host, commands.raw(), &frame, &mut Timing::None).expect("a frame");
+            let allocations = allocated() - before;
+            slots[slot].show(&host, commands.raw());
+            allocations
+        };
+        assert!(i < 2 || allocations == 0, "frame {i}: recording allocated {allocations} times");
+        let (steps, bytes) = flame.plan_capacity();
+        assert!(flame.plan().steps.len() <= steps && flame.plan().data.len() <= bytes);
+        on_their_way.push_back(device.start(commands, "frame").expect("it starts"));
+    }
+    for (n, submission) in on_their_way.into_iter().enumerate() {
+        device.wait(submission).expect("it ends");
+        pictures.push(slots[(frames as usize - in_flight + n) % in_flight].pixels());
+    }
+    slots.into_iter().for_each(|slot| slot.destroy(device));
+    destroy(device, flame);
+    pictures
+}
+
+/// Particles of every other frame are those before it: a slot that is written while the frame before reads it would show.
+#[test]
+fn frames_in_flight_are_those_that_are_waited_for() {
+    for mode in [celfx::flame::settings::Mode::Stochastic, celfx::flame::settings::Mode::Expected] {
+        let Some(mut device) = device() else { return };
+        let desc = effect([48, 36], Settings { mode, ..settings() });
+        let waited = sequence(&mut device, &desc, 1, 12);
+        assert_eq!(sequence(&mut device, &desc, 2, 12), waited, "{mode:?}");
+        let sky = [124, 188, 243, 255];
+        for (i, picture) in waited.iter().enumerate() {
+            let over = picture.iter().filter(|c| **c != sky).count();
+            let fire = if [4, 5].contains(&i) { 0..1 } else { 100..48 * 36 };
+            assert!(fire.contains(&over), "{mode:?}, frame {i}: {over} pixels of fire");
+        }
+        assert!(waited[0] != waited[1] && waited[0] != waited[2], "frames that are all the same show nothing");
+    }
+}
+
+/// One frame over the host's sky, by an effect that exists.
+fn one_frame(device: &mut TestDevice, flame: &mut Flame, particles: &Particles) -> Vec<[u8; 4]> {
+    let mut slot = Slot::new(device, flame.desc().size, 80);
+    let frame = slot.frame(particles, 0);
+    let done = device.one_time("frame", |host, commands| {
+        // SAFETY: everything is the test's own and waited for.
+        unsafe {
+            slot.draw(host, commands);
+            flame.record(host, commands, &frame, &mut Timing::None)?;
+            slot.show(host, commands);
+        }
+        Ok(())
+    });
+    done.expect("a frame");
+    let pixels = slot.pixels();
+    slot.destroy(device);
+    pixels
+}
+
+/// Linear light as an sRGB number, 0 to 255.
+fn srgb(v: f32) -> f32 {
+    255.0 * if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[test]
+fn a_hosts_picture_is_the_effect_over_its_sky() {
+    let mut case = plain();
+    case.particles.id = Some(ids(case.particles.position.len()));
+    let Some(mut rig) = case.render() else { return };
+    let effect = rig.effect();
+    let Some(mut device) = device() else { return };
+    let mut flame = make(&mut device, Desc { target_format: FORMAT, layers: false, ..case.desc.clone() });
+    let picture = one_frame(&mut device, &mut flame, &case.particles);
+    destroy(&mut device, flame);
+    for (i, (found, own)) in picture.iter().zip(&effect).enumerate() {
+        for c in 0..3 {
+            let expected = srgb((own[c] + (1.0 - own[3]) * SKY[c]).min(1.0));
+            // The sky is rounded to half a 255th of sRGB before the blending, which is as much of a darker sum as its
+            // slope there is steeper; and the sum to another half.
+            let apart = (f32::from(found[c]) - expected).abs();
+            assert!(apart < 1.5, "pixel {i}: {found:?}, {expected}");
+        }
+        assert_eq!(found[3], 255, "pixel {i}");
+    }
+}
+
+#[test]
+fn resizing_is_like_making_anew() {
+    let Some(mut device) = device() else { return };
+    let particles = ball(80, 7);
+    let mut flame = make(&mut device, effect([48, 36], settings()));
+    for size in [[33, 70], [90, 10], [1, 1]] {
+        one_frame(&mut device, &mut flame, &particles);
+        let (host, allocator) = device.parts();
+        // SAFETY: every frame has been waited for.
+        unsafe { flame.resize(&host, allocator, size).expect("another size") };
+        let resized = one_frame(&mut device, &mut flame, &particles);
+        let mut fresh = make(&mut device, effect(size, settings()));
+        assert!(resized == one_frame(&mut device, &mut fresh, &particles), "{size:?}");
+        destroy(&mut device, fresh);
+    }
+    // A size that cannot be leaves the effect as it was, with its frame.
+    let last = one_frame(&mut device, &mut flame, &particles);
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    let refused = unsafe { flame.resize(&host, allocator, [1 << 20, 4]) };
+    assert!(matches!(refused, Err(Error::Limit { .. })), "{refused:?}");
+    assert!(one_frame(&mut device, &mut flame, &particles) == last);
+    destroy(&mut device, flame);
+}
+
+/// What the allocator has given out, and to whom it was given under the effect's name.
+fn given_out(device: &mut TestDevice) -> (u64, u64, u64) {
+    let report = device.parts().1.generate_report();
+    let own = report.allocations.iter().filter(|allocation| allocation.name.starts_with("flame "));
+    let (count, bytes) = own.fold((0, 0), |(count, bytes), allocation| (count + 1, bytes + allocation.size));
+    (report.total_allocated_bytes, count, bytes)
+}
+
+#[test]
+fn memory_is_what_is_allocated_and_all_of_it_is_given_back() {
+    use celfx::flame::settings::{Method, Mode};
+    let Some(mut device) = device() else { return };
+    let large = Settings { bins: 100, repetitions: 100, ..settings() };
+    for (settings, layers) in [
+        (settings(), false),
+        (large, true),
+        (Settings { mode: Mode::Stochastic, ..settings() }, true),
+        (Settings { mode: Mode::Stochastic, method: Method::Raster, ..settings() }, false),
+    ] {
+        let (before, ..) = given_out(&mut device);
+        let desc = Desc { layers, ..effect([150, 110], settings) };
+        let memory = Flame::memory(&desc, u64::MAX).expect("it fits").total();
+        let mut flame = make(&mut device, desc);
+        let (_, count, bytes) = given_out(&mut device);
+        assert!(count > 20, "{count} allocations");
+        // What a device rounds up to: at most 4 KiB on lavapipe, for each.
+        assert!(bytes >= memory && bytes <= memory + 4096 * count, "{bytes} bytes given out, {memory} said");
+        one_frame(&mut device, &mut flame, &ball(80, 7));
+        destroy(&mut device, flame);
+        assert_eq!(given_out(&mut device).0, before, "bytes are left behind");
+    }
+}
