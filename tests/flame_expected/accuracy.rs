@@ -54,6 +54,8 @@ fn the_device_integrates_its_table() {
         let [rms, most] = apart(&mean, &image.mean);
         println!("{}: {rms:.1e} RMS, {most:.1e} at most of what f64 makes of the same table", case.name);
         assert!(most < SINGLE, "{}, {:?}: {most}", case.name, case.desc.settings);
+        let [_, most] = apart(&rig.variance(), &image.variance());
+        assert!(most < SINGLE, "{}: variance {most}", case.name);
         let coverage = mean.iter().zip(&image.coverage).map(|(m, c)| crate::common::apart(m[3], *c));
         let most = coverage.fold(0.0, f64::max);
         assert!(most < 3.0 * SINGLE, "{}: coverage {most}", case.name);

@@ -131,7 +131,13 @@ impl<'a> Model<'a> {
         let settings = &case.desc.settings;
         // As the effect makes it: in single precision, as classes and thresholds are below.
         let largest = (Mask::new(case.desc.seed, settings.variants).largest() * 1.000001) as f32;
-        let of_class = |class: usize| largest * class as f32 / (KERNEL_CLASSES - 1) as f32;
+        // Evenly in alpha, from where nothing passes to that of the hottest.
+        let lowest = 1.0 / largest.max(1e-6);
+        let highest = (settings.alpha_scale / settings.threshold.max(1e-6)).max(lowest);
+        let of_class = |class: usize| {
+            let share = class as f32 / (KERNEL_CLASSES - 1) as f32;
+            1.0 / (lowest * (1.0 - share) + highest * share)
+        };
         let last = mask.sorted(6);
         let all = |threshold: f32| passing(&last, 6, threshold)[0];
         let rotation = case.camera.rotation();
@@ -146,8 +152,9 @@ impl<'a> Model<'a> {
                 false if settings.threshold <= 0.0 => 0.0,
                 false => 2.0,
             };
-            let place = (threshold / largest).clamp(0.0, 1.0) * (KERNEL_CLASSES - 1) as f32;
-            let class = ((place + 0.5) as usize).min(KERNEL_CLASSES as usize - 2);
+            let place = (1.0 / threshold.max(1e-30) - lowest) / (highest - lowest).max(1e-6);
+            let last = (KERNEL_CLASSES - 1) as f32;
+            let class = ((place * last).clamp(1.0, last) + 0.5) as usize;
             let share = f64::from(all(threshold)) / f64::from(all(of_class(class)).max(1));
             let narrow = (space.reach() / (0.75 * pixel * view.z).max(1e-30)).min(1.0);
             Weighed { class, weight: f64::from(particle.count) * share * narrow * narrow, narrow }
