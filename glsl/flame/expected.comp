@@ -92,8 +92,8 @@ float depth_of(float x) {
 }
 
 // Where an offset from a particle's centre (metres, up) lies in the grid.
-vec2 grid_place(vec2 offset, float narrow) {
-    return (vec2(offset.x, -offset.y) * narrow * 0.5 + 0.5) * LAST;
+vec2 grid_place(vec2 offset) {
+    return (vec2(offset.x, -offset.y) / kernel_reach() * 0.5 + 0.5) * LAST;
 }
 
 // The middle of the part of a ball's depth before one (in radii from its centre), in metres from the centre.
@@ -102,40 +102,70 @@ float cap_middle(float depth) {
     return -0.75 * share * share / (1.0 + share) * params.space.z;
 }
 
+// How much G rises between two depths, over what is left of 1 - G. `centre`: of the particle to the ray at the particle's depth;
+// `zeta`: metres behind the particle; `near`: where the near plane is.
+float rise(vec2 centre, vec2 slope, vec2 zeta, float near, int class_index) {
+    float per_depth = 1.0 / max(params.space.z, 1e-12);
+    // The ray slants through the space: its offset from the centre halfway through the bin.
+    vec2 place = grid_place(centre + 0.5 * (zeta.x + zeta.y) * slope);
+    vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
+    vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
+    // What passed before the bin did so at other offsets: on average at the middle of the cap before it.
+    vec2 place_before = clamp(grid_place(centre + cap_middle(zeta.x * per_depth) * slope), 0.0, LAST);
+    float passed = nearest_logarithm(place_before, depths.x, class_index);
+    bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST)));
+    float x = exp(ends.x - passed) * opacity(max(ends.x - ends.y, 0.0));
+    if (near > -params.space.z) {
+        // What would be before the near plane is not there, and has passed nowhere.
+        float cap = clamp(near * per_depth, -1.0, 1.0);
+        vec2 place_near = clamp(grid_place(centre + cap_middle(cap) * slope), 0.0, LAST);
+        float missing = 1.0 - exp(nearest_logarithm(place_near, (cap * 0.5 + 0.5) * float(DEPTHS - 1), class_index));
+        x /= 1.0 + exp(-passed) * missing;
+    }
+    return inside ? x : 0.0;
+}
+
+// Share of a ball before a depth.
+float ball_before(float zeta) {
+    float share = clamp(zeta / max(params.space.z, 1e-12) * 0.5 + 0.5, 0.0, 1.0);
+    return share * share * (3.0 - 2.0 * share);
+}
+
+// The same of a particle below a pixel: without a table, whose middle pixels' centres would miss. A sprite is a pixel wide there and
+// passes anywhere with one chance; the spread blurs its edges by an even density with a ball's variance. All pixels together see as
+// much wherever it is.
+float narrow_rise(vec2 centre, vec2 zeta, float near, float pixel, float chance) {
+    float half_side = max(0.5 * params.space.y, 0.5 * pixel);
+    float blur = max(0.775 * params.space.x, 1e-4 * pixel);
+    vec2 share = clamp((half_side + blur - abs(centre)) / (2.0 * blur), 0.0, 1.0);
+    float all_of_it = chance * share.x * share.y;
+    vec3 before = vec3(ball_before(zeta.x), ball_before(zeta.y), ball_before(near));
+    return all_of_it * (before.y - before.x) / max(1.0 - all_of_it * (before.x - before.z), 1e-30);
+}
+
 // Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
 void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
     vec3 view = particles[row].view.xyz;
     vec3 colour = particles[row].colour.rgb / brightest;
     int class_index = int(particles[row].draw.w);
     float weight = uintBitsToFloat(particles[row].light.z);
-    float reach = kernel_reach();
-    float narrow = min(reach / max(0.75 * params.focal.w * view.z, 1e-30), 1.0) / reach;
-    float per_depth = 1.0 / max(params.space.z, 1e-12);
+    float chance = uintBitsToFloat(particles[row].light.w);
+    float pixel = params.focal.w * view.z;
+    bool narrow = is_narrow(pixel);
     float near = params.lens.z - view.z;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
         float end = min(bin.y, scene_depth[y]);
         vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);
-        // The ray slants through the space: its offset from the centre halfway through the bin.
         vec2 centre = view.z * slope - view.xy;
-        vec2 place = grid_place(centre + 0.5 * (zeta.x + zeta.y) * slope, narrow);
-        vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
-        vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
-        // What passed before the bin did so at other offsets: on average at the middle of the cap before it.
-        vec2 place_before = clamp(grid_place(centre + cap_middle(zeta.x * per_depth) * slope, narrow), 0.0, LAST);
-        float passed = nearest_logarithm(place_before, depths.x, class_index);
-        bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST)));
-        // The rise of G over what is left of 1 - G.
-        float x = exp(ends.x - passed) * opacity(max(ends.x - ends.y, 0.0));
-        if (near > -params.space.z) {
-            // What would be before the near plane is not there, and has passed nowhere.
-            float cap = clamp(near * per_depth, -1.0, 1.0);
-            vec2 place_near = clamp(grid_place(centre + cap_middle(cap) * slope, narrow), 0.0, LAST);
-            float missing = 1.0 - exp(nearest_logarithm(place_near, (cap * 0.5 + 0.5) * float(DEPTHS - 1), class_index));
-            x /= 1.0 + exp(-passed) * missing;
+        float x;
+        if (narrow) {
+            x = narrow_rise(centre, zeta, near, pixel, chance);
+        } else {
+            x = rise(centre, slope, zeta, near, class_index);
         }
         float h = weight * depth_of(clamp(x, 0.0, 1.0));
-        h = inside && bin.x < end ? min(h, MOST_DEPTH) : 0.0;
+        h = bin.x < end ? min(h, MOST_DEPTH) : 0.0;
         uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);
         bin_low[y] += added;
         bin_high[y] += uvec4(lessThan(bin_low[y], added));

@@ -11,7 +11,7 @@ layout(binding = 3, r32f) uniform writeonly image2D kernel;
 #include "kernel.glsl"
 
 const float LEAST = -24.0;
-const uint PLACES_OF_MASK = 16u;  // along a side, at least
+const uvec2 PLACES_OF_MASK = uvec2(16u, 32u);  // along a side, at least; where the space is as narrow as two of them
 
 // The chord through the space at an offset across, in metres; empty where begin > end.
 vec2 chord(vec2 at, float radius) {
@@ -42,7 +42,8 @@ void main() {
     vec2 m = reach * (2.0 * vec2(grid) / float(PLACES - 1) - 1.0);
     uint side = MASK_SIDE >> kernel_level;
     // Coarse texels are areas: each is looked at in several places.
-    uint places = max(PLACES_OF_MASK / side, 1u);
+    bool is_thin = params.space.x < 2.0 * params.space.y / float(PLACES_OF_MASK.x);
+    uint places = max((is_thin ? PLACES_OF_MASK.y : PLACES_OF_MASK.x) / side, 1u);
     uint across = side * places;
     float place_side = params.space.y / float(across);
     // A space narrower than two places would fall between them.

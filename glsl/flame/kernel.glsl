@@ -14,7 +14,9 @@ float kernel_reach() {
 // that of the settings' hottest temperature.
 vec2 class_alphas() {
     float lowest = 1.0 / max(params.light.y, 1e-6);
-    return vec2(lowest, max(params.model.x / max(params.model.y, 1e-6), lowest));
+    // At a threshold of 0 all of the mask passes, whatever the alpha.
+    float highest = params.model.y > 0.0 ? min(params.model.x / params.model.y, 1e6) : 1e6;
+    return vec2(lowest, max(highest, lowest));
 }
 
 // The threshold of a class, as alpha of the mask.
@@ -28,4 +30,10 @@ float class_place(float threshold) {
     vec2 range = class_alphas();
     float share = (1.0 / max(threshold, 1e-30) - range.x) / max(range.y - range.x, 1e-6);
     return clamp(share * float(CLASSES - 1), 1.0, float(CLASSES - 1));
+}
+
+// Whether what a particle's sprites can reach is so narrow that pixels' centres would miss the table's middle. `pixel`: its side at
+// the particle's depth, in metres.
+bool is_narrow(float pixel) {
+    return kernel_reach() < 0.75 * pixel;
 }

@@ -66,7 +66,7 @@ struct Particle {
     vec4 slope;     // x / z and y / z of the centre; 1 if it is too near the camera for these; share of its square that matters
     vec4 colour;    // linear RGB; w: mean number of render particles
     uvec4 draw;     // hash of its id, id, number of render particles (0: dropped), class of the kernel table
-    uvec4 light;    // colour in 65535ths of the brightest: r | g << 16, b; weight of its class; its level and cells
+    uvec4 light;    // colour in 65535ths of the brightest: r | g << 16, b; weight of its class; whether it is in lists, then how often a sprite below a pixel passes there
 };
 
 // The fire as a lamp, in view space.

@@ -27,8 +27,12 @@ void main() {
     float threshold = view.w > 0.0 ? params.model.y / view.w : params.model.y > 0.0 ? 2.0 : 0.0;
     uint class_index = uint(class_place(threshold) + 0.5);
     float weight = float(particles[row].draw.z) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);
-    // What is narrower than a pixel is spread over one.
-    float narrow = min(kernel_reach() / max(0.75 * params.focal.w * view.z, 1e-30), 1.0);
+    float pixel = params.focal.w * view.z;
+    // What is narrower than a pixel needs no table: how often one of its sprites, which fills a part of its pixel, passes there.
+    float all = float(params.draw.y * MASK_SIDE * MASK_SIDE);
+    float side = min(params.space.y / max(pixel, 1e-30), 1.0);
+    bool narrow = is_narrow(pixel);
     particles[row].draw.w = class_index;
-    particles[row].light.z = floatBitsToUint(weight * narrow * narrow);
+    particles[row].light.z = floatBitsToUint(narrow ? float(particles[row].draw.z) : weight);
+    particles[row].light.w = floatBitsToUint(side * side * passing(threshold) / all);
 }

@@ -20,7 +20,6 @@ fn ways() -> Vec<Case> {
         plain(),
         wide(),
         near(),
-        usual(),
         Case::new("cube", [33, 41], 40, cube, tall),
         Case::new("far", [24, 18], 40, settings(), far),
         walled(),
@@ -54,6 +53,8 @@ fn the_device_integrates_its_table() {
         let [rms, most] = apart(&mean, &image.mean);
         println!("{}: {rms:.1e} RMS, {most:.1e} at most of what f64 makes of the same table", case.name);
         assert!(most < SINGLE, "{}, {:?}: {most}", case.name, case.desc.settings);
+        let [_, most] = apart(&rig.variance(), &image.variance());
+        assert!(most < SINGLE, "{}: variance {most}", case.name);
         let coverage = mean.iter().zip(&image.coverage).map(|(m, c)| crate::common::apart(m[3], *c));
         let most = coverage.fold(0.0, f64::max);
         assert!(most < 3.0 * SINGLE, "{}: coverage {most}", case.name);
@@ -113,8 +114,8 @@ fn the_table_is_close_to_the_exact_kernel() {
 #[test]
 fn the_image_is_close_to_the_integral() {
     // Bounds are a quarter more than what is measured.
-    for (case, bound) in [(plain(), 1e-3), (wide(), 1.9e-3), (near(), 2.4e-3), (usual(), 3.1e-3)] {
-        let Some((mut rig, image)) = exact(&case, Some(256)) else { return };
+    for (case, bound) in [(plain(), 7e-4), (wide(), 1.8e-3), (near(), 2e-3), (usual(), 2.7e-3)] {
+        let Some((mut rig, image)) = exact(&case, Some(128)) else { return };
         let [rms, most] = apart(&rig.mean(), &image.mean);
         println!("{}: {rms:.2e} RMS, {most:.1e} at most of the integral", case.name);
         assert!(rms < bound, "{}: {rms}", case.name);
@@ -123,9 +124,9 @@ fn the_image_is_close_to_the_integral() {
 
 #[test]
 fn bins_converge_to_second_order() {
-    // The specified bound; in the others a bin is longer: rays slant by up to 1.6 a metre, or the fire is dense and
-    // particles are as deep as a quarter of it. A tenth more than what is measured.
-    for (case, bound) in [(plain(), 5e-4), (parallel(), 1.3e-3), (wide(), 1.1e-3)] {
+    // The specified bound. Next to the camera rays slant, and the last is so dense, of particles as deep as a quarter of
+    // it, that a bin is a part of what is seen at all: a tenth more than what is measured.
+    for (case, bound) in [(plain(), 5e-4), (near(), 1.25e-3), (parallel(), 1.3e-3)] {
         let Some(mut many) = case.with(|s| s.bins = 1024).render() else { return };
         let truth = rgb(&many.mean());
         let error = |bins| {
@@ -135,7 +136,8 @@ fn bins_converge_to_second_order() {
         let Some(errors) = [16, 32, 64].map(error).into_iter().collect::<Option<Vec<f64>>>() else { return };
         println!("{}: {errors:.6?} RMS with 16, 32, 64 bins", case.name);
         assert!(errors[1] < bound, "{}: {errors:?}", case.name);
-        // A second order is a factor of 4 each time; a single one scatters by what particles lie on borders of bins.
-        assert!(errors[0] / errors[2] > 9.0, "{}: {errors:?}", case.name);
+        // A second order is a factor of 4 each time, which scatters by what particles lie on borders of bins; a first
+        // order would be 4 in all.
+        assert!(errors[0] / errors[2] > 7.0, "{}: {errors:?}", case.name);
     }
 }

@@ -73,7 +73,7 @@ pub fn wide() -> Case {
         vertical_fov: 100.0,
         ..Camera::default()
     };
-    Case::new("wide", [48, 36], 60, settings(), camera)
+    Case::new("wide", [48, 36], 30, settings(), camera)
 }
 
 /// So near that perspective is strong within a particle and sprites are large: the mask is magnified.

@@ -83,12 +83,10 @@ fn small_large_and_missing_things_are_as_repetitions_have_them() {
         ..Case::new("", [24, 24], 1, Settings { count, ..settings() }, looking([0.0, 0.0, 1.5], [0.0; 3], 30.0))
     };
     check([
-        // Its space is widened to where the table sees it: an eighth of the size.
-        Bound {
-            light: 0.05,
-            floor: 0.016,
-            ..usually("spread a tenth of the size", 512, plain().with(|s| s.spread = Some(0.025)))
-        },
+        // The table sees no space narrower than a sixteenth of the size: the mask's edges, which all render particles
+        // of a particle share here, are as blurred. Bounds are a quarter more than what is measured.
+        Bound { light: 0.1, floor: 0.045, ..usually("spread 0", 512, plain().with(|s| s.spread = Some(0.0))) },
+        Bound { floor: 6e-3, ..usually("spread a tenth of the size", 512, plain().with(|s| s.spread = Some(0.025))) },
         usually("size a tenth of the spread", 1024, plain().with(|s| s.size = Some(0.02))),
         usually("threshold 0", 256, plain().with(|s| s.threshold = 0.0)),
         usually("threshold below 0, no alpha", 256, plain().with(|s| (s.threshold, s.alpha_scale) = (-2.0, 0.0))),
@@ -113,12 +111,6 @@ fn planes_cut_the_fire_where_they_are() {
     check([cut("near plane in the fire", 3.9, 100.0), cut("far plane in the fire", 0.1, 4.0), inside]);
 }
 
-#[test]
-fn without_a_spread_it_is_as_repetitions_have_it() {
-    // As that of a tenth of the size: repetitions draw the mask itself, of which all render particles share a place.
-    check([Bound { light: 0.05, floor: 0.016, ..usually("spread 0", 512, plain().with(|s| s.spread = Some(0.0))) }]);
-}
-
 /// However far away, and wherever between the pixels: the light of repetitions, each of whose sprites is a pixel then.
 #[test]
 fn fire_below_a_pixel_keeps_its_light() {
@@ -126,8 +118,8 @@ fn fire_below_a_pixel_keeps_its_light() {
         let pixel = depth * 20.0_f64.to_radians().tan() / 6.0;
         let camera = Camera { far: 1e3, ..looking([across * pixel, 0.0, depth], [across * pixel, 0.0, 0.0], 40.0) };
         let settings = Settings { count: 3000.0 / depth as f32, ..settings() };
-        // So few pixels are lit that their noise is some 1 % of the light; RMS over all pixels say little.
-        Bound { light: 0.05, floor: 1e-2, ..usually(name, 8192, Case::new("", [16, 12], 60, settings, camera)) }
+        // Some 1,000 render particles are seen in all: light is known to 3 %. So few pixels are lit that RMS are small.
+        Bound { light: 0.09, floor: 1e-3, ..usually(name, 4096, Case::new("", [16, 12], 60, settings, camera)) }
     };
     check([at("three pixels", 30.0, 0.0), at("a pixel's corner", 100.0, 0.0), at("a pixel's edge", 100.0, 0.5)]);
 }

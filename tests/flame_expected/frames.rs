@@ -87,21 +87,22 @@ fn a_frame_after_others_is_as_it_is_alone() {
         from([0.0, 1.0, 9.0]),
         scenes::camera(0.0),
     ];
-    for shape in [Shape::Ball, Shape::Cube] {
+    // A cube needs another table whenever the camera turns, a ball only at another level.
+    for (shape, cameras) in [(Shape::Ball, &cameras[..]), (Shape::Cube, &[cameras[0], cameras[1], cameras[0]])] {
         let settings = Settings { shape, bins: 16, ..settings() };
         let case = Case::new("sequence", [32, 24], 20, settings, cameras[0]);
         let Some(mut rig) = FlameRig::new(case.desc.clone()) else { return };
         let mut levels = Vec::new();
-        for (i, camera) in cameras.into_iter().enumerate() {
+        for (i, camera) in cameras.iter().copied().enumerate() {
             rig.frame(&case.particles, camera);
             let Some(mut alone) = (Case { camera, ..case.clone() }).render() else { return };
             assert_eq!(picture(&mut rig).differences(&picture(&mut alone)), [], "{shape:?}: frame {i}");
             levels.push(crate::cases::level(&Case { camera, ..case.clone() }, &mut rig));
             let seen = control(&mut rig).visible;
-            assert_eq!(seen == 0, i == 3, "frame {i}: {seen} particles");
+            assert_eq!(seen == 0, camera == away, "frame {i}: {seen} particles");
         }
         levels.dedup();
-        assert!(levels.len() > 2, "the level does not change: {levels:?}");
+        assert!(shape == Shape::Cube || levels.len() > 2, "the level does not change: {levels:?}");
         // No fire at all from elsewhere, and some again.
         let last = picture(&mut rig);
         rig.frame(&ball(0, 1), cameras[1]);

@@ -2,6 +2,7 @@
 
 use ash::vk;
 use celfx::flame::params::Particle;
+use celfx::flame::settings::Mode;
 use celfx::flame::{DepthFormat, Desc, Frame, HostDepth, SceneDepth, SceneFormat, Settings};
 use celfx::gpu::buffer::{Buffer, BufferDesc};
 use celfx::gpu::profiler::Timing;
@@ -200,7 +201,7 @@ fn over_sky(
 
 #[test]
 fn depth_images_of_any_format_hide_what_a_buffer_does() {
-    let case = plain().with(|s| (s.bins, s.size) = (8, Some(0.1)));
+    let case = plain().with(|s| (s.mode, s.repetitions, s.count) = (Mode::Stochastic, 8, 30.0));
     let depths = floor(case.desc.size);
     let Some(mut device) = device() else { return };
     let mut tried = 0;
@@ -239,10 +240,9 @@ fn depth_images_of_any_format_hide_what_a_buffer_does() {
                 depth.destroy(&mut device);
                 (own, buffer_picture(&mut device, &case, &decoded))
             };
-            let apart = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0);
-            let most = own.iter().zip(&buffer).map(apart).max();
-            // The same depths but for a rounding in single precision, which a 255th of sRGB does not show but by chance.
-            assert!(most <= Some(1), "{format:?}, reversed {reversed}, far {far}: {most:?} apart");
+            let differing = own.iter().zip(&buffer).filter(|(a, b)| a != b).count();
+            // The same depths but for a rounding in single precision, 1e-7 of which render particles lie within.
+            assert!(differing <= 1, "{format:?}, reversed {reversed}, far {far}: {differing} pixels differ");
             tried += 1;
         }
     }

@@ -13,8 +13,8 @@ use crate::common::flame::FlameRig;
 
 const PLACES: usize = KERNEL_PLACES as usize;
 const DEPTHS: usize = KERNEL_DEPTHS as usize;
-/// Along a side of the mask, at least.
-const PLACES_OF_MASK: usize = 16;
+/// Along a side of the mask, at least; where the space is as narrow as two of them.
+const PLACES_OF_MASK: [usize; 2] = [16, 32];
 const LAST: f64 = (PLACES - 1) as f64;
 
 /// What is the same for all particles of a frame.
@@ -60,7 +60,8 @@ impl Space {
     /// ln(1 - G) at all nodes of a class, of whose mask's texels these shares pass.
     fn nodes(&self, shares: &[f64]) -> Vec<f64> {
         let side = shares.len().isqrt();
-        let places = (PLACES_OF_MASK / side).max(1);
+        let is_thin = self.spread < 2.0 * self.sprite / PLACES_OF_MASK[0] as f64;
+        let places = (PLACES_OF_MASK[usize::from(is_thin)] / side).max(1);
         let across = side * places;
         let place_side = self.sprite / across as f64;
         let widest = self.spread.max(2.0 * place_side);
@@ -109,8 +110,17 @@ fn passing(sorted: &[f64], level: u32, threshold: f32) -> Vec<u32> {
 pub struct Weighed {
     pub class: usize,
     pub weight: f64,
-    /// What is narrower than a pixel is this much wider.
-    pub narrow: f64,
+    /// If it is narrower than a pixel: then no table is needed.
+    below: Option<Narrow>,
+}
+
+/// What is narrower than a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Narrow {
+    /// Side of a pixel at its depth, in metres.
+    pixel: f64,
+    /// How often a sprite passes at its pixel.
+    chance: f64,
 }
 
 /// The whole of it for a frame.
@@ -131,7 +141,14 @@ impl<'a> Model<'a> {
         let settings = &case.desc.settings;
         // As the effect makes it: in single precision, as classes and thresholds are below.
         let largest = (Mask::new(case.desc.seed, settings.variants).largest() * 1.000001) as f32;
-        let of_class = |class: usize| largest * class as f32 / (KERNEL_CLASSES - 1) as f32;
+        // Evenly in alpha, from where nothing passes to that of the hottest.
+        let lowest = 1.0 / largest.max(1e-6);
+        let highest = if settings.threshold > 0.0 { (settings.alpha_scale / settings.threshold).min(1e6) } else { 1e6 };
+        let highest = highest.max(lowest);
+        let of_class = |class: usize| {
+            let share = class as f32 / (KERNEL_CLASSES - 1) as f32;
+            1.0 / (lowest * (1.0 - share) + highest * share)
+        };
         let last = mask.sorted(6);
         let all = |threshold: f32| passing(&last, 6, threshold)[0];
         let rotation = case.camera.rotation();
@@ -146,11 +163,16 @@ impl<'a> Model<'a> {
                 false if settings.threshold <= 0.0 => 0.0,
                 false => 2.0,
             };
-            let place = (threshold / largest).clamp(0.0, 1.0) * (KERNEL_CLASSES - 1) as f32;
-            let class = ((place + 0.5) as usize).min(KERNEL_CLASSES as usize - 2);
+            let place = (1.0 / threshold.max(1e-30) - lowest) / (highest - lowest).max(1e-6);
+            let last_class = (KERNEL_CLASSES - 1) as f32;
+            let class = ((place * last_class).clamp(1.0, last_class) + 0.5) as usize;
             let share = f64::from(all(threshold)) / f64::from(all(of_class(class)).max(1));
-            let narrow = (space.reach() / (0.75 * pixel * view.z).max(1e-30)).min(1.0);
-            Weighed { class, weight: f64::from(particle.count) * share * narrow * narrow, narrow }
+            let pixel = pixel * view.z;
+            let fill = (space.sprite / pixel).clamp(0.0, 1.0).powi(2);
+            let below = (space.reach() < 0.75 * pixel)
+                .then(|| Narrow { pixel, chance: fill * f64::from(all(threshold)) / last.len() as f64 });
+            let weight = f64::from(particle.count) * if below.is_some() { 1.0 } else { share };
+            Weighed { class, weight, below }
         };
         let weighed: Vec<Weighed> = particles.iter().zip(&views).map(weigh).collect();
         let level = level.max(1);
@@ -192,16 +214,23 @@ impl<'a> Model<'a> {
         let radius = self.space.depth;
         let zeta = bin.map(|z| (z - view.z).clamp(-radius, radius));
         let centre = view.z * slope - view.truncate();
-        let place = self.place(centre + 0.5 * (zeta[0] + zeta[1]) * slope, weighed.narrow);
+        if bin[0] >= bin[1] {
+            return 0.0;
+        }
+        let near = self.case.camera.near - view.z;
+        if let Some(narrow) = weighed.below {
+            let x = self.narrow(narrow, centre, [zeta[0], zeta[1], near]);
+            return weighed.weight * -(-x).ln_1p();
+        }
+        let place = self.place(centre + 0.5 * (zeta[0] + zeta[1]) * slope);
         let outside = place.min_element() < 0.0 || place.max_element() > LAST;
-        if bin[0] >= bin[1] || outside {
+        if outside {
             return 0.0;
         }
         let depths = zeta.map(|z| (z / radius.max(1e-12) * 0.5 + 0.5) * (DEPTHS - 1) as f64);
         let ends = depths.map(|depth| self.logarithm(weighed.class, place, depth));
         let passed = self.passed(weighed, centre, slope, zeta[0]);
         let mut x = (ends[0] - passed).exp() * -(-(ends[0] - ends[1]).max(0.0)).exp_m1();
-        let near = self.case.camera.near - view.z;
         if near > -radius {
             let missing = -self.passed(weighed, centre, slope, near.min(radius)).exp_m1();
             x /= 1.0 + (-passed).exp() * missing;
@@ -215,12 +244,25 @@ impl<'a> Model<'a> {
         let depth = zeta / radius.max(1e-12);
         let share = 1.0 - depth;
         let before = -0.75 * share * share / (1.0 + share) * radius;
-        let place = self.place(centre + before * slope, weighed.narrow).clamp(DVec2::ZERO, DVec2::splat(LAST));
+        let place = self.place(centre + before * slope).clamp(DVec2::ZERO, DVec2::splat(LAST));
         self.logarithm(weighed.class, (place + 0.5).floor(), (depth * 0.5 + 0.5) * (DEPTHS - 1) as f64)
     }
 
-    fn place(&self, offset: DVec2, narrow: f64) -> DVec2 {
-        (DVec2::new(offset.x, -offset.y) * narrow / self.space.reach() * 0.5 + 0.5) * LAST
+    /// Rise of G between two depths over what is left, of a particle that needs no table; the third is the near plane's.
+    fn narrow(&self, Narrow { pixel, chance }: Narrow, centre: DVec2, depths: [f64; 3]) -> f64 {
+        let half = self.space.sprite.max(pixel) / 2.0;
+        let blur = (0.775 * self.space.spread).max(1e-4 * pixel);
+        let share = centre.to_array().map(|c| ((half + blur - c.abs()) / (2.0 * blur)).clamp(0.0, 1.0));
+        let q = chance * share[0] * share[1];
+        let [start, end, near] = depths.map(|zeta| {
+            let share = (zeta / self.space.depth * 0.5 + 0.5).clamp(0.0, 1.0);
+            q * share * share * (3.0 - 2.0 * share)
+        });
+        (end - start) / (1.0 - (start - near))
+    }
+
+    fn place(&self, offset: DVec2) -> DVec2 {
+        (DVec2::new(offset.x, -offset.y) / self.space.reach() * 0.5 + 0.5) * LAST
     }
 
     /// Between the eight nodes around a place and a depth of the grid.
