@@ -25,9 +25,12 @@ fn ramp() -> Vec<[f32; 3]> {
     vec![[0.0, 0.1, 0.3], [0.2, 0.0, 0.0], [1.0, 0.3, 0.0], [1.5, 1.2, 0.7], [0.9, 1.0, 1.0]]
 }
 
-/// Every way to colour, and its formula in f64 at a temperature.
-fn ways() -> Vec<(Settings, Box<dyn Fn(f64) -> [f64; 3]>)> {
-    let mut all: Vec<(Settings, Box<dyn Fn(f64) -> [f64; 3]>)> = Vec::new();
+/// Linear RGB at a temperature in kelvin.
+type Formula = Box<dyn Fn(f64) -> [f64; 3]>;
+
+/// Every way to colour, and its formula in f64.
+fn ways() -> Vec<(Settings, Formula)> {
+    let mut all: Vec<(Settings, Formula)> = Vec::new();
     for adaptation in [0.0_f32, 0.5, 1.0] {
         let a = f64::from(adaptation);
         let physical = Settings { colour: Colour::Physical, adaptation, ..Settings::default() };

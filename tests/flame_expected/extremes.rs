@@ -87,12 +87,11 @@ fn small_large_and_missing_things_are_as_repetitions_have_them() {
         // of a particle share here, are as blurred. Bounds are a quarter more than what is measured.
         Bound { light: 0.1, floor: 0.045, ..usually("spread 0", 512, plain().with(|s| s.spread = Some(0.0))) },
         Bound { floor: 6e-3, ..usually("spread a tenth of the size", 512, plain().with(|s| s.spread = Some(0.025))) },
-        usually("size a tenth of the spread", 1024, plain().with(|s| s.size = Some(0.02))),
-        usually("threshold 0", 256, plain().with(|s| s.threshold = 0.0)),
+        usually("size a tenth of the spread", 512, plain().with(|s| s.size = Some(0.02))),
         usually("threshold below 0, no alpha", 256, plain().with(|s| (s.threshold, s.alpha_scale) = (-2.0, 0.0))),
         usually("threshold 1", 256, plain().with(|s| s.threshold = 1.0)),
-        usually("a quarter of a render particle each", 4096, plain().with(|s| s.count = 0.5)),
-        usually("one render particle", 8192, one(1.0, 3000.0)),
+        usually("a quarter of a render particle each", 2048, plain().with(|s| s.count = 0.5)),
+        usually("one render particle", 4096, one(1.0, 3000.0)),
         // Many multiply what the table leaves of a single one.
         Bound { floor: 4e-3, ..usually("one particle of many", 256, one(400.0, 2000.0)) },
         Bound { floor: 9e-3, ..usually("opaque", 64, plain().with(|s| s.count = 400.0)) },

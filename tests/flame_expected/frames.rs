@@ -79,14 +79,7 @@ fn a_frame_after_others_is_as_it_is_alone() {
     };
     // Turned; farther and nearer, where the mask has other levels; away from the fire, and back.
     let away = Camera { target: DVec3::new(0.0, 0.0, 9.0), ..from([0.0, 0.6, 4.0]) };
-    let cameras = [
-        scenes::camera(0.0),
-        scenes::camera(50.0),
-        from([0.0, 1.0, 9.0]),
-        away,
-        from([0.0, 1.0, 9.0]),
-        scenes::camera(0.0),
-    ];
+    let cameras = [scenes::camera(0.0), scenes::camera(50.0), from([0.0, 1.0, 9.0]), away, scenes::camera(0.0)];
     // A cube needs another table whenever the camera turns, a ball only at another level.
     for (shape, cameras) in [(Shape::Ball, &cameras[..]), (Shape::Cube, &[cameras[0], cameras[1], cameras[0]])] {
         let settings = Settings { shape, bins: 16, ..settings() };
