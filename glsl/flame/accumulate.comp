@@ -108,7 +108,10 @@ uint load_batch(uint at, uint end) {
         batch_end[lane] += other;
     }
     barrier();
-    return batch_end[LANES - 1u];
+    uint total = batch_end[LANES - 1u];
+    // The next batch may follow at once, where nothing of this one is left.
+    barrier();
+    return total;
 }
 
 // Makes render particle `t` of the batch and queues it in the blocks that it touches.
