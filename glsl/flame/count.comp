@@ -29,9 +29,8 @@ void main() {
     uvec4 cells;
     uint level = cells_of(bounds, cells);
     bool touches = on_screen(bounds);
-    uint place = touches ? level | 16u : 0u;
     particles[row].slope.w = reach;
-    particles[row].light = uvec4(light, share_of(colour.b, brightest), floatBitsToUint(1.0), place);
+    particles[row].light = uvec4(light, share_of(colour.b, brightest), 0u, touches ? 1u : 0u);
     if (!touches) {
         return;
     }

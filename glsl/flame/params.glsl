@@ -10,7 +10,6 @@ const uint BLOCK = 8u;          // side of a block in pixels; a tile is 2 x 2 bl
 const uint CELLS_ACROSS = 4u;   // a particle stands at the level of cells where it touches at most so many across
 const uint MASK_SIDE = 64u;     // texels of the mask along a side
 const uint MASK_LEVELS = 7u;
-const uint NOBODY = 0xffffffffu;
 const uint FAR_AWAY = 0x7f800000u;  // bits of infinity: the depth of a pixel that sees nothing
 
 layout(binding = 0) uniform FlameParams {
@@ -25,7 +24,7 @@ layout(binding = 0) uniform FlameParams {
     vec4 lens;         // half extent at depth 1 along x and y, near, far
     vec4 focal;        // pixels of a slope of 1, the picture's centre in pixels x, y; 1 / pixels of a slope of 1
     uvec4 image;       // width, height, tiles across, tiles down
-    uvec4 counts;      // particles, depth buckets, levels of cells, repetitions
+    uvec4 counts;      // particles, depth buckets, levels of cells, unused
     uvec4 draw;        // seed, variants of the mask, how far draws have flickered on: whole, 16-bit fraction
     uvec4 flags;       // 1 if what is not needed is left out; bits of the Sobol index; repetitions done before; 1 if sprites are sized in pixels, 2 if there are ids
     vec4 model;        // alpha scale, threshold, count, hottest temperature of the settings
@@ -66,7 +65,7 @@ struct Particle {
     vec4 slope;     // x / z and y / z of the centre; 1 if it is too near the camera for these; share of its square that matters
     vec4 colour;    // linear RGB; w: mean number of render particles
     uvec4 draw;     // hash of its id, id, number of render particles (0: dropped), class of the kernel table
-    uvec4 light;    // colour in 65535ths of the brightest: r | g << 16, b; weight of its class; whether it is in lists, then how often a sprite below a pixel passes there
+    uvec4 light;    // colour in 65535ths of the brightest: r | g << 16, b; weight of its class; 1 if it is in lists, until `weigh` has how often a sprite below a pixel passes there
 };
 
 // The fire as a lamp, in view space.

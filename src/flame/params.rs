@@ -162,7 +162,7 @@ impl FlameParams {
         let focal = f64::from(height) / 2.0 / frame.camera.half_extent(desc.size).y;
         params.focal = [focal as f32, width as f32 / 2.0, height as f32 / 2.0, (1.0 / focal) as f32];
         params.image = [width, height, layout.tiles[0], layout.tiles[1]];
-        params.counts = [given.count, layout.buckets, layout.levels.len() as u32, settings.repetitions];
+        params.counts = [given.count, layout.buckets, layout.levels.len() as u32, 0];
         // Draws that have flickered on: whole ones, and the fraction that some particles' phases make one more.
         let flickered = u64::from(frame.number) * (f64::from(settings.flicker) * 65536.0).round() as u64;
         params.draw = [desc.seed, settings.variants, (flickered >> 16) as u32, (flickered & 0xffff) as u32];
