@@ -1,6 +1,6 @@
 // The image that repetitions converge to: emission and absorption along each pixel's ray, depth bin by depth bin (E2 of the
-// derivation: optical depth -n ln(1 - G) of each particle). Within a bin colours mix in proportion to the optical depths. Their sums are integers:
-// nothing depends on the order of the lists.
+// derivation: optical depth -n ln(1 - G) of each particle). Within a bin colours mix in proportion to the optical depths, and lean towards those
+// of its neighbours: a bin is laid when the one behind it is known. Sums are integers: nothing depends on the order of the lists.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -15,6 +15,7 @@ layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
 layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(binding = 8, r32f) uniform readonly image2D kernel;
 layout(std430, binding = 9) buffer Winners { uvec4 winners[]; };  // of an unfinished bin: sums of optical depth times squared colour
+layout(std430, binding = 10) buffer Unlaid { vec4 unlaid[]; };  // between dispatches: the bin that is not laid yet, and the one before it
 layout(constant_id = 0) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
 layout(constant_id = 1) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
 layout(push_constant) uniform AccumulateConstants {
@@ -26,14 +27,17 @@ layout(push_constant) uniform AccumulateConstants {
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "kernel.glsl"
+#include "bins.glsl"
 
 const uint LANES = 32u;
 const uint BLOCKS = 4u;
 const int ROWS = int(BLOCK);
 const float FIXED = 16777216.0;  // 1 as a fixed-point number
 const float WORD = 4294967296.0 / FIXED;
+const float FIXED_SQUARES = 0.25 * FIXED;  // a sum of three
 const float MOST_DEPTH = 127.0;  // optical depth of one particle in one bin
 const float LAST = float(PLACES - 1);
+const uint UNLAID = 3u + KEEP_LAYERS;
 const float OPAQUE = 1e-6;       // transmittance below which nothing is seen any more
 
 shared uint queue[BLOCKS][LANES];
@@ -44,12 +48,16 @@ shared uvec2 lists[12];
 // A column of a block.
 vec3 mean[ROWS];
 vec3 second[ROWS];
-float transmittance[ROWS];
+float transmittance[ROWS];   // before the bin that is not laid yet
 float depth_sum[ROWS];
 uvec4 bin_low[ROWS];   // sums of the bin: optical depth times colour, optical depth
 uvec4 bin_high[ROWS];
-uvec3 square_low[ROWS];  // optical depth times squared colour
-uvec3 square_high[ROWS];
+uvec4 square_low[ROWS];  // optical depth times squared colour, and its sum over the channels
+uvec4 square_high[ROWS];
+vec4 bins[ROWS];         // not laid yet: mean colour, optical depth
+vec4 nearer_bins[ROWS];  // the ones before
+vec4 bin_squares[ROWS];  // mean squared colours, and their sum
+vec3 nearer_squares[ROWS];
 float scene_depth[ROWS];
 
 // ln(1 - G) at a corner of the grid, between two depths.
@@ -79,11 +87,6 @@ float nearest_logarithm(vec2 place, float depth, int class_index) {
     ivec2 at = ivec2(place + 0.5);
     int k = int(min(depth, float(DEPTHS) - 1.001));
     return corner(ivec2(DEPTHS * at.x + k, at.y + PLACES * class_index), depth - float(k));
-}
-
-// 1 - exp(-h), without cancelling.
-float opacity(float h) {
-    return h < 0.02 ? h * (1.0 - h * (0.5 - h * (0.16666667 - h * 0.041666667))) : 1.0 - exp(-h);
 }
 
 // -ln(1 - x), without cancelling.
@@ -169,32 +172,87 @@ void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest
         uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);
         bin_low[y] += added;
         bin_high[y] += uvec4(lessThan(bin_low[y], added));
+        vec4 squares = vec4(colour * colour, dot(colour, colour));
         if (KEEP_LAYERS == 1u) {
-            uvec3 square = uvec3(h * colour * colour * FIXED + 0.5);
-            square_low[y] += square;
-            square_high[y] += uvec3(lessThan(square_low[y], square));
+            uvec3 square = uvec3(h * squares.xyz * FIXED + 0.5);
+            square_low[y].xyz += square;
+            square_high[y].xyz += uvec3(lessThan(square_low[y].xyz, square));
+        }
+        uint all_channels = uint(h * squares.w * FIXED_SQUARES + 0.5);
+        square_low[y].w += all_channels;
+        square_high[y].w += uint(square_low[y].w < all_channels);
+    }
+}
+
+// The middle of a bin, in metres; what lies before the near plane is not there.
+float middle(uint bin, vec2 scale) {
+    vec2 ends = scale.x + vec2(float(bin), float(bin + 1u)) / scale.y;
+    ends = max(ends, vec2(params.lens.z));
+    return 0.5 * (ends.x + ends.y);
+}
+
+// Lays the bin that is not laid yet behind what is nearer; the finished one takes its place. `depth`: of the former.
+void lay_bin(float depth) {
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        vec4 sum = vec4(bin_high[y]) * WORD + vec4(bin_low[y]) / FIXED;
+        vec4 farther = vec4(sum.rgb / max(sum.w, 1e-30), sum.w);
+        float left = transmittance[y] > OPAQUE ? transmittance[y] : 0.0;
+        float share = left * opacity(bins[y].w);
+        vec3 slope = slope_of(nearer_bins[y], bins[y], farther);
+        float leans = left * fade(bins[y], bin_squares[y].w, slope) * leaning(bins[y].w);
+        mean[y] += max(share * bins[y].rgb + leans * slope, 0.0);
+        vec4 squares = vec4(square_high[y]) * vec4(vec3(WORD), 4.0 * WORD) + vec4(square_low[y]) / vec4(vec3(FIXED), FIXED_SQUARES);
+        squares /= max(sum.w, 1e-30);
+        if (KEEP_LAYERS == 1u) {
+            vec4 nearer = vec4(nearer_squares[y], nearer_bins[y].w);
+            vec3 square_slope = slope_of(nearer, vec4(bin_squares[y].xyz, bins[y].w), vec4(squares.xyz, sum.w));
+            second[y] += max(share * bin_squares[y].xyz + leans * square_slope, 0.0);
+            nearer_squares[y] = bin_squares[y].xyz;
+        }
+        bin_squares[y] = squares;
+        square_low[y] = uvec4(0u);
+        square_high[y] = uvec4(0u);
+        depth_sum[y] += share * depth;
+        transmittance[y] -= share;
+        nearer_bins[y] = bins[y];
+        bins[y] = farther;
+        bin_low[y] = uvec4(0u);
+        bin_high[y] = uvec4(0u);
+    }
+}
+
+// What the dispatch before has left: the bin that is not laid yet and the one before it, and sums of an unfinished one.
+void load_unlaid(int y, uint at, bool is_there, bool is_unfinished) {
+    bins[y] = vec4(0.0);
+    nearer_bins[y] = vec4(0.0);
+    bin_squares[y] = vec4(0.0);
+    nearer_squares[y] = vec3(0.0);
+    square_low[y] = uvec4(0u);
+    square_high[y] = uvec4(0u);
+    if (is_there) {
+        bins[y] = unlaid[UNLAID * at];
+        nearer_bins[y] = unlaid[UNLAID * at + 1u];
+        bin_squares[y] = unlaid[UNLAID * at + 2u];
+        if (KEEP_LAYERS == 1u) {
+            nearer_squares[y] = unlaid[UNLAID * at + 3u].xyz;
+        }
+        if (is_unfinished) {
+            square_low[y] = winners[2u * at];
+            square_high[y] = winners[2u * at + 1u];
         }
     }
 }
 
-// Lays a finished bin behind what is nearer.
-void composite_bin(float depth) {
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        vec4 sum = vec4(bin_high[y]) * WORD + vec4(bin_low[y]) / FIXED;
-        float alpha = opacity(sum.w);
-        vec3 colour = sum.rgb / max(sum.w, 1e-30);
-        float share = transmittance[y] > OPAQUE ? transmittance[y] * alpha : 0.0;
-        mean[y] += share * colour;
-        if (KEEP_LAYERS == 1u) {
-            vec3 squares = vec3(square_high[y]) * WORD + vec3(square_low[y]) / FIXED;
-            second[y] += share * squares / max(sum.w, 1e-30);
-            square_low[y] = uvec3(0u);
-            square_high[y] = uvec3(0u);
-        }
-        depth_sum[y] += share * depth;
-        transmittance[y] -= share;
-        bin_low[y] = uvec4(0u);
-        bin_high[y] = uvec4(0u);
+void store_unlaid(int y, uint at, bool is_finished) {
+    unlaid[UNLAID * at] = bins[y];
+    unlaid[UNLAID * at + 1u] = nearer_bins[y];
+    unlaid[UNLAID * at + 2u] = bin_squares[y];
+    if (KEEP_LAYERS == 1u) {
+        unlaid[UNLAID * at + 3u] = vec4(nearer_squares[y], 0.0);
+    }
+    if (!is_finished) {
+        winners[2u * at] = square_low[y];
+        winners[2u * at + 1u] = square_high[y];
     }
 }
 
@@ -241,12 +299,7 @@ void main() {
         depth_sum[y] = uintBitsToFloat(b.w);
         bin_low[y] = c;
         bin_high[y] = d;
-        square_low[y] = uvec3(0u);
-        square_high[y] = uvec3(0u);
-        if (KEEP_LAYERS == 1u && inside[y] && segment > 0u) {
-            square_low[y] = winners[2u * at].xyz;
-            square_high[y] = winners[2u * at + 1u].xyz;
-        }
+        load_unlaid(y, at, inside[y] && constants.part > 0u, segment > 0u);
     }
     if (lane < BLOCKS) {
         queue_length[lane] = 0u;
@@ -305,7 +358,7 @@ void main() {
             barrier();
         }
         if (is_last_segment) {
-            composite_bin(0.5 * (depths.x + depths.y));
+            lay_bin(middle(max(bin, 1u) - 1u, scale));
         }
         if (lane == 0u) {
             clearest = 0u;
@@ -318,17 +371,20 @@ void main() {
         atomicMax(clearest, floatBitsToUint(max(own, 0.0)));
         barrier();
     }
+    bool is_done = last == buckets && is_last_segment;
+    if (is_done) {
+        lay_bin(middle(last - 1u, scale));
+    }
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         uint at = column + uint(y) * params.image.x;
+        if (inside[y] && !is_done) {
+            store_unlaid(y, at, is_last_segment);
+        }
         if (inside[y]) {
             sums[4u * at] = uvec4(floatBitsToUint(mean[y]), floatBitsToUint(transmittance[y]));
             sums[4u * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
             sums[4u * at + 2u] = bin_low[y];
             sums[4u * at + 3u] = bin_high[y];
-            if (KEEP_LAYERS == 1u && !is_last_segment) {
-                winners[2u * at] = uvec4(square_low[y], 0u);
-                winners[2u * at + 1u] = uvec4(square_high[y], 0u);
-            }
         }
     }
 }

@@ -51,6 +51,7 @@ buffers! {
     SPRITE_LIST = "SpriteList",
     LAMP = "LampBuffer",
     WINNERS = "Winners",
+    UNLAID = "Unlaid",
     PICTURE = "Picture",
     MEAN = "Mean",
     VARIANCE = "Variance",
@@ -259,8 +260,11 @@ impl Layout {
         // What a tile's pixels have of a repetition, or of a bin, that is not done yet.
         let unfinished = match desc.settings.mode {
             Mode::Stochastic => 16,
-            Mode::Expected => kept(desc.layers, 32),
+            Mode::Expected => 32,
         };
+        // Between dispatches, the last two bins of each pixel of the expected image, which lean on their neighbours.
+        let is_cut = desc.settings.mode == Mode::Expected && self.stages.iter().any(|stage| stage.parts > 1);
+        self.set(UNLAID, kept(is_cut, pixels * if desc.layers { 64 } else { 48 }));
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);
         self.set(TILE_REPETITIONS, tiles * 4);

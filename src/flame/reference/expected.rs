@@ -165,18 +165,73 @@ struct Seen {
     depth: f64,
 }
 
+/// Below so many of a bin's optical depths, a neighbour's colour counts less and less.
+const LEAST_NEIGHBOUR: f64 = 0.01;
+/// Of a bin whose colours vary by less than this share of their mean square, it is not sure that they vary.
+const ONE_COLOUR: f64 = 0.01;
+/// Transmittance below which nothing is seen any more.
+const OPAQUE: f64 = 1e-6;
+
+/// Lays bins behind each other. Over the optical depth x of a bin, h, colours are c + b (x - h / 2): b is the monotonised
+/// central difference of the means of the bin and its neighbours (van Leer 1977, eq. 66, on a grid of unequal cells). A bin
+/// whose colours vary less than b alone would make them is of a few sheets, not of a mixture that changes: b fades there.
 fn composite(column: &[Bin], borders: &[f64]) -> Seen {
     let mut seen = Seen::default();
     let mut left = 1.0;
-    for (bin, ends) in column.iter().zip(borders.windows(2)).filter(|(bin, _)| bin.optical > 0.0) {
-        let share = left * -(-bin.optical).exp_m1();
-        seen.mean += share / bin.optical * bin.colour;
-        seen.second += share / bin.optical * bin.square;
+    let bin = |index: usize| column.get(index).copied().unwrap_or_default();
+    for (index, ends) in borders.windows(2).enumerate() {
+        let here = bin(index);
+        if here.optical <= 0.0 || left <= OPAQUE {
+            continue;
+        }
+        let (nearer, farther) = (bin(index.wrapping_sub(1)), bin(index + 1));
+        let depths = [nearer.optical, here.optical, farther.optical];
+        let slope = slope(depths, [nearer.colour, here.colour, farther.colour]);
+        let square_slope = self::slope(depths, [nearer.square, here.square, farther.square]);
+        let [colour, square] = [here.colour, here.square].map(|sum| sum / here.optical);
+        let fade = fade(colour, square, slope * here.optical);
+        let share = left * -(-here.optical).exp_m1();
+        let lean = left * fade * leaning(here.optical);
+        seen.mean += (share * colour + lean * slope).max(DVec3::ZERO);
+        seen.second += (share * square + lean * square_slope).max(DVec3::ZERO);
         seen.coverage += share;
         seen.depth += share * (ends[0] + ends[1]) / 2.0;
-        left *= (-bin.optical).exp();
+        left *= (-here.optical).exp();
     }
     seen
+}
+
+/// What a slope of 1 adds to a bin's light: the integral of (x - h / 2) exp(-x).
+fn leaning(h: f64) -> f64 {
+    match h < 1e-3 {
+        true => -h.powi(3) / 12.0 * (1.0 - h / 2.0),
+        false => (1.0 - h / 2.0) * -(-h).exp_m1() - h * (-h).exp(),
+    }
+}
+
+/// How much a slope is believed: `change` is what it makes of a bin's colours from its front to its back.
+fn fade(colour: DVec3, square: DVec3, change: DVec3) -> f64 {
+    let variance = (square - colour * colour).element_sum().max(0.0).powi(2);
+    let own = (change.length_squared() / 24.0).powi(2);
+    let least = (ONE_COLOUR * square.element_sum()).powi(2);
+    variance / (variance + own + least).max(1e-30)
+}
+
+/// The slope in the middle one of three bins, from their optical depths and their colours times those.
+fn slope([before, h, behind]: [f64; 3], sums: [DVec3; 3]) -> DVec3 {
+    let sure = |other: f64| other / (other + LEAST_NEIGHBOUR * h);
+    let mean = |sum: DVec3, h: f64| if h > 0.0 { sum / h } else { DVec3::ZERO };
+    let [nearer, colour, farther] = [mean(sums[0], before), mean(sums[1], h), mean(sums[2], behind)];
+    DVec3::from_array(std::array::from_fn(|channel| {
+        let c = colour[channel];
+        let known = [(c - nearer[channel]) * 2.0 / (h + before), (farther[channel] - c) * 2.0 / (h + behind)];
+        let known = [if before > 0.0 { known[0] } else { 0.0 }, if behind > 0.0 { known[1] } else { 0.0 }];
+        let left = known[1] + (known[0] - known[1]) * sure(before);
+        let right = known[0] + (known[1] - known[0]) * sure(behind);
+        let central = (left * (h + behind) + right * (h + before)) / (2.0 * h + before + behind);
+        let most = (left.abs() * (h + before)).min(right.abs() * (h + behind)).min(2.0 * c) / h;
+        if left * right > 0.0 { central.clamp(-most, most) } else { 0.0 }
+    }))
 }
 
 /// Particles without a table.
