@@ -442,3 +442,62 @@ fn volumes_come_from_files() {
     assert!(frames[0] == frames[1], "without velocity, a held volume holds the picture");
     assert!(frames[1] != frames[2], "the next volume, larger than the first, is seen");
 }
+
+/// What `celfx inspect --json` prints.
+fn inspected(folder: &Folder, file: &str) -> serde_json::Value {
+    serde_json::from_str(&succeeds(folder, &["inspect", "--json", file])).expect("JSON")
+}
+
+#[test]
+fn inspect_shows_what_files_hold() {
+    let folder = Folder::new();
+    let gltf = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": 40, "uri": "t.bin"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 40}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3},
+            {"bufferView": 0, "componentType": 5126, "type": "SCALAR", "count": 1, "byteOffset": 36},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 0}, "mode": 0}]}],
+        "nodes": [{"mesh": 0}, {"mesh": 0}],
+        "animations": [{
+            "name": "Walk",
+            "samplers": [{"input": 1, "output": 0}],
+            "channels": [],
+        }],
+    });
+    folder.write("t.gltf", &gltf.to_string());
+    fs::write(folder.0.join("t.bin"), [&[0; 36][..], &1.5f32.to_le_bytes()].concat()).expect("written");
+    let mesh = inspected(&folder, "t.gltf");
+    assert_eq!((&mesh["vertices"], &mesh["triangles"], &mesh["objects"]), (&6.into(), &2.into(), &2.into()), "{mesh}");
+    assert_eq!(mesh["animations"], serde_json::json!([{"name": "Walk", "seconds": 1.5}]));
+    assert!(succeeds(&folder, &["inspect", "t.gltf"]).contains("6 vertices, 2 triangles, 2 objects\nanimation `Walk`"));
+
+    let density = [0.0, 1.0, 2.5, -1.0];
+    let volume = Volume {
+        dimensions: [2, 2, 1],
+        voxel_size: [0.5; 3],
+        origin: [1.0, 2.0, 3.0],
+        density: density.into(),
+        velocity: None,
+    };
+    write_npz(&folder.0.join("v.npz"), &volume).expect("written");
+    let grid = &inspected(&folder, "v.npz")["grids"][0];
+    let expected = serde_json::json!({
+        "name": "density", "type": "float", "dimensions": [2, 2, 1], "voxel_size": [0.5, 0.5, 0.5],
+        "origin": [1.0, 2.0, 3.0], "active": 4, "min": -1.0, "max": 2.5, "sum": 2.5,
+    });
+    assert_eq!(*grid, expected);
+    assert_eq!(inspected(&folder, "builtin:campfire")["effects"], serde_json::json!(["smoke", "flame"]));
+
+    folder.write(
+        "t.gltf",
+        &gltf.to_string().replace("\"asset\"", "\"extensionsRequired\": [\"KHR_draco_mesh_compression\"], \"asset\""),
+    );
+    fails(&folder, &["inspect", "t.gltf"], 3, &["t.gltf: extensionsRequired", "KHR_draco_mesh_compression"]);
+    fails(&folder, &["inspect", "none.glb"], 3, &["none.glb"]);
+    fails(&folder, &["inspect", "none.obj"], 3, &["none.obj", ".glb, .gltf, .npz"]);
+    fails(&folder, &["inspect", "none.toml"], 3, &["none.toml"]);
+    fails(&folder, &["inspect"], 2, &["<FILE>"]);
+}

@@ -2,6 +2,7 @@
 
 mod bench;
 mod info;
+mod inspect;
 mod interrupt;
 mod render;
 mod shot;
@@ -35,6 +36,7 @@ Examples:
   celfx shot builtin:smoke > my.toml                a shot to edit, every key explained
   celfx render my.toml --frames 1-8 --sheet s.png   eight frames and a contact sheet of them
   celfx info                                        the devices, and which one would be used
+  celfx inspect walk.glb                            what a file holds
 
 Exit codes:
   0 done    2 wrong usage or shot    3 unreadable input    4 no usable Vulkan device
@@ -77,6 +79,8 @@ enum Command {
     Bench(bench::Options),
     /// List the devices, what each lacks, and which would be used
     Info(info::Options),
+    /// Show what a mesh, volume, particle or shot file holds
+    Inspect(inspect::Options),
 }
 
 /// Why the program ends without having done its work.
@@ -172,6 +176,7 @@ fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
         Command::Shot(options) => shot::run(&options),
         Command::Bench(options) => bench::run(&options, &cli.common),
         Command::Info(options) => info::run(&options, &cli.common),
+        Command::Inspect(options) => inspect::run(&options),
     }
 }
 

@@ -106,15 +106,20 @@ fn from_image(error: image::ImageError) -> io::Error {
     }
 }
 
-/// Reads a PNG of any bit depth as sRGB (a profile in the file is not looked at) into linear premultiplied pixels.
-pub fn read_png(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
-    let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
-    let mut reader = image::ImageReader::with_format(BufReader::new(file), image::ImageFormat::Png);
+/// What a decoder may be asked for: a small file can unpack to any size.
+pub(super) fn limits() -> image::Limits {
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(1 << 33);
-    reader.limits(limits);
+    limits
+}
+
+/// Reads a PNG of any bit depth as sRGB (a profile in the file is not looked at) into linear premultiplied pixels.
+pub fn read_png(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
+    let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
+    let mut reader = image::ImageReader::with_format(BufReader::new(file), image::ImageFormat::Png);
+    reader.limits(limits());
     let expected = format!("a whole PNG picture of at most {MAX_SIDE} pixels a side");
     let picture = reader.decode().map_err(|error| ReadError::file(path, error, expected))?.into_rgba16();
     let table: Vec<f32> = (0..=u16::MAX).map(|v| linear_from_srgb(f64::from(v) / 65535.0) as f32).collect();

@@ -14,6 +14,7 @@ mod palette;
 pub mod particles;
 pub mod pattern;
 pub mod picture;
+pub mod scene;
 pub mod sequence;
 pub mod shot;
 pub mod volume;

@@ -1,0 +1,245 @@
+//! Animated meshes: glTF 2.0 (`.glb`, `.gltf`), `.npz` caches of vertices, and those that the program makes itself.
+
+mod cache;
+mod colour;
+mod document;
+mod gltf;
+mod rig;
+mod track;
+mod weld;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+use std::thread;
+
+pub use self::weld::{CREASE, Welder, shading_groups, weld};
+
+use self::cache::Cache;
+use self::rig::Rig;
+use super::ReadError;
+use super::pattern::PatternError;
+use crate::simulate::mesh::{Builtin, Model};
+use crate::view::Camera;
+
+/// Most vertices of a scene that is read.
+pub const MAX_VERTICES: usize = 1 << 26;
+
+/// What of an animated mesh does not change.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Topology {
+    /// Vertices of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Object of each vertex: its number in `objects`. In glTF each node that has a mesh is one.
+    pub object: Vec<u32>,
+    /// Names of the objects.
+    pub objects: Vec<String>,
+    /// Linear RGB of each vertex, not negative.
+    pub colour: Vec<[f32; 3]>,
+    /// Normal of each vertex at rest, in its object's own space, as the file has it; (0, 0, 0) where it has none.
+    pub normal: Vec<[f32; 3]>,
+    /// Whether an object has triangles that are meant to be seen from both sides.
+    pub double_sided: Vec<bool>,
+}
+
+impl Topology {
+    /// The same vertices without the triangles of one object, so that what it hides can be seen.
+    pub fn without(&self, object: u32) -> Topology {
+        let stays = |corners: &&[u32; 3]| self.object[corners[0] as usize] != object;
+        Topology { triangles: self.triangles.iter().filter(stays).copied().collect(), ..self.clone() }
+    }
+}
+
+/// An animation of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Animation {
+    /// Its name; that of an unnamed one is its number, from 0.
+    pub name: String,
+    /// Time of its last key, from 0.
+    pub seconds: f64,
+}
+
+/// When a frame is: `(frame - first) / fps` seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Frame at 0 seconds, and the first frame of a cache.
+    pub first: u32,
+    /// Frames per second, above 0.
+    pub fps: f64,
+}
+
+impl Clock {
+    /// Time of a frame, which may lie between two.
+    pub fn seconds(self, frame: f64) -> f64 {
+        (frame - f64::from(self.first)) / self.fps
+    }
+}
+
+/// Where an animated mesh comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// The program makes it.
+    Builtin(Builtin),
+    /// A `.glb`, `.gltf` or `.npz` file.
+    File(PathBuf),
+}
+
+impl Source {
+    /// The source of that name: `builtin:NAME`, or a path relative to `folder`.
+    pub fn named(name: &str, folder: &Path) -> Result<Source, PatternError> {
+        let Some(builtin) = name.strip_prefix("builtin:") else { return Ok(Source::File(folder.join(name))) };
+        let why = || "no such animated mesh; there are builtin:run, builtin:spin and builtin:crossing".to_owned();
+        let found = Builtin::named(builtin).ok_or_else(|| PatternError { path: name.into(), why: why() });
+        found.map(Source::Builtin)
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Motion {
+    Rig(Rig),
+    Cache(Cache),
+    Model(Model),
+}
+
+/// A mesh whose vertices move. Poses are had on demand, of any frame in any order.
+#[derive(Clone, Debug)]
+pub struct AnimatedMesh {
+    path: PathBuf,
+    clock: Clock,
+    topology: Topology,
+    motion: Motion,
+    animations: Vec<Animation>,
+    notes: Vec<String>,
+}
+
+impl AnimatedMesh {
+    /// Reads or makes a mesh. `animation` is the name of a file's animation to play; none: the first.
+    pub fn open(source: &Source, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
+        match source {
+            Source::Builtin(which) => Ok(AnimatedMesh::builtin(*which, which.usual_vertices(), clock)),
+            Source::File(path) => AnimatedMesh::read(path, animation, clock),
+        }
+    }
+
+    /// One that the program makes, of about so many vertices.
+    pub fn builtin(which: Builtin, vertices: u32, clock: Clock) -> AnimatedMesh {
+        let (model, topology) = Model::new(which, vertices);
+        let path = PathBuf::from(format!("builtin:{}", which.name()));
+        AnimatedMesh { path, clock, topology, motion: Motion::Model(model), animations: Vec::new(), notes: Vec::new() }
+    }
+
+    /// Reads a file: glTF 2.0 (`.glb` or `.gltf`, with its buffers within or beside it), or an `.npz` cache:
+    /// `position` [frames, vertices, 3] of floats, `triangle` [m, 3] of integers, and optionally `colour` [vertices, 3]
+    /// (linear RGB) and `object` [vertices] (integers). `animation` as in [`AnimatedMesh::open`]; caches have none.
+    pub fn read(path: &Path, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
+        let path_kept = path.to_owned();
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("glb" | "gltf") => {
+                let gltf::Scene { topology, rig, animations, notes } = gltf::read(path, animation)?;
+                Ok(AnimatedMesh { path: path_kept, clock, topology, motion: Motion::Rig(rig), animations, notes })
+            }
+            Some("npz") if animation.is_some() => {
+                Err(ReadError::file(path, "a cache has no animations by name", "no key `animation`, or a glTF file"))
+            }
+            Some("npz") => {
+                let (cache, topology) = cache::read(path)?;
+                let (animations, notes) = (Vec::new(), Vec::new());
+                Ok(AnimatedMesh { path: path_kept, clock, topology, motion: Motion::Cache(cache), animations, notes })
+            }
+            _ => Err(ReadError::file(
+                path,
+                "not an animated mesh by its name",
+                "a name that ends in .glb, .gltf or .npz",
+            )),
+        }
+    }
+
+    /// What does not change.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// How many vertices there are.
+    pub fn vertices(&self) -> usize {
+        self.topology.object.len()
+    }
+
+    /// The file's animations.
+    pub fn animations(&self) -> &[Animation] {
+        &self.animations
+    }
+
+    /// What of the file was passed over, a sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// How many frames a cache holds, from the clock's first on; none where poses are a function of time. Before the
+    /// first and after the last the mesh stands still.
+    pub fn frames(&self) -> Option<u32> {
+        match &self.motion {
+            Motion::Cache(cache) => Some(cache.frames()),
+            _ => None,
+        }
+    }
+
+    /// World positions of all vertices, in metres, at a frame of the clock, which may lie between two: exact, but for
+    /// caches, which are linear between frames. `out` has [`AnimatedMesh::vertices`] rows.
+    pub fn positions(&self, frame: f64, out: &mut [[f32; 3]]) {
+        match &self.motion {
+            Motion::Rig(rig) => rig.positions(self.clock.seconds(frame), out),
+            Motion::Model(model) => model.positions(self.clock.seconds(frame), out),
+            Motion::Cache(cache) => cache.positions(frame - f64::from(self.clock.first), out),
+        }
+    }
+
+    /// World positions as [`AnimatedMesh::positions`]; an error that names vertex and frame where one is not finite.
+    pub fn pose(&self, frame: f64) -> Result<Vec<[f32; 3]>, ReadError> {
+        let mut pose = vec![[0.0; 3]; self.vertices()];
+        self.positions(frame, &mut pose);
+        match pose.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            None => Ok(pose),
+            Some(row) => {
+                let place = format!("vertex {row}, frame {frame}");
+                Err(ReadError::at(&self.path, place, format!("is at {:?}", pose[row]), "three finite numbers"))
+            }
+        }
+    }
+
+    /// The poses of several frames, with at most so many threads.
+    pub fn poses(&self, frames: &[f64], threads: usize) -> Result<Vec<Vec<[f32; 3]>>, ReadError> {
+        let each = frames.len().div_ceil(threads.max(1)).max(1);
+        let some = |frames: &[f64]| frames.iter().map(|&frame| self.pose(frame)).collect::<Result<Vec<_>, _>>();
+        if each >= frames.len() {
+            return some(frames);
+        }
+        let parts: Vec<_> = thread::scope(|scope| {
+            let parts: Vec<_> = frames.chunks(each).map(|frames| scope.spawn(move || some(frames))).collect();
+            // A panic in a thread stays one.
+            parts.into_iter().map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+        });
+        let parts: Result<Vec<_>, _> = parts.into_iter().collect();
+        Ok(parts?.into_iter().flatten().collect())
+    }
+
+    /// The scene's own camera at a frame: that of a glTF file (its first perspective one), or the natural one of what
+    /// the program makes. It may be unfit ([`Camera::validate`]) where the file's is.
+    pub fn camera(&self, frame: f64) -> Option<Camera> {
+        match &self.motion {
+            Motion::Rig(rig) => rig.camera(self.clock.seconds(frame)),
+            Motion::Model(model) => Some(model.camera(self.clock.seconds(frame))),
+            Motion::Cache(_) => None,
+        }
+    }
+
+    /// Welds the vertices over the frames `first` to `last` (see [`weld()`]). Holds a few poses at a time.
+    pub fn weld(&self, first: u32, last: u32, threads: usize) -> Result<Vec<u32>, ReadError> {
+        let mut welder = Welder::new(&self.topology.object);
+        let frames: Vec<f64> = (first..=last).map(f64::from).collect();
+        for frames in frames.chunks(threads.max(1)) {
+            self.poses(frames, threads)?.iter().for_each(|pose| welder.refine(pose));
+        }
+        Ok(welder.finish())
+    }
+}

@@ -1,0 +1,253 @@
+//! Caches of vertices: `.npz` files with a position per frame and vertex.
+
+use std::path::Path;
+
+use super::{MAX_VERTICES, Topology};
+use crate::io::ReadError;
+use crate::io::array::{Archive, Array, Element};
+
+/// Most coordinates of a cache: 8 GiB of them.
+const MAX_VALUES: u64 = 1 << 31;
+
+const POSITIONS: &str = "[frames, vertices, 3] of floats, in metres";
+const TRIANGLES: &str = "[m, 3] of integers, rows of `position`";
+const COLOURS: &str = "[vertices, 3] of floats, linear RGB, 0 or more";
+const OBJECTS: &str = "[vertices] of integers, 0 to 4294967295";
+
+/// Positions of every frame.
+#[derive(Clone, Debug)]
+pub(super) struct Cache {
+    vertices: usize,
+    /// Frame by frame; at least one.
+    positions: Vec<[f32; 3]>,
+}
+
+impl Cache {
+    pub(super) fn frames(&self) -> u32 {
+        (self.positions.len() / self.vertices) as u32
+    }
+
+    fn frame(&self, frame: usize) -> &[[f32; 3]] {
+        &self.positions[frame * self.vertices..][..self.vertices]
+    }
+
+    /// Positions at a frame from 0 on: those of the file at a whole number, linear between, constant outside.
+    pub(super) fn positions(&self, frame: f64, out: &mut [[f32; 3]]) {
+        let last = self.frames() as usize - 1;
+        let frame = frame.clamp(0.0, last as f64);
+        let (before, share) = (frame.floor() as usize, frame.fract());
+        let (a, b) = (self.frame(before), self.frame((before + 1).min(last)));
+        for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+            let between = |i: usize| f64::from(a[i]) + share * (f64::from(b[i]) - f64::from(a[i]));
+            *out = if share == 0.0 { *a } else { std::array::from_fn(|i| between(i) as f32) };
+        }
+    }
+}
+
+/// Reads a cache and what does not change in it.
+pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
+    let mut archive = Archive::open(path)?;
+    let shape = archive.float_shape("position")?.ok_or_else(|| archive.missing("position", POSITIONS))?;
+    let [frames, vertices, 3] = shape[..] else { return Err(archive.wrong_shape("position", &shape, POSITIONS)) };
+    if frames == 0 || vertices == 0 {
+        return Err(archive.wrong_shape("position", &shape, "at least one frame and one vertex"));
+    }
+    let total = frames.checked_mul(vertices).and_then(|n| n.checked_mul(3)).filter(|&n| n <= MAX_VALUES);
+    if total.is_none() || vertices > MAX_VERTICES as u64 {
+        let why = format!("of shape {shape:?} is too large");
+        return Err(archive.fault("position", why, format!("{MAX_VERTICES} vertices and {MAX_VALUES} values at most")));
+    }
+    let vertices = vertices as usize;
+    let triangles = triangles(&mut archive, path, vertices)?;
+    let colour = colours(&mut archive, path, vertices)?;
+    let (object, objects) = objects(&mut archive, path, vertices)?;
+    let positions = archive.read("position", MAX_VALUES)?.map(|array: Array<f32>| array.values).unwrap_or_default();
+    let positions = positions.as_chunks().0.to_vec();
+    if let Some(at) = positions.iter().position(|p: &[f32; 3]| !p.iter().all(|x| x.is_finite())) {
+        let place = format!("array `position`, frame {}, vertex {}", at / vertices, at % vertices);
+        return Err(ReadError::at(path, place, format!("is {:?} as f32", positions[at]), "three finite numbers"));
+    }
+    let normal = vec![[0.0; 3]; vertices];
+    let double_sided = vec![false; objects.len()];
+    let topology = Topology { triangles, object, objects, colour, normal, double_sided };
+    Ok((Cache { vertices, positions }, topology))
+}
+
+/// Whole numbers of an array of that shape, each at most `most`; none if there is no such array.
+fn whole(
+    archive: &mut Archive,
+    path: &Path,
+    name: &str,
+    fits: impl Fn(&[u64]) -> bool,
+    most: u32,
+    expected: &str,
+) -> Result<Option<Vec<u32>>, ReadError> {
+    match archive.header(name)? {
+        None => return Ok(None),
+        Some(header) if !matches!(header.element, Element::Int(_) | Element::Uint(_)) => {
+            return Err(archive.fault(name, "elements are floats", expected));
+        }
+        Some(header) if !fits(&header.shape) => return Err(archive.wrong_shape(name, &header.shape, expected)),
+        Some(_) => {}
+    }
+    // Every integer up to 2^53 is exact as f64, and none above it becomes one that is allowed.
+    let Some(Array { shape, values }) = archive.read::<f64>(name, MAX_VALUES)? else { return Ok(None) };
+    let columns = shape.get(1).map_or(1, |&columns| columns.max(1) as usize);
+    match values.iter().position(|x| !(0.0..=f64::from(most)).contains(x)) {
+        None => Ok(Some(values.into_iter().map(|x| x as u32).collect())),
+        Some(at) => {
+            let place = format!("array `{name}`, row {}", at / columns);
+            Err(ReadError::at(path, place, format!("has {}", values[at]), format!("0 to {most}")))
+        }
+    }
+}
+
+fn triangles(archive: &mut Archive, path: &Path, vertices: usize) -> Result<Vec<[u32; 3]>, ReadError> {
+    let fits = |shape: &[u64]| matches!(shape, [_, 3]);
+    // No more than MAX_VERTICES, and at least one.
+    let corners = whole(archive, path, "triangle", fits, vertices as u32 - 1, TRIANGLES)?;
+    let corners = corners.ok_or_else(|| archive.missing("triangle", TRIANGLES))?;
+    match corners.is_empty() {
+        true => Err(archive.fault("triangle", "is empty", "at least one triangle")),
+        false => Ok(corners.as_chunks().0.to_vec()),
+    }
+}
+
+/// The given colours, or white.
+fn colours(archive: &mut Archive, path: &Path, vertices: usize) -> Result<Vec<[f32; 3]>, ReadError> {
+    match archive.float_shape("colour")? {
+        None => return Ok(vec![[1.0; 3]; vertices]),
+        Some(shape) if shape != [vertices as u64, 3] => return Err(archive.wrong_shape("colour", &shape, COLOURS)),
+        Some(_) => {}
+    }
+    let values = archive.read("colour", MAX_VALUES)?.map(|array: Array<f32>| array.values).unwrap_or_default();
+    let colours = values.as_chunks().0.to_vec();
+    match colours.iter().position(|c: &[f32; 3]| !c.iter().all(|x| *x >= 0.0 && x.is_finite())) {
+        None => Ok(colours),
+        Some(row) => {
+            let place = format!("array `colour`, row {row}");
+            Err(ReadError::at(path, place, format!("is {:?} as f32", colours[row]), "three finite numbers, 0 or more"))
+        }
+    }
+}
+
+/// Number of each vertex's object, and the objects' names: the numbers of the file, ascending.
+fn objects(archive: &mut Archive, path: &Path, vertices: usize) -> Result<(Vec<u32>, Vec<String>), ReadError> {
+    let fits = |shape: &[u64]| shape == [vertices as u64];
+    let Some(given) = whole(archive, path, "object", fits, u32::MAX, OBJECTS)? else {
+        return Ok((vec![0; vertices], vec!["0".to_owned()]));
+    };
+    let mut numbers = given.clone();
+    numbers.sort_unstable();
+    numbers.dedup();
+    // Each of them is among the numbers.
+    let object = given.iter().map(|number| numbers.partition_point(|n| n < number) as u32).collect();
+    Ok((object, numbers.iter().map(u32::to_string).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::array::tests::{npy, write_archive};
+    use crate::io::scene::{AnimatedMesh, Clock};
+    use crate::io::tests::Folder;
+
+    fn f32s(values: &[f32]) -> Vec<u8> {
+        values.iter().flat_map(|v| v.to_le_bytes()).collect()
+    }
+
+    /// Two frames of four vertices, numbered.
+    fn arrays() -> Vec<(&'static str, Vec<u8>)> {
+        let positions: Vec<f32> = (0..24).map(|i| i as f32).collect();
+        vec![
+            ("position", npy("'<f4'", false, "(2, 4, 3)", &f32s(&positions))),
+            ("triangle", npy("'|u1'", false, "(2, 3)", &[0, 1, 2, 3, 2, 1])),
+            ("colour", npy("'<f4'", false, "(4, 3)", &f32s(&[0.5; 12]))),
+            ("object", npy("'|u1'", false, "(4,)", &[7, 7, 7, 2])),
+        ]
+    }
+
+    /// Reads the arrays with one replaced, or left out.
+    fn with(name: &'static str, bytes: Option<Vec<u8>>) -> Result<AnimatedMesh, ReadError> {
+        let mut arrays = arrays();
+        arrays.retain(|(n, _)| *n != name);
+        arrays.extend(bytes.map(|b| (name, b)));
+        let folder = Folder::new();
+        let path = folder.0.join("cache.npz");
+        write_archive(&path, &arrays);
+        AnimatedMesh::read(&path, None, Clock { first: 5, fps: 24.0 })
+    }
+
+    #[test]
+    fn caches_are_read_whatever_their_types() {
+        let mesh = with("none", None).unwrap();
+        let topology = mesh.topology();
+        assert_eq!((mesh.vertices(), mesh.frames()), (4, Some(2)));
+        assert_eq!(topology.triangles, [[0, 1, 2], [3, 2, 1]]);
+        assert_eq!((&topology.object[..], &topology.objects[..]), (&[1, 1, 1, 0][..], &["2".into(), "7".into()][..]));
+        assert_eq!((topology.colour[3], topology.normal[3]), ([0.5; 3], [0.0; 3]));
+        let plain = with("object", None).unwrap();
+        assert_eq!((&plain.topology().object[..], plain.topology().objects.len()), (&[0; 4][..], 1));
+        assert_eq!(with("colour", None).unwrap().topology().colour, [[1.0; 3]; 4]);
+        let wide: Vec<u8> = [0i64, 1, 2, 3, 2, 1].iter().flat_map(|v| v.to_le_bytes()).collect();
+        let wide = with("triangle", Some(npy("'<i8'", false, "(2, 3)", &wide))).unwrap();
+        assert_eq!(wide.topology().triangles, topology.triangles);
+        // Fortran order: frames run fastest, then vertices, then axes.
+        let fortran: Vec<u8> =
+            (0..24).map(|i| f64::from((i % 2) * 12 + (i / 2 % 4) * 3 + i / 8)).flat_map(f64::to_le_bytes).collect();
+        let fortran = with("position", Some(npy("'<f8'", true, "(2, 4, 3)", &fortran))).unwrap();
+        assert_eq!(fortran.pose(6.0).unwrap(), mesh.pose(6.0).unwrap());
+        let halves = with("position", Some(npy("'<f2'", false, "(1, 4, 3)", &[0x00, 0x3c].repeat(12)))).unwrap();
+        assert_eq!(halves.pose(5.0).unwrap(), [[1.0; 3]; 4]);
+    }
+
+    #[test]
+    fn caches_hold_at_their_ends_and_are_linear_between_frames() {
+        let mesh = with("none", None).unwrap();
+        let first = |frame: f64| mesh.pose(frame).unwrap()[0];
+        assert_eq!([5.0, 4.0, -1e9].map(first), [[0.0, 1.0, 2.0]; 3]);
+        assert_eq!([6.0, 7.0, 1e9].map(first), [[12.0, 13.0, 14.0]; 3]);
+        assert_eq!(first(5.25), [3.0, 4.0, 5.0]);
+        assert_eq!(mesh.camera(5.0), None);
+    }
+
+    #[test]
+    fn every_fault_names_its_array_and_row() {
+        let says = |name: &'static str, bytes: Option<Vec<u8>>, words: &[&str]| {
+            let error = with(name, bytes).unwrap_err().to_string();
+            assert!(words.iter().all(|w| error.contains(w)) && error.contains("cache.npz"), "{error}");
+        };
+        let floats = |shape: &str, values: &[f32]| Some(npy("'<f4'", false, shape, &f32s(values)));
+        let bytes = |shape: &str, values: &[u8]| Some(npy("'|u1'", false, shape, values));
+        says("position", None, &["array `position`: is missing", "[frames, vertices, 3]"]);
+        says("position", floats("(4, 3)", &[0.0; 12]), &["array `position`: has shape [4, 3]"]);
+        says("position", floats("(0, 4, 3)", &[]), &["`position`: has shape [0, 4, 3]", "at least one frame"]);
+        says("position", bytes("(2, 4, 3)", &[0; 24]), &["`position`: elements are integers"]);
+        says("position", floats("(999999999, 4, 3)", &[0.0; 12]), &["too large", "at most"]);
+        says("position", floats("(2, 4, 3)", &[0.0; 23]), &["`position`", "92 bytes", "96 bytes"]);
+        for bad in [f32::NAN, f32::INFINITY] {
+            let mut positions = [0.0; 24];
+            positions[3 * 6 + 1] = bad;
+            let place = format!("array `position`, frame 1, vertex 2: is [0.0, {bad:?}, 0.0]");
+            says("position", floats("(2, 4, 3)", &positions), &[&place, "three finite numbers"]);
+        }
+        let huge: Vec<u8> = [1e300f64; 12].iter().flat_map(|v| v.to_le_bytes()).collect();
+        says("position", Some(npy("'<f8'", false, "(1, 4, 3)", &huge)), &["frame 0, vertex 0: is [inf"]);
+        says("triangle", None, &["array `triangle`: is missing", "[m, 3]"]);
+        says("triangle", floats("(1, 3)", &[0.0; 3]), &["array `triangle`: elements are floats"]);
+        says("triangle", bytes("(3, 2)", &[0; 6]), &["array `triangle`: has shape [3, 2]"]);
+        says("triangle", bytes("(0, 3)", &[]), &["array `triangle`: is empty"]);
+        says("triangle", bytes("(2, 3)", &[0, 1, 2, 0, 4, 1]), &["array `triangle`, row 1: has 4; expected 0 to 3"]);
+        let negative = [0i8, 1, -2].map(|v| v as u8);
+        says("triangle", Some(npy("'|i1'", false, "(1, 3)", &negative)), &["`triangle`, row 0: has -2"]);
+        says("colour", floats("(3, 3)", &[0.0; 9]), &["array `colour`: has shape [3, 3]"]);
+        let mut colours = [0.0; 12];
+        colours[7] = -0.5;
+        says("colour", floats("(4, 3)", &colours), &["array `colour`, row 2: is [0.0, -0.5, 0.0]"]);
+        says("object", bytes("(3,)", &[0; 3]), &["array `object`: has shape [3]"]);
+        let folder = Folder::new();
+        let path = folder.0.join("cache.npz");
+        let error = AnimatedMesh::read(&path, Some("Walk"), Clock { first: 0, fps: 1.0 }).unwrap_err();
+        assert!(error.to_string().contains("no animations by name"), "{error}");
+    }
+}

@@ -1,0 +1,183 @@
+//! Linear base colours of a glTF primitive's vertices.
+
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::io::Cursor;
+
+use gltf_json::accessor::Type;
+use gltf_json::extensions::texture::TextureTransform;
+use gltf_json::material::Material;
+use gltf_json::mesh::{Primitive, Semantic};
+use gltf_json::texture::{Info, WrappingMode};
+use gltf_json::validation::Checked;
+
+use super::document::Document;
+use super::gltf::attribute;
+use crate::io::ReadError;
+use crate::io::image::{limits, linear_from_srgb};
+
+/// A decoded texture image, 8-bit sRGB.
+type Texels = image::RgbImage;
+
+/// Finds vertices' colours: base colour factor x vertex colour x base colour texture at the vertex.
+pub(super) struct Colours<'d> {
+    document: &'d Document<'d>,
+    /// By image; none where it cannot be decoded.
+    images: HashMap<usize, Option<Texels>>,
+    notes: Vec<String>,
+}
+
+impl<'d> Colours<'d> {
+    pub(super) fn new(document: &'d Document<'d>) -> Colours<'d> {
+        Colours { document, images: HashMap::new(), notes: Vec::new() }
+    }
+
+    /// Images that could not be used.
+    pub(super) fn into_notes(self) -> Vec<String> {
+        self.notes
+    }
+
+    fn material(&self, primitive: &Primitive) -> Result<Option<&'d Material>, ReadError> {
+        let material = |index| self.document.entry(&self.document.root.materials, index, "material");
+        primitive.material.map(material).transpose()
+    }
+
+    pub(super) fn is_double_sided(&self, primitive: &Primitive) -> Result<bool, ReadError> {
+        Ok(self.material(primitive)?.is_some_and(|material| material.double_sided))
+    }
+
+    /// Linear RGB of the `count` vertices of a primitive. A texture is looked up at the nearest texel, so that what
+    /// lies beside it in the picture does not bleed in.
+    pub(super) fn of_vertices(&mut self, primitive: &Primitive, count: usize) -> Result<Vec<[f32; 3]>, ReadError> {
+        let pbr = self.material(primitive)?.map(|material| &material.pbr_metallic_roughness);
+        let [r, g, b, _] = pbr.map_or([1.0; 4], |pbr| pbr.base_color_factor.0.map(f64::from));
+        let mut colours = vec![[r, g, b]; count];
+        if let Some(own) = self.vertex_colours(primitive)? {
+            multiply(&mut colours, own);
+        }
+        if let Some(info) = pbr.and_then(|pbr| pbr.base_color_texture.as_ref())
+            && let Some(own) = self.texture_colours(primitive, info)?
+        {
+            multiply(&mut colours, own);
+        }
+        let sane = |x: f64| if x.is_finite() { x.max(0.0) as f32 } else { 0.0 };
+        Ok(colours.into_iter().map(|colour| colour.map(sane)).collect())
+    }
+
+    /// COLOR_0, with or without alpha.
+    fn vertex_colours(&self, primitive: &Primitive) -> Result<Option<Vec<[f64; 3]>>, ReadError> {
+        let Some(accessor) = attribute(primitive, Semantic::Colors(0)) else { return Ok(None) };
+        let json = self.document.entry(&self.document.root.accessors, accessor, "accessor")?;
+        if json.type_ == Checked::Valid(Type::Vec3) {
+            return self.document.values::<3>(accessor).map(Some);
+        }
+        let values = self.document.values::<4>(accessor)?;
+        Ok(Some(values.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()))
+    }
+
+    /// What a texture has at the vertices; none where its picture or the coordinates are missing.
+    fn texture_colours(&mut self, primitive: &Primitive, info: &Info) -> Result<Option<Vec<[f64; 3]>>, ReadError> {
+        let root = &self.document.root;
+        let texture = self.document.entry(&root.textures, info.index, "texture")?;
+        let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
+        let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(info.tex_coord);
+        let Some(accessor) = attribute(primitive, Semantic::TexCoords(set)) else { return Ok(None) };
+        let wrap = match texture.sampler {
+            Some(sampler) => {
+                let sampler = self.document.entry(&root.samplers, sampler, "texture sampler")?;
+                [sampler.wrap_s, sampler.wrap_t]
+            }
+            None => [Checked::Valid(WrappingMode::Repeat); 2],
+        };
+        let coordinates = self.document.values::<2>(accessor)?;
+        let image = texture.source.value();
+        if !self.images.contains_key(&image) {
+            let texels = self.image(image);
+            self.images.insert(image, texels);
+        }
+        let Some(Some(texels)) = self.images.get(&image) else { return Ok(None) };
+        let look_up = |uv: [f64; 2]| {
+            let [u, v] = transform.map_or(uv, |transform| transformed(transform, uv));
+            let [x, y] = [(u, texels.width(), wrap[0]), (v, texels.height(), wrap[1])].map(|(t, n, w)| texel(t, n, w));
+            texels.get_pixel(x, y).0.map(|c| linear_from_srgb(f64::from(c) / 255.0))
+        };
+        Ok(Some(coordinates.into_iter().map(look_up).collect()))
+    }
+
+    /// Decodes an image; a note where that is not possible, for the mesh can be drawn without it.
+    fn image(&mut self, number: usize) -> Option<Texels> {
+        let place = format!("image {number}");
+        let decoded = self.image_bytes(&place, number).and_then(|bytes| {
+            let fault = |error: String| self.document.fault(&place[..], error, "a PNG or JPEG picture");
+            let reader = image::ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+            let mut reader = reader.map_err(|error| fault(error.to_string()))?;
+            reader.limits(limits());
+            reader.decode().map_err(|error| fault(error.to_string()))
+        });
+        match decoded {
+            Ok(picture) => Some(picture.into_rgb8()),
+            Err(error) => {
+                self.notes.push(format!("{error}; the texture is left out"));
+                None
+            }
+        }
+    }
+
+    fn image_bytes(&self, place: &str, number: usize) -> Result<Vec<u8>, ReadError> {
+        let missing = || self.document.fault(place, "is missing", "a PNG or JPEG picture");
+        let image = self.document.root.images.get(number).ok_or_else(missing)?;
+        match (image.buffer_view, &image.uri) {
+            (Some(view), _) => self.document.view(view).map(|(bytes, _)| bytes.to_vec()),
+            (None, Some(uri)) => self.document.resource(place, uri).map(|bytes| bytes.into_owned()),
+            (None, None) => Err(missing()),
+        }
+    }
+}
+
+fn multiply(colours: &mut [[f64; 3]], factors: Vec<[f64; 3]>) {
+    for (colour, factor) in colours.iter_mut().zip(factors) {
+        (0..3).for_each(|i| colour[i] *= factor[i]);
+    }
+}
+
+/// KHR_texture_transform: scale, then rotation, then offset.
+fn transformed(transform: &TextureTransform, [u, v]: [f64; 2]) -> [f64; 2] {
+    let [su, sv] = transform.scale.0.map(f64::from);
+    let [ou, ov] = transform.offset.0.map(f64::from);
+    let (sin, cos) = (f64::from(transform.rotation.0) % TAU).sin_cos();
+    let (u, v) = (su * u, sv * v);
+    [cos * u + sin * v + ou, cos * v - sin * u + ov]
+}
+
+/// The texel of a coordinate; `size` is at least 1.
+fn texel(coordinate: f64, size: u32, wrap: Checked<WrappingMode>) -> u32 {
+    let within = match wrap {
+        Checked::Valid(WrappingMode::ClampToEdge) => coordinate,
+        Checked::Valid(WrappingMode::MirroredRepeat) => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
+        _ => coordinate.rem_euclid(1.0),
+    };
+    // The conversion saturates and makes 0 of NaN.
+    ((within * f64::from(size)) as u32).min(size - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_wrap() {
+        let at = |coordinate, wrap| texel(coordinate, 4, Checked::Valid(wrap));
+        let coordinates = [-0.3, 0.0, 0.3, 0.99, 1.0, 1.3];
+        assert_eq!(coordinates.map(|t| at(t, WrappingMode::Repeat)), [2, 0, 1, 3, 0, 1]);
+        assert_eq!(coordinates.map(|t| at(t, WrappingMode::ClampToEdge)), [0, 0, 1, 3, 3, 3]);
+        assert_eq!(coordinates.map(|t| at(t, WrappingMode::MirroredRepeat)), [1, 0, 1, 3, 3, 2]);
+    }
+
+    #[test]
+    fn coordinates_are_transformed_as_the_extension_says() {
+        let transform: TextureTransform =
+            serde_json::from_str(r#"{"offset": [0.5, 0.25], "rotation": 1.5707964, "scale": [2, 3]}"#).unwrap();
+        let [u, v] = transformed(&transform, [0.25, 0.125]);
+        assert!((u - (0.375 + 0.5)).abs() < 1e-6 && (v - (0.25 - 0.5)).abs() < 1e-6, "{u} {v}");
+    }
+}

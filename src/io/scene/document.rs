@@ -1,0 +1,391 @@
+//! A glTF file taken apart: its JSON, its buffers, and the numbers of its accessors.
+//!
+//! The model of the JSON is the crate's; every index and every byte is checked here, for nothing in a file is trusted.
+
+use std::borrow::Cow;
+use std::fs;
+use std::path::Path;
+
+use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, IndexComponentType, Type};
+use gltf_json::buffer::View;
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Root};
+use serde::Deserialize;
+
+use crate::io::ReadError;
+
+/// Most values of an accessor without data of its own (all 0, but for sparse ones): a small file can ask for any number.
+const MAX_ZEROS: usize = 1 << 24;
+
+/// Extensions that a file may require: none of them changes where vertices are, or we obey it.
+const EXTENSIONS: [&str; 16] = [
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+];
+
+/// A glTF file in memory.
+pub(super) struct Document<'a> {
+    pub(super) path: &'a Path,
+    pub(super) root: Root,
+    buffers: Vec<Vec<u8>>,
+}
+
+impl<'a> Document<'a> {
+    /// Takes a `.glb` or `.gltf` file apart and reads the buffers that it names.
+    pub(super) fn new(path: &'a Path, file: &[u8]) -> Result<Document<'a>, ReadError> {
+        let (json, binary) = match file.starts_with(b"glTF") {
+            true => glb_chunks(path, file)?,
+            false => (file, None),
+        };
+        check_required(path, json)?;
+        let root: Root = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
+        let mut document = Document { path, root, buffers: Vec::new() };
+        for index in 0..document.root.buffers.len() {
+            let bytes = document.buffer(index, binary)?;
+            document.buffers.push(bytes);
+        }
+        Ok(document)
+    }
+
+    /// The bytes of a buffer: the binary chunk, a `data:` URI, or a file beside this one.
+    fn buffer(&self, index: usize, binary: Option<&[u8]>) -> Result<Vec<u8>, ReadError> {
+        let buffer = &self.root.buffers[index];
+        let place = format!("buffer {index}");
+        let mut bytes = match &buffer.uri {
+            Some(uri) => self.resource(&place, uri)?.into_owned(),
+            None => match binary {
+                Some(binary) if index == 0 => binary.to_vec(),
+                _ => return Err(self.fault(place, "has neither a URI nor a binary chunk", "a .glb file, or a URI")),
+            },
+        };
+        if (bytes.len() as u64) < buffer.byte_length.0 {
+            let expected = format!("{} bytes", buffer.byte_length.0);
+            return Err(self.fault(place, format!("has {} bytes", bytes.len()), expected));
+        }
+        bytes.truncate(buffer.byte_length.0 as usize);
+        Ok(bytes)
+    }
+
+    /// What a URI stands for: the data in it, or the bytes of a file relative to this one.
+    pub(super) fn resource(&self, place: &str, uri: &str) -> Result<Cow<'static, [u8]>, ReadError> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let decoded = data.split_once(";base64,").and_then(|(_, text)| base64(text.as_bytes()));
+            return decoded.map(Cow::Owned).ok_or_else(|| {
+                self.fault(place.to_owned(), "a data URI that cannot be decoded", "`data:TYPE;base64,` and base64")
+            });
+        }
+        if uri.contains("://") {
+            return Err(self.fault(place.to_owned(), format!("is at `{uri}`"), "data within the file or beside it"));
+        }
+        let file = self.path.parent().unwrap_or(Path::new("")).join(percent_decoded(uri));
+        let read = fs::read(&file);
+        read.map(Cow::Owned).map_err(|e| self.fault(place.to_owned(), format!("{}: {e}", file.display()), "a file"))
+    }
+
+    /// A fault at one place of the file.
+    pub(super) fn fault(&self, place: impl Into<String>, why: impl ToString, expected: impl Into<String>) -> ReadError {
+        ReadError::at(self.path, place, why, expected)
+    }
+
+    /// The entry of that number in one of the file's lists; `what` names the list.
+    pub(super) fn entry<'s, T>(&'s self, list: &'s [T], index: Index<T>, what: &str) -> Result<&'s T, ReadError> {
+        list.get(index.value()).ok_or_else(|| {
+            let why = format!("there is no {what} {}", index.value());
+            self.fault(String::new(), why, format!("a number below {}, how many there are", list.len()))
+        })
+    }
+
+    /// The bytes of a buffer view and their stride, if it has one.
+    pub(super) fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), ReadError> {
+        let view = self.entry(&self.root.buffer_views, index, "buffer view")?;
+        self.entry(&self.root.buffers, view.buffer, "buffer")?;
+        let buffer = &self.buffers[view.buffer.value()];
+        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let range = offset.checked_add(length).filter(|&end| end <= buffer.len() as u64);
+        let Some(end) = range else {
+            let why = format!("{length} bytes from byte {offset}");
+            let expected = format!("a part of its buffer of {} bytes", buffer.len());
+            return Err(self.fault(format!("buffer view {}", index.value()), why, expected));
+        };
+        Ok((&buffer[offset as usize..end as usize], view.byte_stride.map(|stride| stride.0)))
+    }
+
+    /// The values of an accessor of `N` components each, integers normalised where it says so. All are finite.
+    pub(super) fn values<const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[f64; N]>, ReadError> {
+        let accessor = self.entry(&self.root.accessors, index, "accessor")?;
+        let place = format!("accessor {}", index.value());
+        let wanted = match N {
+            1 => Type::Scalar,
+            2 => Type::Vec2,
+            3 => Type::Vec3,
+            4 => Type::Vec4,
+            _ => Type::Mat4,
+        };
+        let (Checked::Valid(type_), Checked::Valid(GenericComponentType(component))) =
+            (accessor.type_, accessor.component_type)
+        else {
+            return Err(self.fault(place, "has an unknown type", format!("{wanted:?} of floats or integers")));
+        };
+        if type_ != wanted {
+            return Err(self.fault(place, format!("is of {type_:?}"), format!("{wanted:?}")));
+        }
+        let decode = |bytes: &[u8]| decoded(component, accessor.normalized, bytes);
+        let offset = accessor.byte_offset.unwrap_or_default().0;
+        let mut values = match accessor.buffer_view {
+            Some(view) => self.elements::<N, _>(&place, view, offset, accessor.count.0, component, decode)?,
+            None if accessor.count.0 > MAX_ZEROS as u64 => {
+                let why = format!("has {} values without data", accessor.count.0);
+                return Err(self.fault(place, why, format!("{MAX_ZEROS} at most")));
+            }
+            None => vec![[0.0; N]; accessor.count.0 as usize],
+        };
+        if accessor.sparse.is_some() {
+            self.replace_sparse(&place, accessor, component, &mut values)?;
+        }
+        match values.iter().position(|value| !value.iter().all(|x| x.is_finite())) {
+            Some(row) => Err(self.fault(format!("{place}, value {row}"), "is not finite", "finite numbers")),
+            None => Ok(values),
+        }
+    }
+
+    /// Puts the values of a sparse accessor that differ in their place.
+    fn replace_sparse<const N: usize>(
+        &self,
+        place: &str,
+        accessor: &Accessor,
+        component: ComponentType,
+        values: &mut [[f64; N]],
+    ) -> Result<(), ReadError> {
+        let Some(sparse) = &accessor.sparse else { return Ok(()) };
+        let Checked::Valid(IndexComponentType(kind)) = sparse.indices.component_type else {
+            return Err(self.fault(place, "has sparse indices of an unknown type", "unsigned integers"));
+        };
+        let (indices, new) = (&sparse.indices, &sparse.values);
+        let whole = |bytes: &[u8]| decoded(kind, false, bytes);
+        let number = |bytes: &[u8]| decoded(component, accessor.normalized, bytes);
+        let count = sparse.count.0;
+        let rows = self.elements::<1, _>(place, indices.buffer_view, indices.byte_offset.0, count, kind, whole)?;
+        let new = self.elements::<N, _>(place, new.buffer_view, new.byte_offset.0, count, component, number)?;
+        for ([row], value) in rows.into_iter().zip(new) {
+            let Some(slot) = values.get_mut(row as usize) else {
+                return Err(self.fault(place, format!("replaces value {row}"), format!("below {}", accessor.count.0)));
+            };
+            *slot = value;
+        }
+        Ok(())
+    }
+
+    /// `count` elements of `N` components in a buffer view.
+    fn elements<const N: usize, D: Fn(&[u8]) -> f64>(
+        &self,
+        place: &str,
+        view: Index<View>,
+        offset: u64,
+        count: u64,
+        component: ComponentType,
+        decode: D,
+    ) -> Result<Vec<[f64; N]>, ReadError> {
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let number = view.value();
+        let (bytes, stride) = self.view(view)?;
+        let size = N * component.size();
+        let stride = stride.unwrap_or(size);
+        if stride < size {
+            let why = format!("buffer view {number} has a stride of {stride} bytes");
+            return Err(self.fault(place, why, format!("{size} at least")));
+        }
+        let end = (count - 1).checked_mul(stride as u64).and_then(|n| n.checked_add(offset)?.checked_add(size as u64));
+        if end.is_none_or(|end| end > bytes.len() as u64) {
+            let why = format!("{count} values of {size} bytes, {stride} bytes apart, from byte {offset}");
+            return Err(self.fault(place, why, format!("values within buffer view {number} of {} bytes", bytes.len())));
+        }
+        // Within the view, so within memory: nothing is cut by the conversions.
+        let rows = (0..count as usize).map(|row| &bytes[offset as usize + row * stride..][..size]);
+        Ok(rows.map(|row| std::array::from_fn(|i| decode(&row[i * component.size()..][..component.size()]))).collect())
+    }
+
+    /// The values of an accessor of whole numbers.
+    pub(super) fn indices(&self, index: Index<Accessor>) -> Result<Vec<u32>, ReadError> {
+        let accessor = self.entry(&self.root.accessors, index, "accessor")?;
+        if let Checked::Valid(GenericComponentType(ComponentType::F32)) = accessor.component_type {
+            return Err(self.fault(format!("accessor {}", index.value()), "is of floats", "unsigned integers"));
+        }
+        // What is negative becomes 0xFFFFFFFF and is refused where it is used.
+        let whole = |[x]: [f64; 1]| if x < 0.0 { u32::MAX } else { x as u32 };
+        Ok(self.values::<1>(index)?.into_iter().map(whole).collect())
+    }
+}
+
+fn json_error(path: &Path, error: serde_json::Error) -> ReadError {
+    ReadError::at(path, "its JSON", error, "glTF 2.0")
+}
+
+/// The JSON and the binary chunk of a `.glb` file.
+fn glb_chunks<'f>(path: &Path, file: &'f [u8]) -> Result<(&'f [u8], Option<&'f [u8]>), ReadError> {
+    let word = |at: usize| file.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let fault = |at: usize, why: String| ReadError::at(path, format!("byte {at}"), why, "a whole .glb file, version 2");
+    match word(4) {
+        Some(2) => {}
+        Some(version) => return Err(fault(4, format!("version {version}"))),
+        None => return Err(fault(file.len(), "the file ends".to_owned())),
+    }
+    let chunk = |at: usize| -> Result<Option<(u32, &'f [u8])>, ReadError> {
+        let (Some(length), Some(kind)) = (word(at), word(at + 4)) else { return Ok(None) };
+        let data = file[at + 8..].get(..length as usize);
+        let data = data.ok_or_else(|| {
+            fault(at, format!("a chunk of {length} bytes, of which {} are there", file.len() - at - 8))
+        })?;
+        Ok(Some((kind, data)))
+    };
+    let Some((JSON, json)) = chunk(12)? else { return Err(fault(12, "the first chunk is not JSON".to_owned())) };
+    // Chunks of other kinds are for extensions, and come after the binary one.
+    let binary = chunk((20 + json.len()).next_multiple_of(4))?;
+    Ok((json, binary.filter(|(kind, _)| *kind == BINARY).map(|(_, data)| data)))
+}
+
+/// Kinds of chunks of a `.glb` file.
+const JSON: u32 = u32::from_le_bytes(*b"JSON");
+const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
+
+/// Refuses a file that requires what we do not know, before anything else in it is looked at.
+fn check_required(path: &Path, json: &[u8]) -> Result<(), ReadError> {
+    #[derive(Deserialize)]
+    #[serde(rename_all = "camelCase")]
+    struct Head {
+        asset: Asset,
+        #[serde(default)]
+        extensions_required: Vec<String>,
+    }
+    #[derive(Deserialize)]
+    struct Asset {
+        version: String,
+    }
+    let head: Head = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
+    if head.asset.version.split('.').next() != Some("2") {
+        return Err(ReadError::at(path, "asset", format!("is glTF {}", head.asset.version), "glTF 2.0"));
+    }
+    match head.extensions_required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
+        None => Ok(()),
+        Some(name) => {
+            let compressed = name.contains("compression").then_some(", uncompressed");
+            let expected = format!("a file that does without it{}", compressed.unwrap_or_default());
+            Err(ReadError::at(path, "extensionsRequired", format!("{name} is not supported"), expected))
+        }
+    }
+}
+
+/// A component as a number; `bytes` are as many as it has.
+fn decoded(component: ComponentType, normalized: bool, bytes: &[u8]) -> f64 {
+    let mut wide = [0; 4];
+    wide[..bytes.len()].copy_from_slice(bytes);
+    let bits = u32::from_le_bytes(wide);
+    let (value, most) = match component {
+        ComponentType::I8 => (f64::from(bits as u8 as i8), f64::from(i8::MAX)),
+        ComponentType::U8 => (f64::from(bits), f64::from(u8::MAX)),
+        ComponentType::I16 => (f64::from(bits as u16 as i16), f64::from(i16::MAX)),
+        ComponentType::U16 => (f64::from(bits), f64::from(u16::MAX)),
+        ComponentType::U32 => (f64::from(bits), f64::from(u32::MAX)),
+        ComponentType::F32 => return f64::from(f32::from_bits(bits)),
+    };
+    if normalized { (value / most).max(-1.0) } else { value }
+}
+
+/// Decodes base64 (RFC 4648), padded or not; `None` if it is none.
+fn base64(text: &[u8]) -> Option<Vec<u8>> {
+    let text = text.trim_ascii_end();
+    let end = text.iter().rposition(|&c| c != b'=').map_or(0, |last| last + 1);
+    let mut bytes = Vec::with_capacity(end / 4 * 3 + 2);
+    for group in text[..end].chunks(4) {
+        let mut bits = 0u32;
+        for &c in group {
+            let digit = match c {
+                b'A'..=b'Z' => c - b'A',
+                b'a'..=b'z' => c - b'a' + 26,
+                b'0'..=b'9' => c - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return None,
+            };
+            bits = bits << 6 | u32::from(digit);
+        }
+        let three = (bits << (6 * (4 - group.len()))).to_be_bytes();
+        match group.len() {
+            1 => return None,
+            digits => bytes.extend(&three[1..digits]),
+        }
+    }
+    Some(bytes)
+}
+
+/// A URI with its `%XX` decoded.
+fn percent_decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, tail @ ..] = rest {
+        let hex = |c: &u8| char::from(*c).to_digit(16);
+        (rest, _) = match (first, tail) {
+            (b'%', [a, b, after @ ..]) if hex(a).is_some() && hex(b).is_some() => {
+                let byte = hex(a).zip(hex(b)).map_or(0, |(a, b)| a * 16 + b);
+                (after, bytes.push(byte as u8))
+            }
+            _ => (tail, bytes.push(*first)),
+        };
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_decoded() {
+        for (text, bytes) in [
+            ("", &b""[..]),
+            ("Zg==", b"f"),
+            ("Zm8=", b"fo"),
+            ("Zm9v", b"foo"),
+            ("Zm9vYg", b"foob"),
+            ("Zm9vYmE=", b"fooba"),
+            ("+/A9\n", &[0xfb, 0xf0, 0x3d]),
+        ] {
+            assert_eq!(base64(text.as_bytes()).as_deref(), Some(bytes), "{text}");
+        }
+        assert_eq!(base64(b"Z"), None);
+        assert_eq!(base64(b"Zm9*"), None);
+    }
+
+    #[test]
+    fn uris_are_decoded() {
+        assert_eq!(percent_decoded("a%20b%2Fc%zz%4"), "a b/c%zz%4");
+        assert_eq!(percent_decoded("%C3%A4"), "ä");
+    }
+
+    #[test]
+    fn integers_are_normalised() {
+        assert_eq!(decoded(ComponentType::I8, true, &[0x80]), -1.0);
+        assert_eq!(decoded(ComponentType::I8, true, &[0x81]), -1.0);
+        assert_eq!(decoded(ComponentType::I8, false, &[0x80]), -128.0);
+        assert_eq!(decoded(ComponentType::U8, true, &[255]), 1.0);
+        assert_eq!(decoded(ComponentType::I16, true, &[0xff, 0x7f]), 1.0);
+        assert_eq!(decoded(ComponentType::U16, true, &[0xff, 0x7f]), 32767.0 / 65535.0);
+        assert_eq!(decoded(ComponentType::U32, false, &[0xff; 4]), 4294967295.0);
+        assert_eq!(decoded(ComponentType::F32, true, &2.5f32.to_le_bytes()), 2.5);
+    }
+}
