@@ -40,6 +40,8 @@ const int ROWS = int(BLOCK);
 const uint NEVER = 0xffffffffu;
 
 shared uvec2 lists[12];           // where each level's list begins, and its end among all entries of the tile
+shared uint waiting;              // entries that are next in a batch
+shared uint waiting_rows[2u * LANES];
 shared uint batch_sums[LANES];    // render particles of a batch up to here, and particles that have any in the upper 8 bits
 shared vec4 batch_place[LANES];   // of those particles: x, y, depth, alpha
 shared vec4 batch_slope[LANES];   // slope and reach; or, near the camera, x and y in view space and -1
@@ -88,23 +90,40 @@ uint entry_at(uint index) {
     return entries[lists[level].x + index - before];
 }
 
+// Looks for the entries of the next batch from `at` on; how many wait then. What all pixels have nearer is left out, unless nothing is known of
+// them yet: behind the front of a fire, most of a list is.
+uint find_batch(inout uint at, uint end, bool is_first) {
+    uint lane = gl_LocalInvocationID.x;
+    uint most = is_first ? FAR_AWAY : max(max(farthest.x, farthest.y), max(farthest.z, farthest.w));
+    uint found;
+    do {
+        if (at + lane < end) {
+            uint row = entry_at(at + lane);
+            if (floatBitsToUint(max(nearest_of(particles[row].view.z), 0.0)) <= most) {
+                waiting_rows[atomicAdd(waiting, 1u)] = row;
+            }
+        }
+        at += LANES;
+        barrier();
+        found = waiting;
+        barrier();
+    } while (at < end && found < LANES);
+    return found;
+}
+
 struct Batch {
     uint total;  // its render particles
     uint start;  // the place among them where this invocation's particle begins
 };
 
-// Loads a batch of particles. What all pixels have nearer is left out, unless nothing is known of them yet.
-Batch load_batch(uint at, uint end, vec2 origin, bool is_first) {
+// Loads the first of those that wait; the others are at most as many.
+Batch load_batch(uint found, vec2 origin) {
     uint lane = gl_LocalInvocationID.x;
-    uint row = 0u;
+    uint row = waiting_rows[lane];
+    uint next = waiting_rows[LANES + lane];
     uint count = 0u;
-    vec4 view = vec4(0.0);
-    if (at + lane < end) {
-        row = entry_at(at + lane);
-        view = particles[row].view;
-        uint nearest = floatBitsToUint(max(nearest_of(view.z), 0.0));
-        uint most = max(max(farthest.x, farthest.y), max(farthest.z, farthest.w));
-        count = nearest > most && !is_first ? 0u : particles[row].draw.z;
+    if (lane < found) {
+        count = particles[row].draw.z;
     }
     uint sum = count + (count > 0u ? 1u << 24u : 0u);
     batch_sums[lane] = sum;
@@ -117,12 +136,17 @@ Batch load_batch(uint at, uint end, vec2 origin, bool is_first) {
     uint start = (sum & 0xffffffu) - count;
     if (count > 0u) {
         uint slot = (sum >> 24u) - 1u;
+        vec4 view = particles[row].view;
         uvec4 draw = particles[row].draw;
         vec4 slope = particles[row].slope;
         Source source = source_of(view, particles[row].centre, slope, origin);
         batch_place[slot] = vec4(source.at, source.z, view.w);
         batch_slope[slot] = slope.z == 1.0 ? vec4(source.from, -1.0, 0.0) : vec4(source.slope, slope.w, 0.0);
         batch_draw[slot] = uvec3(row + 1u, draw.y, draw.x - start);
+    }
+    waiting_rows[lane] = next;
+    if (lane == 0u) {
+        waiting = found - min(found, LANES);
     }
     barrier();
     return Batch(batch_sums[LANES - 1u] & 0xffffffu, count > 0u ? start : NEVER);
@@ -243,13 +267,16 @@ void main() {
     bool skips = params.flags.x == 1u;
     if (lane == 0u) {
         starts = 0u;
+        waiting = 0u;
     }
+    barrier();
     uint repetition = first;
     uint at = first_entry;
     do {
         bool is_first_batch = at == first_entry;
-        bool is_last_batch = at + LANES >= last_entry;
-        Batch batch = load_batch(at, last_entry, origin, is_first_batch);
+        uint found = find_batch(at, last_entry, is_first_batch);
+        bool is_last_batch = at >= last_entry && found <= LANES;
+        Batch batch = load_batch(found, origin);
         // One batch that is all of the list serves all repetitions.
         do {
             if (is_first_batch) {
@@ -298,7 +325,7 @@ void main() {
                 ++repetition;
             }
         } while (is_first_batch && is_last_batch && repetition < last);
-        at = is_last_batch ? first_entry : at + LANES;
+        at = is_last_batch ? first_entry : at;
     } while (repetition < last);
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         uint at = column + uint(y) * params.image.x;
