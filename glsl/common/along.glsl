@@ -1,0 +1,17 @@
+// A row of a matrix times the way from the eye, each given as a sum of two floats, rounded about once.
+#ifndef ALONG
+#define ALONG
+
+#include "exact.glsl"
+
+float along_row(vec3 row, vec3 row_low, vec3 q, vec3 q_low) {
+    vec2 x = two_product(row.x, q.x);
+    vec2 y = two_product(row.y, q.y);
+    vec2 z = two_product(row.z, q.z);
+    vec2 xy = two_sum(x.x, y.x);
+    vec2 xyz = two_sum(xy.x, z.x);
+    float low = x.y + y.y + z.y + xy.y + xyz.y + dot(row, q_low) + dot(row_low, q);
+    return xyz.x + low;
+}
+
+#endif
