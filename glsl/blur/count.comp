@@ -17,13 +17,17 @@ layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, w
 #include "vertex.glsl"
 #include "block.glsl"
 
-// How far what is drawn of an edge is from where it should be, squared.
+// How far what is drawn of an edge is from where it should be, squared. Triangles are drawn in perspective: what is between
+// their corners is straight in clip coordinates.
 float departure(uint a, uint b, uint where) {
-    vec3 straight = between(vertices[a].drawn.xyz, vertices[b].drawn.xyz, where);
-    vec3 curved = vertex_between(a, b, where).drawn.xyz;
-    precise vec2 off = curved.xy / curved.z - straight.xy / straight.z;
-    precise float square = off.x * off.x + off.y * off.y;
-    return min(curved.z, straight.z) > params.lens.x ? square : 0.0;
+    vec3 from = vertices[a].drawn.xyz;
+    vec3 to = vertices[b].drawn.xyz;
+    precise vec3 from_clip = vec3(from.xy * from.z, from.z);
+    precise vec3 to_clip = vec3(to.xy * to.z, to.z);
+    vec3 clip = between(from_clip, to_clip, where);
+    precise vec2 straight = clip.xy / clip.z;
+    vec4 curved = vertex_between(a, b, where).drawn;
+    return curved.z > params.lens.x ? distance2(curved.xy, straight) : 0.0;
 }
 
 bool is_split(uint a, uint b) {
@@ -32,7 +36,7 @@ bool is_split(uint a, uint b) {
     if (min(from.z, to.z) <= params.lens.x || vertices[a].place.x + vertices[b].place.x == 0u) {
         return false;
     }
-    float length2 = distance2(from, to);
+    float length2 = distance2(from.xy, to.xy);
     if (BY_LENGTH == 1u) {
         return length2 > params.model.w * params.model.w && length2 > params.lens.y * params.lens.y;
     }

@@ -45,54 +45,49 @@ uint segment_at(float time) {
     return s;
 }
 
-// How far the point is from where it is in frame i, so many frames after it.
-vec3 offset_at(uint a, uint b, uint where, float time) {
+// How far the point is from where it is in frame i, so many frames after it, and the derivative by time.
+struct Offset {
+    vec3 off;
+    vec3 slope;
+};
+
+Offset offset_at(uint a, uint b, uint where, float time) {
     uint s = segment_at(time);
     Piece piece = piece_of(a, b, where, s);
+    float begin = params.segments[s].x;
+    precise float length_of = params.segments[s].y - begin;
+    precise float beyond = time < begin ? time - begin : 0.0;
+    precise float u = (time - beyond - begin) / length_of;
+    precise float c = 1.0 - u;
+    precise float from = (c * c * c - c) * (1.0 / 6.0);
+    precise float to = (u * u * u - u) * (1.0 / 6.0);
+    precise float from_slope = (1.0 - 3.0 * (c * c)) * (1.0 / 6.0);
+    precise float to_slope = (3.0 * (u * u) - 1.0) * (1.0 / 6.0);
     vec3 origin = s == 0u ? vec3(0.0) : piece.origin.xyz;
-    vec3 way = piece.step.xyz;
-    vec3 from = piece.bend_begin.xyz;
-    vec3 to = piece.bend_end.xyz;
-    precise float u = (time - params.segments[s].x) * params.segments[s].z;
-    precise float left = 1.0 - u;
-    precise float from_share = (left * left * left - left) / 6.0;
-    precise float to_share = (u * u * u - u) / 6.0;
-    precise vec3 curve = origin + u * way + from_share * from + to_share * to;
-    precise vec3 line = origin + u * (way - from / 3.0 - to / 6.0);
-    return u < 0.0 ? line : curve;
+    precise vec3 slope = (piece.step.xyz + from_slope * piece.bend_begin.xyz + to_slope * piece.bend_end.xyz) / length_of;
+    precise vec3 value = origin + (u * piece.step.xyz + from * piece.bend_begin.xyz + to * piece.bend_end.xyz);
+    // Straight before the earliest segment.
+    precise vec3 line = value + beyond * slope;
+    return Offset(beyond < 0.0 ? line : value, slope);
 }
 
-// Clip coordinates at a time.
-vec3 clip_at(uint a, uint b, uint where, float time) {
-    precise vec3 clip = start_of(a, b, where) + offset_at(a, b, where, time);
-    if (SCREEN == 1u) {
-        clip.xy = clip.xy * clip.z;
-    }
-    return clip;
-}
+// Where the point is in pixels, as what it is off from frame i, so that it is exact for what hardly moves; and its depth.
+struct State {
+    vec4 motion;  // position, and velocity in pixels a frame
+    float depth;
+};
 
-// Position in pixels and velocity in pixels a frame, at the reference time.
-vec4 motion_at(uint a, uint b, uint where) {
-    float time = params.model.y;
-    uint s = segment_at(time);
-    Piece piece = piece_of(a, b, where, s);
-    precise float u = (time - params.segments[s].x) * params.segments[s].z;
-    precise float left = 1.0 - u;
-    precise float from_share = (1.0 - 3.0 * left * left) / 6.0;
-    precise float to_share = (3.0 * u * u - 1.0) / 6.0;
-    precise vec3 speed = (piece.step.xyz + from_share * piece.bend_begin.xyz + to_share * piece.bend_end.xyz)
-        * params.segments[s].z;
+State state_at(uint a, uint b, uint where, float time) {
     vec3 start = start_of(a, b, where);
-    vec3 off = offset_at(a, b, where, time);
+    Offset at = offset_at(a, b, where, time);
+    precise float depth = start.z + at.off.z;
     if (SCREEN == 1u) {
-        precise vec2 at = start.xy + off.xy;
-        return vec4(at, speed.xy);
+        precise vec2 position = start.xy + at.off.xy;
+        return State(vec4(position, at.slope.xy), depth);
     }
-    // What is off from where the point is at frame i: nothing large cancels.
-    vec2 pixel = start.xy / start.z;
-    precise float depth = start.z + off.z;
-    precise vec2 off_pixels = (off.xy - pixel * off.z) / depth;
-    precise vec2 velocity = ((speed.xy - pixel * speed.z) - off_pixels * speed.z) / depth;
-    precise vec2 at = pixel + off_pixels;
-    return vec4(at, velocity);
+    precise vec2 from = start.xy / start.z;
+    precise vec2 moved = (at.off.xy - from * at.off.z) / depth;
+    precise vec2 position = from + moved;
+    precise vec2 velocity = (at.slope.xy - position * at.slope.z) / depth;
+    return State(vec4(position, velocity), depth);
 }

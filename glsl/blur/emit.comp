@@ -44,9 +44,7 @@ void add(inout uint at, uvec3 corners, uint base, uint open) {
 }
 
 // Whether a diagonal is the shorter one, or the one that ends farther to the left or to the top.
-bool is_shorter(float own, vec4 end, float other, vec4 other_end) {
-    vec2 p = end.xy / end.z;
-    vec2 q = other_end.xy / other_end.z;
+bool is_shorter(float own, vec2 p, float other, vec2 q) {
     return own < other || own == other && (p.x < q.x || p.x == q.x && p.y < q.y);
 }
 
@@ -70,10 +68,10 @@ void divide(uvec4 triangle, uint at, uint made) {
     add_vertex(ca, c, a, base);
     add(at, uvec3(a, ab, ca), base, ALL_OPEN);
     if (bitCount(split) == 2) {
-        vec4 first = vertices[ab].drawn;
-        vec4 second = vertices[ca].drawn;
-        vec4 end = vertices[c].drawn;
-        vec4 other_end = vertices[b].drawn;
+        vec2 first = vertices[ab].drawn.xy;
+        vec2 second = vertices[ca].drawn.xy;
+        vec2 end = vertices[c].drawn.xy;
+        vec2 other_end = vertices[b].drawn.xy;
         if (is_shorter(distance2(first, end), end, distance2(second, other_end), other_end)) {
             add(at, uvec3(ab, b, c), base, 5u);
             add(at, uvec3(ab, c, ca), base, ALL_OPEN);

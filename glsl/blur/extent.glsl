@@ -94,7 +94,7 @@ vec2 extent_of(vec4 motion, uint label) {
     vec2 x = motion.xy;
     vec2 v = motion.zw;
     precise float speed2 = v.x * v.x + v.y * v.y;
-    if (label == 0u || speed2 < 1e-12) {
+    if (label == 0u || !(speed2 >= 1e-12)) {
         return vec2(1.0, 0.0);
     }
     precise float speed = sqrt(speed2);
@@ -133,4 +133,11 @@ float moved_by(vec2 extent, uint label) {
     }
     precise float moved = 1.0 - params.model.x * (1.0 - extent.x) * r;
     return moved;
+}
+
+// k' with what smoothing adds, within the range that k' has.
+float shifted(float moved, float added) {
+    precise float sum = moved + added;
+    precise float least = 1.0 - params.model.x;
+    return min(max(sum, least), 1.0);
 }

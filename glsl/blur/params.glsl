@@ -9,6 +9,7 @@
 
 const uint BLOCK = 128u;           // triangles of a workgroup of the refinement
 const uint ROUNDS = 16u;           // rounds of it
+const float UNIT = 262144.0;        // what k' is a multiple of while it is smoothed: 2^-18
 const uint PIECE_ROWS = 32u;       // rows of pieces that are made of poses
 const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
@@ -35,7 +36,7 @@ layout(binding = 0) uniform BlurParams {
     uvec4 pieces;       // segments, those of them that begin at 0 or later, vertices that there is room for, triangles that there may be
     vec4 model;         // strength, reference time, tolerance and longest edge in pixels
     vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; unused
-    vec4 segments[32];  // begin and end of each segment in frames after frame i, 1 / (end - begin); unused
+    vec4 segments[32];  // begin and end of each segment in frames after frame i; unused
 } params;
 
 // A knot of the trajectories: a frame of the window.
@@ -73,7 +74,7 @@ struct Piece {
 struct Vertex {
     vec4 motion;      // x, y in pixels and velocity in pixels a frame, at the reference time
     vec4 extent;      // k, l, what smoothing adds to k', k'
-    vec4 drawn;       // X, Y, W where it is drawn; w: k'
+    vec4 drawn;       // x and y in pixels and view depth where it is drawn, k'
     uvec4 place;      // cluster from 1, 0: unmoved; 1 if it is of the mesh; barycentric coordinates in its base triangle, of the second and the third corner, as bits
 };
 

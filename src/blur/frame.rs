@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::Settings;
@@ -59,6 +60,19 @@ pub struct TopologyInput {
     pub neighbour_starts: HostBuffer,
     /// The lists.
     pub neighbours: HostBuffer,
+}
+
+impl TopologyInput {
+    /// The rows of [`TopologyInput::triangles`] of a mesh.
+    pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
+        let place = |id: &u32| mesh.objects().partition_point(|object| object.id < *id);
+        let rows = mesh.triangles().iter().zip(mesh.triangle_objects());
+        rows.map(|([a, b, c], id)| {
+            let object = place(id);
+            [*a, *b, *c, 2 * object as u32 + u32::from(mesh.objects()[object].closed)]
+        })
+        .collect()
+    }
 }
 
 /// Poses of consecutive frames.
@@ -143,7 +157,7 @@ pub struct Counts {
 
 impl Counts {
     /// Of an interval. The seams' neighbours are those of [`crate::blur::Mesh::neighbours`].
-    pub fn of(interval: &Interval, neighbours: &crate::blur::mesh::Lists) -> Counts {
+    pub fn of(interval: &Interval, neighbours: &Lists) -> Counts {
         let seams = interval.seams.iter().map(|point| neighbours.of(*point as usize).len() as u32);
         Counts {
             generation: interval.generation,

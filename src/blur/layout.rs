@@ -39,8 +39,14 @@ buffers! {
     NEXT = "Next",
     FINISHED = "Finished",
     BLOCKS_SUMS = "Blocks",
+    PREVIOUS_NAMES = "PreviousNames",
+    NEXT_NAMES = "NextNames",
+    DISTORTED_NAMES = "DistortedNames",
 }
 
+/// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
+/// refined one.
+pub const NAME_LAYERS: [BufferId; 3] = [PREVIOUS_NAMES, NEXT_NAMES, DISTORTED_NAMES];
 /// The host's topology: triangles, where lists of neighbours begin, neighbours.
 pub const HOST_TOPOLOGY: [BufferId; 3] = [BufferId(BUFFERS), BufferId(BUFFERS + 1), BufferId(BUFFERS + 2)];
 /// The host's poses.
@@ -80,7 +86,14 @@ pub const HOST_IMAGES: usize = 3;
 
 /// What a shader's slot stands for: each buffer and image goes by one name everywhere.
 pub fn resource(slot: &Slot) -> Option<Resource> {
-    BLOCKS.iter().position(|name| *name == slot.name).map(|index| Resource::Buffer(BufferId(index as u16)))
+    let image = match slot.name {
+        "seen_previous" => Some(SEEN[0]),
+        "seen_next" => Some(SEEN[1]),
+        "distorted" => Some(DISTORTED),
+        _ => None,
+    };
+    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
 /// Sizes of everything, from what the effect is made for.
@@ -143,6 +156,10 @@ impl Layout {
         self.set(ACTIVE, triangles * 16);
         self.set(NEXT, triangles * 16);
         self.set(FINISHED, triangles * 16);
+        let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
+        for id in NAME_LAYERS {
+            self.set(id, if desc.layers { 4 * pixels } else { 0 });
+        }
         self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
     }
 
@@ -175,16 +192,10 @@ impl Layout {
             layers: 1,
             array_view: false,
             format: vk::Format::R32_UINT,
-            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
-                | vk::ImageUsageFlags::SAMPLED
-                | vk::ImageUsageFlags::TRANSFER_SRC,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
         };
-        let (format, usage) = (
-            vk::Format::D32_SFLOAT,
-            vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
-                | vk::ImageUsageFlags::SAMPLED
-                | vk::ImageUsageFlags::TRANSFER_SRC,
-        );
+        let (format, usage) =
+            (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED);
         let depth = ImageDesc { name: "blur seen depth", format, usage, ..seen };
         let extent = desc.size.map(|side| 2 * side);
         [

@@ -205,7 +205,7 @@ impl BlurParams {
         let margin = interval.counts.farthest * 6e-7;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
         for (to, segment) in params.segments.iter_mut().zip(segments) {
-            *to = [segment.begin, segment.end, 1.0 / (segment.end - segment.begin), 0.0];
+            *to = [segment.begin, segment.end, 0.0, 0.0];
         }
         params
     }

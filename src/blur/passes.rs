@@ -38,6 +38,7 @@ pub struct Passes {
     pub(super) visibility: [PassId; 2],
     /// At pixel centres, and at four samples a pixel.
     pub(super) distort: [PassId; 2],
+    pub(super) layers: PassId,
 }
 
 impl Passes {
@@ -88,6 +89,7 @@ impl Passes {
                 let extent = desc.size.map(|side| scale * side);
                 d.add(drawing("blur.distort", &glsl::distort_vertex::SHADER, image, depth, extent))
             }),
+            layers: d.compute("blur.layers", &glsl::layers::SHADER),
             list: d.list,
         }
     }

@@ -12,7 +12,7 @@ use crate::blur::passes::Passes;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 8] = [
+const MOTION_STEPS: [&str; 9] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -21,6 +21,7 @@ const MOTION_STEPS: [&str; 8] = [
     "blur.refine",
     "blur.visibility",
     "blur.distort",
+    "blur.layers",
 ];
 
 /// Fills a frame's plan.
@@ -185,6 +186,11 @@ impl Steps<'_> {
         for pass in self.passes.distort {
             self.plan.step(pass, draw);
         }
+        if !self.desc.layers {
+            return self.plan.skip("blur.layers", "no layers are kept");
+        }
+        let [width, height] = self.desc.size;
+        self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
     }
 }
 
