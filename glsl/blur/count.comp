@@ -17,34 +17,31 @@ layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, w
 #include "vertex.glsl"
 #include "block.glsl"
 
-// How far what is drawn of an edge is from where it should be, squared. Triangles are drawn in perspective: what is between
-// their corners is straight in clip coordinates.
-float departure(uint a, uint b, uint where) {
-    vec3 from = vertices[a].drawn.xyz;
-    vec3 to = vertices[b].drawn.xyz;
-    precise vec3 from_clip = vec3(from.xy * from.z, from.z);
-    precise vec3 to_clip = vec3(to.xy * to.z, to.z);
-    vec3 clip = between(from_clip, to_clip, where);
-    precise vec2 straight = clip.xy / clip.z;
-    vec4 curved = vertex_between(a, b, where).drawn;
-    return curved.z > params.lens.x ? distance2(curved.xy, straight) : 0.0;
+// How far an edge is from where it should be, squared.
+float departure(uint a, uint b, uint where, vec2 straight) {
+    return distance2(vertex_between(a, b, where).drawn.xy, straight);
+}
+
+vec2 quarter_of(vec2 from, vec2 to) {
+    precise vec2 quarter = from + (to - from) * 0.25;
+    return quarter;
 }
 
 bool is_split(uint a, uint b) {
-    vec4 from = vertices[a].drawn;
-    vec4 to = vertices[b].drawn;
-    if (min(from.z, to.z) <= params.lens.x || vertices[a].place.x + vertices[b].place.x == 0u) {
+    vec2 from = vertices[a].drawn.xy;
+    vec2 to = vertices[b].drawn.xy;
+    float length2 = distance2(from, to);
+    bool is_long = length2 >= params.lens.y * params.lens.y && length2 < uintBitsToFloat(0x7f800000u);
+    if (!is_long || vertices[a].place.x + vertices[b].place.x == 0u) {
         return false;
     }
-    float length2 = distance2(from.xy, to.xy);
     if (BY_LENGTH == 1u) {
-        return length2 > params.model.w * params.model.w && length2 > params.lens.y * params.lens.y;
+        return length2 > params.model.w * params.model.w;
     }
-    if (length2 < params.lens.y * params.lens.y) {
-        return false;
-    }
-    float most = params.model.z * params.model.z;
-    return departure(a, b, 2u) > most || departure(a, b, 1u) > most || departure(a, b, 3u) > most;
+    precise float most = params.model.z * params.model.z;
+    precise vec2 half_way = (from + to) * 0.5;
+    return departure(a, b, 2u, half_way) > most || departure(a, b, 1u, quarter_of(from, to)) > most
+        || departure(a, b, 3u, quarter_of(to, from)) > most;
 }
 
 void main() {

@@ -43,9 +43,9 @@ void add(inout uint at, uvec3 corners, uint base, uint open) {
     at += 1u;
 }
 
-// Whether a diagonal is the shorter one, or the one that ends farther to the left or to the top.
+// Whether the first of two diagonals is the shorter one; of equal ones, which new vertex is farther to the left, or up.
 bool is_shorter(float own, vec2 p, float other, vec2 q) {
-    return own < other || own == other && (p.x < q.x || p.x == q.x && p.y < q.y);
+    return own < other || own == other && (p.x < q.x || p.x == q.x && p.y <= q.y);
 }
 
 void divide(uvec4 triangle, uint at, uint made) {
@@ -70,9 +70,8 @@ void divide(uvec4 triangle, uint at, uint made) {
     if (bitCount(split) == 2) {
         vec2 first = vertices[ab].drawn.xy;
         vec2 second = vertices[ca].drawn.xy;
-        vec2 end = vertices[c].drawn.xy;
-        vec2 other_end = vertices[b].drawn.xy;
-        if (is_shorter(distance2(first, end), end, distance2(second, other_end), other_end)) {
+        float own = distance2(first, vertices[c].drawn.xy);
+        if (is_shorter(own, first, distance2(vertices[b].drawn.xy, second), second)) {
             add(at, uvec3(ab, b, c), base, 5u);
             add(at, uvec3(ab, c, ca), base, ALL_OPEN);
         } else {

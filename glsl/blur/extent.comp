@@ -8,7 +8,7 @@ layout(std430, binding = 2) readonly buffer Labels { uint labels[]; };
 layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
 layout(std430, binding = 5) writeonly buffer Vertices { Vertex vertices[]; };
-layout(std430, binding = 6) writeonly buffer Smooth { int smooth_values[]; };
+layout(std430, binding = 6) writeonly buffer Smooth { uint smooth_values[]; };
 #include "extent.glsl"
 
 void main() {
@@ -21,7 +21,7 @@ void main() {
     vec2 extent = extent_of(motion, label);
     float moved = moved_by(extent, label);
     vertices[point] = Vertex(motion, vec4(extent, 0.0, moved), vec4(0.0), uvec4(label, 1u, 0u, 0u));
-    int whole = int(floor(moved * UNIT + 0.5));
+    uint whole = whole_of(moved);
     smooth_values[point] = whole;
     smooth_values[params.counts.x + point] = whole;
 }

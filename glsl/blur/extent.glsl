@@ -135,6 +135,12 @@ float moved_by(vec2 extent, uint label) {
     return moved;
 }
 
+// 1 - k' as smoothing has it.
+uint whole_of(float moved) {
+    precise float whole = (1.0 - moved) * UNIT + 0.5;
+    return uint(whole);
+}
+
 // k' with what smoothing adds, within the range that k' has.
 float shifted(float moved, float added) {
     precise float sum = moved + added;

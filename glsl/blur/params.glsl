@@ -9,7 +9,7 @@
 
 const uint BLOCK = 128u;           // triangles of a workgroup of the refinement
 const uint ROUNDS = 16u;           // rounds of it
-const float UNIT = 262144.0;        // what k' is a multiple of while it is smoothed: 2^-18
+const float UNIT = 262144.0;        // 1 - k' is a multiple of 2^-18 while it is smoothed
 const uint PIECE_ROWS = 32u;       // rows of pieces that are made of poses
 const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
@@ -44,10 +44,16 @@ struct Knot {
     vec4 across;      // row of X; w: what the camera's way from frame i's adds to it
     vec4 down;
     vec4 along;
+    vec4 across_low;  // what these lost in rounding
+    vec4 down_low;
+    vec4 along_low;
     vec4 across_turn; // the row less frame i's; w: unused
     vec4 down_turn;
     vec4 along_turn;
-    uvec4 slot;       // where its pose is; the rest is unused
+    vec4 across_turn_low;
+    vec4 down_turn_low;
+    vec4 along_turn_low;
+    uvec4 slot;       // where its pose is; 1 if its camera is not frame i's; the rest is unused
     vec4 weights[8];  // share of its offset in each row of the pieces, four a segment
 };
 

@@ -1,4 +1,4 @@
-// A round of smoothing of k' where clusters meet, in whole numbers: neighbours may come in any order.
+// A round of smoothing of k' where clusters meet, in whole numbers of 1 - k': neighbours may come in any order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
@@ -7,7 +7,7 @@ layout(std430, binding = 1) readonly buffer Seams { uint seams[]; };
 layout(std430, binding = 2) readonly buffer NeighbourStarts { uint neighbour_starts[]; };
 layout(std430, binding = 3) readonly buffer Neighbours { uint neighbours[]; };
 layout(std430, binding = 4) readonly buffer Labels { uint labels[]; };
-layout(std430, binding = 5) buffer Smooth { int smooth_values[]; };
+layout(std430, binding = 5) buffer Smooth { uint smooth_values[]; };
 layout(push_constant) uniform SeamConstants {
     uint from;  // which half of the values is read: 0 or 1; the other is written
 } constants;
@@ -23,14 +23,12 @@ void main() {
     if (labels[point] == 0u) {
         return;
     }
-    int sum = smooth_values[from + point];
+    uint sum = smooth_values[from + point];
     uint first = neighbour_starts[point];
     uint last = neighbour_starts[point + 1u];
     for (uint i = first; i < last; ++i) {
         sum += smooth_values[from + neighbours[i]];
     }
-    int count = int(last - first) + 1;
-    int rounded = sum + count / 2;
-    int mean = rounded >= 0 ? rounded / count : -((count - 1 - rounded) / count);
-    smooth_values[to + point] = mean;
+    uint count = last - first + 1u;
+    smooth_values[to + point] = (sum + count / 2u) / count;
 }

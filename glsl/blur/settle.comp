@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) readonly buffer Smooth { int smooth_values[]; };
+layout(std430, binding = 1) readonly buffer Smooth { uint smooth_values[]; };
 layout(std430, binding = 2) readonly buffer Splines { Piece splines[]; };
 layout(std430, binding = 3) buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 4) readonly buffer Clusters { Cluster clusters[]; };
@@ -20,8 +20,8 @@ void main() {
         return;
     }
     float moved = vertices[point].extent.w;
-    int begin = int(floor(moved * UNIT + 0.5));
-    precise float added = float(smooth_values[constants.from * params.counts.x + point] - begin) * (1.0 / UNIT);
+    int change = int(whole_of(moved)) - int(smooth_values[constants.from * params.counts.x + point]);
+    precise float added = float(change) * (1.0 / UNIT);
     if (vertices[point].place.x > 0u) {
         moved = shifted(moved, added);
     }

@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "../common/along.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Poses { float poses[]; };
 layout(std430, binding = 2) readonly buffer Clip { vec4 clip[]; };
@@ -16,9 +17,16 @@ vec3 pose(uint slot, uint point) {
     return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
 }
 
-float product(vec3 row, vec3 v) {
-    precise float sum = row.x * v.x + row.y * v.y + row.z * v.z;
-    return sum;
+// How far a coordinate is off from frame i's: by the point's own way, and by the camera's. The camera's turn and its way
+// take away most of each other where it goes around something.
+float off_by(vec4 row, vec4 row_low, vec4 turn, vec4 turn_low, vec3 way, vec3 q, vec3 q_low, bool is_other) {
+    vec2 own = along_parts(row.xyz, row_low.xyz, way, vec3(0.0));
+    vec2 turned = is_other ? along_parts(turn.xyz, turn_low.xyz, q, q_low) : vec2(0.0);
+    vec2 moved = two_sum(turned.x, row.w);
+    vec2 sum = two_sum(moved.x, own.x);
+    precise float low = own.y + turned.y + row_low.w + moved.y + sum.y;
+    precise float off = sum.x + low;
+    return off;
 }
 
 void main() {
@@ -27,7 +35,12 @@ void main() {
         return;
     }
     vec3 at = pose(params.views[1].slot.x, point);
-    precise vec3 q = (at - params.views[1].eye.xyz) - params.views[1].eye_low.xyz;
+    View view = params.views[1];
+    vec2 x = two_sum(at.x, -view.eye.x);
+    vec2 y = two_sum(at.y, -view.eye.y);
+    vec2 z = two_sum(at.z, -view.eye.z);
+    vec3 q = vec3(x.x, y.x, z.x);
+    vec3 q_low = vec3(x.y, y.y, z.y) - view.eye_low.xyz;
     vec3 start = clip[params.counts.x + point].xyz;
     vec2 pixel = start.xy / start.z;
     precise vec3 sums[4u * SEGMENTS];
@@ -36,10 +49,12 @@ void main() {
     }
     for (uint k = 0u; k < params.counts.z; ++k) {
         vec3 way = pose(knots[k].slot.x, point) - at;
+        Knot knot = knots[k];
+        bool is_other = knot.slot.y != 0u;
         precise vec3 off = vec3(
-            product(knots[k].across.xyz, way) + (product(knots[k].across_turn.xyz, q) + knots[k].across.w),
-            product(knots[k].down.xyz, way) + (product(knots[k].down_turn.xyz, q) + knots[k].down.w),
-            product(knots[k].along.xyz, way) + (product(knots[k].along_turn.xyz, q) + knots[k].along.w));
+            off_by(knot.across, knot.across_low, knot.across_turn, knot.across_turn_low, way, q, q_low, is_other),
+            off_by(knot.down, knot.down_low, knot.down_turn, knot.down_turn_low, way, q, q_low, is_other),
+            off_by(knot.along, knot.along_low, knot.along_turn, knot.along_turn_low, way, q, q_low, is_other));
         if (SCREEN == 1u) {
             precise float depth = start.z + off.z;
             off.xy = (off.xy - pixel * off.z) / depth;

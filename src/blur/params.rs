@@ -64,9 +64,15 @@ pub struct Knot {
     pub across: [f32; 4],
     pub down: [f32; 4],
     pub along: [f32; 4],
+    pub across_low: [f32; 4],
+    pub down_low: [f32; 4],
+    pub along_low: [f32; 4],
     pub across_turn: [f32; 4],
     pub down_turn: [f32; 4],
     pub along_turn: [f32; 4],
+    pub across_turn_low: [f32; 4],
+    pub down_turn_low: [f32; 4],
+    pub along_turn_low: [f32; 4],
     pub slot: [u32; 4],
     pub weights: [[f32; 4]; PIECE_SEGMENTS],
 }
@@ -139,9 +145,13 @@ fn row(v: DVec3, w: f64) -> [f32; 4] {
     v.extend(w).as_vec4().to_array()
 }
 
+/// What [`row`] loses in rounding.
+fn low(v: DVec3, w: f64) -> [f32; 4] {
+    row(v - v.as_vec3().as_dvec3(), w - f64::from(w as f32))
+}
+
 fn split(v: DVec3) -> [[f32; 4]; 2] {
-    let high = v.as_vec3();
-    [row(v, 0.0), row(v - high.as_dvec3(), 0.0)]
+    [row(v, 0.0), low(v, 0.0)]
 }
 
 impl View {
@@ -168,16 +178,30 @@ impl Knot {
         let rows = clip_rows(&knot.view.camera, desc.size);
         let current_rows = clip_rows(current, desc.size);
         let way = knot.view.camera.eye - current.eye;
-        let [across, down, along] = rows.map(|r| row(r, -r.dot(way)));
-        let turn = |i: usize| row(rows[i] - current_rows[i], 0.0);
+        let part = |i: usize| {
+            let moved = -rows[i].dot(way);
+            let own = [row(rows[i], moved), low(rows[i], moved)];
+            let turn = rows[i] - current_rows[i];
+            (own, [row(turn, 0.0), low(turn, 0.0)])
+        };
+        let ([across, across_low], [across_turn, across_turn_low]) = part(0);
+        let ([down, down_low], [down_turn, down_turn_low]) = part(1);
+        let ([along, along_low], [along_turn, along_turn_low]) = part(2);
+        let is_other = knot.view.camera != *current;
         Knot {
             across,
             down,
             along,
-            across_turn: turn(0),
-            down_turn: turn(1),
-            along_turn: turn(2),
-            slot: [knot.view.frame % desc.frames_resident, 0, 0, 0],
+            across_low,
+            down_low,
+            along_low,
+            across_turn,
+            down_turn,
+            along_turn,
+            across_turn_low,
+            down_turn_low,
+            along_turn_low,
+            slot: [knot.view.frame % desc.frames_resident, is_other.into(), 0, 0],
             weights: knot.weights,
         }
     }
