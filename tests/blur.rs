@@ -6,6 +6,8 @@ mod common;
 
 #[path = "blur/extent.rs"]
 mod extent;
+#[path = "blur/plan.rs"]
+mod plan;
 #[path = "blur/refine.rs"]
 mod refine;
 #[path = "blur/scenes.rs"]

@@ -3,7 +3,8 @@
 #include "../common/random.glsl"
 
 const uint FEW = 48u;        // points of a chain that are all looked at
-const uint MOST_WALK = 512u; // of larger hulls, before they are all looked at after all
+const uint MOST_WALK = 128u; // of longer ones, before they are all looked at after all
+const uint FEW_NEAR = 64u;   // points near a chain, if it is not all looked at
 
 float along(vec2 d, vec2 q) {
     precise float p = d.x * q.x + d.y * q.y;
@@ -71,7 +72,7 @@ float farthest(Cluster cluster, vec2 d) {
 
 // (smallest, largest) product along d and across it.
 vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
-    if (cluster.chain_end - cluster.hull_begin > FEW) {
+    if (cluster.chain_end - cluster.hull_begin > FEW && cluster.hull_end - cluster.chain_end <= FEW_NEAR) {
         vec4 found = vec4(farthest(cluster, -d), farthest(cluster, d), farthest(cluster, -u), farthest(cluster, u));
         if (max(max(found.x, found.y), max(found.z, found.w)) < uintBitsToFloat(0x7f800000u)) {
             return vec4(-found.x, found.y, -found.z, found.w);

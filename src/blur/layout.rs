@@ -3,7 +3,9 @@
 use ash::vk;
 
 use crate::blur::frame::Desc;
-use crate::blur::params::{BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, Piece, ROUNDS, Round, Vertex};
+use crate::blur::params::{
+    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_SEGMENTS, Piece, ROUNDS, Round, Vertex,
+};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
@@ -11,8 +13,9 @@ use crate::host::Memory;
 use crate::layout::{LOOP_BUDGET, Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
-/// The most points of a cluster's hull: an invocation looks at all of them if the short way took too long.
-pub const MOST_HULL: u32 = LOOP_BUDGET - 8_000;
+/// The most points of a cluster's hull. An invocation decides on three edges, each in three places, and for each may have
+/// to look at all of a hull after it has searched and walked in four directions (`glsl/blur/extent.glsl`).
+pub const MOST_HULL: u32 = LOOP_BUDGET / 9 - 4 * (16 + 128 + 64) - 3 * MOST_SEGMENTS as u32;
 /// Workgroups that any device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
 

