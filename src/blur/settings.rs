@@ -141,8 +141,8 @@ pub struct Settings {
     pub space: Space,
     /// Time after frame i at which position and velocity are taken, in frames, 0 (the paper's way) to 1; default 0.5.
     pub reference_time: f32,
-    /// Trajectories are cut where half of the vertices move farther in one frame than this many picture heights, and
-    /// 4 times as far as in the frames before and after. 0 (never) to 1000; default 1.
+    /// Trajectories are cut where the centre of the mesh's box moves farther in one frame than this many picture heights,
+    /// and more than 4 times as far as in the frames before and after. 0 (never) to 1000; default 1.
     pub jump: f32,
     /// How vertices are divided into clusters.
     pub clusters: Clusters,
@@ -205,6 +205,11 @@ impl Settings {
     /// `pixels` at 1080 lines, in a picture of `height` lines.
     pub fn scaled(pixels: f32, height: u32) -> f32 {
         pixels * height as f32 / 1080.0
+    }
+
+    /// Width of a tooth in pixels at 1080 lines.
+    pub fn tooth_width(&self) -> f32 {
+        self.tooth_width.unwrap_or(12.0)
     }
 
     /// How far before frame i the trajectory is looked at, in frames, 0 to 11.

@@ -1,10 +1,26 @@
 //! Where the points of a mesh are between two frames, which of them move together, and where clusters meet: all that
 //! the device needs of an animation for one output.
 
+mod clusters;
+mod direction;
+mod hull;
+mod ldf;
+mod projection;
+mod seams;
+mod spline;
+mod trace;
+
 use bytemuck::{Pod, Zeroable};
 
+use clusters::Clusters;
+use spline::Knot;
+use trace::{Task, Traces};
+
+pub use projection::Projection;
+pub use seams::MOST_NEIGHBOURS;
+
 use super::mesh::Mesh;
-use super::settings::Settings;
+use super::settings::{Settings, Trajectory};
 use crate::error::{Error, Result};
 use crate::view::Camera;
 
@@ -36,6 +52,9 @@ pub struct Window<'a> {
 /// Different poses to each side of the interval that its trajectories depend on: the others would change them by less
 /// than 2e-6 pixels.
 pub const WINDOW: usize = 12;
+
+/// Frames to each side that are looked at for different poses.
+const FARTHEST: usize = 4 * WINDOW;
 
 /// Points that are smeared as one. Its hull is `hull[hull_begin..hull_end]`.
 #[repr(C)]
@@ -107,6 +126,18 @@ pub struct Interval {
     pub pieces: Vec<Piece>,
 }
 
+impl Interval {
+    /// The cluster with a label; none for 0.
+    pub fn cluster(&self, label: u32) -> Option<&Cluster> {
+        self.clusters.get((label as usize).checked_sub(1)?)
+    }
+
+    /// The extreme points of a cluster.
+    pub fn hull_of(&self, cluster: &Cluster) -> &[[f32; 2]] {
+        &self.hull[cluster.hull_begin as usize..cluster.hull_end as usize]
+    }
+}
+
 /// Makes [`Interval`]s. Holds nothing of one that the next depends on.
 #[derive(Clone, Debug)]
 pub struct Motion {
@@ -130,7 +161,132 @@ impl Motion {
     /// # Errors
     /// A pose with another number of points, or a position that is not finite; it names frame and vertex.
     pub fn interval(&self, mesh: &Mesh, window: &Window, threads: usize) -> Result<Interval> {
-        let _ = (mesh, window, threads, &self.settings, self.size);
-        Err(Error::HostResource { name: "blur poses", why: "not built yet".into() })
+        check(mesh, window)?;
+        let window = &self.nearby(window);
+        let generation = window.frame / self.settings.hold;
+        let traces = self.traces(window, threads).ok_or_else(|| not_finite(mesh, window))?;
+        let (segments, traces) = traces;
+        let clusters = clusters::find(mesh, &traces, &self.settings, self.size[1]);
+        let seams = match self.settings.seam_smoothing {
+            0 => Vec::new(),
+            _ => seams::find(mesh, &clusters.labels),
+        };
+        let Clusters { clusters, labels, hull } = clusters;
+        let Traces { motion, pieces, .. } = traces;
+        Ok(Interval { generation, motion, labels, clusters, hull, seams, segments, pieces })
+    }
+
+    /// The part of a window that is looked at: it has enough poses even where each is held for some frames.
+    fn nearby<'a>(&self, window: &Window<'a>) -> Window<'a> {
+        let first = window.current.saturating_sub(FARTHEST);
+        let end = window.poses.len().min(window.current + 2 + FARTHEST);
+        let between = if self.settings.trajectory == Trajectory::Exact { window.between } else { &[] };
+        Window { frame: window.frame, poses: &window.poses[first..end], current: window.current - first, between }
+    }
+
+    /// Segments and traces; `None` if a position that is used is not finite.
+    fn traces(&self, window: &Window, threads: usize) -> Option<(Vec<Segment>, Traces)> {
+        let project = |pose: &Pose| Projection::new(pose.camera, self.size);
+        let (space, reach) = (self.settings.space, f64::from(self.settings.reach()));
+        let next = window.poses.get(window.current + 1);
+        let cuts = cuts(window.poses, f64::from(self.settings.jump) * f64::from(self.size[1]), project);
+        let timeline = match next {
+            Some(_) if !cuts.contains(&(window.current + 1)) => {
+                Some(spline::timeline(window, &cuts, reach.ceil() as usize, project))
+            }
+            _ => None,
+        };
+        match timeline.filter(|timeline| timeline.ends[0] != timeline.ends[1]) {
+            Some(timeline) => {
+                let segments = timeline.spans.iter().map(|span| span.segment).collect();
+                let reference_time = f64::from(self.settings.reference_time);
+                let task = Task { timeline: &timeline, space, reference_time, reach };
+                Some((segments, Traces::new(task, threads)?))
+            }
+            None => {
+                let pose = next.unwrap_or(&window.poses[window.current]);
+                let knot = Knot { time: 0.0, positions: pose.positions, projection: project(pose) };
+                Some((vec![Segment { begin: 0.0, end: 1.0 }], Traces::still(&knot, space)?))
+            }
+        }
     }
 }
+
+fn refused(why: String) -> Error {
+    Error::HostResource { name: "blur poses", why }
+}
+
+/// Refuses a window that is not one of the mesh.
+fn check(mesh: &Mesh, window: &Window) -> Result<()> {
+    if window.current >= window.poses.len() {
+        return Err(refused(format!("frame {} is not among the {} poses", window.frame, window.poses.len())));
+    }
+    for pose in window.poses.iter().chain(window.between) {
+        if pose.positions.len() != mesh.points() {
+            let (given, points) = (pose.positions.len(), mesh.points());
+            return Err(refused(format!("{given} positions for {points} points; gather them with Mesh::gather")));
+        }
+        pose.camera.validate()?;
+    }
+    Ok(())
+}
+
+/// Names a position that is not finite.
+fn not_finite(mesh: &Mesh, window: &Window) -> Error {
+    let finite = |position: &[f32; 3]| position.iter().all(|c| c.is_finite());
+    let point = |pose: &Pose| pose.positions.iter().position(|position| !finite(position));
+    let vertex = |point: usize| mesh.point_to_file()[point];
+    let frames = window.poses.iter().enumerate().map(|(j, pose)| (j as i64 - window.current as i64, pose));
+    let bad = frames.filter_map(|(j, pose)| Some((i64::from(window.frame) + j, point(pose)?))).next();
+    let between = || window.between.iter().find_map(point);
+    match (bad, between()) {
+        (Some((frame, point)), _) => {
+            refused(format!("vertex {} is not at a finite position in frame {frame}", vertex(point)))
+        }
+        (None, Some(point)) => {
+            let (vertex, frame) = (vertex(point), window.frame);
+            refused(format!("vertex {vertex} is not at a finite position between frames {frame} and {}", frame + 1))
+        }
+        (None, None) => refused(format!("a camera near frame {} is too far from the mesh", window.frame)),
+    }
+}
+
+/// Poses that trajectories do not reach from the ones before: those that say so, and those to which the centre of the
+/// mesh's box moves farther than `jump` pixels, and more than 4 times as far as in the frames before and after (in one of
+/// them at least it must be seen). None of the latter if `jump` is 0.
+fn cuts(poses: &[Pose], jump: f64, project: impl Fn(&Pose) -> Projection) -> Vec<usize> {
+    let centre = |pose: &Pose| {
+        let (projection, [low, high]) = (project(pose), bounds(pose.positions));
+        let clip = projection.clip([0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]));
+        (clip.is_finite() && clip.z > projection.near).then(|| clip.truncate() / clip.z)
+    };
+    let centres: Vec<_> = if jump > 0.0 { poses.iter().map(centre).collect() } else { vec![None; poses.len()] };
+    let moves: Vec<Option<f64>> = centres.windows(2).map(|c| Some((c[1]? - c[0]?).length())).collect();
+    let jumps = |j: usize| {
+        let beside = [j.checked_sub(2), Some(j)].map(|k| k.and_then(|k| *moves.get(k)?));
+        let usual = beside.into_iter().flatten().reduce(f64::max);
+        usual.zip(moves[j - 1]).is_some_and(|(usual, own)| own > jump && own > 4.0 * usual)
+    };
+    (1..poses.len()).filter(|j| poses[*j].cut || jumps(*j)).collect()
+}
+
+/// Lowest and highest coordinates.
+fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
+    // Four points at a time: the compiler makes it lanes.
+    let (blocks, rest) = positions.as_chunks::<4>();
+    let (mut low, mut high) = ([[f32::MAX; 3]; 4], [[f32::MIN; 3]; 4]);
+    for block in blocks.iter() {
+        for k in 0..12 {
+            low[k / 3][k % 3] = low[k / 3][k % 3].min(block[k / 3][k % 3]);
+            high[k / 3][k % 3] = high[k / 3][k % 3].max(block[k / 3][k % 3]);
+        }
+    }
+    let fold = |all: [[f32; 3]; 4], with: fn(f32, f32) -> f32| {
+        let points = all.iter().chain(rest);
+        points.copied().reduce(|a, b| [0, 1, 2].map(|axis| with(a[axis], b[axis]))).unwrap_or_default()
+    };
+    [fold(low, f32::min), fold(high, f32::max)]
+}
+
+#[cfg(test)]
+mod tests;
