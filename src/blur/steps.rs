@@ -9,10 +9,11 @@ use crate::blur::params::{
     VisibilityConstants,
 };
 use crate::blur::passes::Passes;
+use crate::host::Background;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 9] = [
+const MOTION_STEPS: [&str; 12] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -22,6 +23,9 @@ const MOTION_STEPS: [&str; 9] = [
     "blur.visibility",
     "blur.distort",
     "blur.layers",
+    "blur.frames",
+    "blur.shade",
+    "blur.composite",
 ];
 
 /// Fills a frame's plan.
@@ -66,7 +70,11 @@ impl Steps<'_> {
             let reason = still.unwrap_or_default();
             return MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
         };
-        let params = BlurParams::new(self.desc, self.layout, interval);
+        let background = match frame.background {
+            Background::Clear(colour) => colour,
+            _ => [0.0; 4],
+        };
+        let params = BlurParams::new(self.desc, self.layout, interval, background);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -75,6 +83,7 @@ impl Steps<'_> {
         self.extent(interval);
         self.refine();
         self.draw();
+        self.shade();
     }
 
     fn mesh(&mut self, mesh: &TopologyInput) {
@@ -191,6 +200,15 @@ impl Steps<'_> {
         }
         let [width, height] = self.desc.size;
         self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
+    }
+
+    fn shade(&mut self) {
+        let [width, height] = self.desc.size;
+        for (from, to) in HOST_FRAMES.into_iter().zip(FRAMES) {
+            self.plan.step(self.passes.frames, Command::CopyImage { from, to, extent: self.desc.size });
+        }
+        self.plan.step(self.passes.shade, Command::Dispatch { threads: [width, height, 1] });
+        self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
     }
 }
 
