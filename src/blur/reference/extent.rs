@@ -190,6 +190,9 @@ mod tests {
         let times = [1.0, 1.0, 0.25, 0.25, -0.5];
         assert_eq!(smooth(&mesh, &[1, 2], &times, 1), [(1, -0.25), (2, 0.25)]);
         assert_eq!(smooth(&mesh, &[1, 2], &times, 0), [(1, 0.0), (2, 0.0)]);
+        // Two units among three points: the nearest whole number of units is one.
+        let little = [1.0, 1.0, 1.0 - 2.0 / UNIT, 1.0, 1.0];
+        assert_eq!(smooth(&mesh, &[1], &little, 1), [(1, -1.0 / UNIT)]);
         let far: Vec<f32> = smooth(&mesh, &[1, 2, 3], &times, 64).iter().map(|(_, offset)| *offset).collect();
         // Between fixed ends the limit is a straight line: 1, 0.625, 0.25, -0.125, -0.5.
         for (found, limit) in far.iter().zip([-0.375, 0.0, -0.375]) {
