@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use celfx::blur::params::{BASE_MASK, CULLED, Vertex};
 use celfx::blur::reference::extent::extents;
-use celfx::blur::reference::refine::{Refined, Rules, refine};
+use celfx::blur::reference::refine::{Refined, Rules, Seams, refine};
 use celfx::blur::reference::watertight::border;
 use celfx::blur::settings::{Refine, Space};
 use celfx::blur::{Desc, Interval, Mesh, Settings};
@@ -56,7 +56,7 @@ impl Case {
         let (seed, height) = (self.desc.seed, self.desc.size[1]);
         let extents = extents(&self.mesh, interval, seed, settings.strength, settings.seam_smoothing);
         let budget = self.desc.most_triangles as usize;
-        refine(&self.mesh, &extents, &Rules { interval, settings, height, seed, budget })
+        refine(&self.mesh, &extents, &Rules { interval, settings, height, seed, budget, seams: Seams::Larger })
     }
 }
 
