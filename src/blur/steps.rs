@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use crate::blur::frame::{Desc, Frame, IntervalInput, PoseInput, TopologyInput, Trajectories};
+use crate::blur::frame::{Desc, Frame, IntervalInput, PoseInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
     self, BlurParams, Control, Knot, MOST_KNOTS, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants,
@@ -58,7 +58,7 @@ impl Steps<'_> {
         let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
         self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
         match &frame.mesh {
-            Some(mesh) => self.mesh(mesh),
+            Some(_) => self.mesh(),
             None => self.plan.skip("blur.mesh", "unchanged"),
         }
         match &frame.poses {
@@ -86,10 +86,9 @@ impl Steps<'_> {
         self.shade();
     }
 
-    fn mesh(&mut self, mesh: &TopologyInput) {
+    fn mesh(&mut self) {
         let Desc { points, triangles, neighbours, .. } = *self.desc;
         let sizes = [16 * u64::from(triangles), 4 * (u64::from(points) + 1), 4 * u64::from(neighbours)];
-        let _ = mesh;
         let to = [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
         for ((from, to), bytes) in HOST_TOPOLOGY.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
             self.plan.step(self.passes.mesh, Command::CopyBuffer { from, to, bytes });
