@@ -95,19 +95,18 @@ vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
     return found;
 }
 
-// k and l.
-vec2 extent_of(vec4 motion, uint label) {
-    vec2 x = motion.xy;
-    vec2 v = motion.zw;
+// The direction of a velocity; whether it has one.
+bool direction_of(vec2 v, out vec2 d) {
     precise float speed2 = v.x * v.x + v.y * v.y;
-    if (label == 0u || !(speed2 >= 1e-12)) {
-        return vec2(1.0, 0.0);
-    }
     precise float speed = sqrt(speed2);
     precise float inverse = 1.0 / speed;
-    precise vec2 d = vec2(v.x * inverse, v.y * inverse);
-    vec2 u = vec2(d.y, -d.x);
-    vec4 found = extremes(clusters[label - 1u], d, u);
+    precise vec2 unit_vector = vec2(v.x * inverse, v.y * inverse);
+    d = unit_vector;
+    return speed2 >= 1e-12;
+}
+
+// k and l of a point among the extremes of its cluster.
+vec2 shares_of(vec4 found, vec2 x, vec2 d, vec2 u) {
     precise vec2 ahead = found.xy - along(d, x);
     precise vec2 aside = found.zw - along(u, x);
     precise float k_length = ahead.y - ahead.x;
@@ -115,6 +114,16 @@ vec2 extent_of(vec4 motion, uint label) {
     precise float k = -ahead.x / k_length;
     precise float l = -aside.x / l_length;
     return vec2(k_length < 1e-3 ? 1.0 : clamp(k, 0.0, 1.0), l_length < 1e-3 ? 0.0 : clamp(l, 0.0, 1.0));
+}
+
+// k and l.
+vec2 extent_of(vec4 motion, uint label) {
+    vec2 d;
+    if (label == 0u || !direction_of(motion.zw, d)) {
+        return vec2(1.0, 0.0);
+    }
+    vec2 u = vec2(d.y, -d.x);
+    return shares_of(extremes(clusters[label - 1u], d, u), motion.xy, d, u);
 }
 
 float tooth(Cluster cluster, uint index) {

@@ -3,6 +3,7 @@
 //! Variants of one pass at one workload take turns in one run, with a full barrier around each step, after a warm-up:
 //! drivers may compile a kernel at its first dispatch.
 
+mod blur;
 mod flame;
 mod font;
 mod limits;
@@ -28,6 +29,8 @@ pub enum What {
     Smoke,
     /// The flame effect's ways to accumulate, and its frames.
     Flame,
+    /// The blur effect's kernels with a choice, and its frames.
+    Blur,
     /// What the device can do: copy and arithmetic. Every run measures it.
     Limits,
     /// All of it.
@@ -86,6 +89,8 @@ struct Session<'a> {
     only: Option<&'a str>,
     limits: Limits,
     rows: Vec<Row>,
+    /// What the table says below its rows.
+    notes: Vec<String>,
     watch: &'a dyn Watch,
 }
 
@@ -117,7 +122,8 @@ pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String
     let messages = rig.messages();
     let (device, driver) = rig.device();
     let (quick, only) = (request.quick, request.only.as_deref());
-    let mut session = Session { rig, quick, only, limits: Limits::default(), rows: Vec::new(), watch };
+    let (rows, notes) = (Vec::new(), Vec::new());
+    let mut session = Session { rig, quick, only, limits: Limits::default(), rows, notes, watch };
     session.limits = limits::measure(&mut session)?;
     if matches!(request.what, What::Smoke | What::All) {
         smoke::measure(&mut session)?;
@@ -125,14 +131,18 @@ pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String
     if matches!(request.what, What::Flame | What::All) {
         flame::measure(&mut session)?;
     }
-    let Session { rig, limits, rows, .. } = session;
+    if matches!(request.what, What::Blur | What::All) {
+        blur::measure(&mut session)?;
+    }
+    let Session { rig, limits, rows, notes, .. } = session;
     drop(rig);
     if let Some(message) = messages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).first() {
         return Err(BenchError::Validation(message.clone()));
     }
     let report = Report { device, driver, limits, rows };
     write(&report, folder)?;
-    Ok(report.table())
+    let notes: String = notes.iter().map(|note| format!("\n{note}")).collect();
+    Ok(report.table() + &notes)
 }
 
 fn write(report: &Report, folder: &Path) -> Outcome {

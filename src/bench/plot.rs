@@ -17,7 +17,7 @@ const PANEL: [u32; 2] = [900, 620];
 const MARGIN: [i32; 4] = [110, 50, 30, 70];
 const COLUMNS: usize = 2;
 /// Effects and passes whose variants are a method and how much of it.
-const METHODS: [(&str, &str); 1] = [("flame", "accumulate")];
+const METHODS: [(&str, &str); 2] = [("flame", "accumulate"), ("blur", "refine")];
 const TEXT: f64 = 12.0;
 const INK: RGBColor = RGBColor(40, 40, 40);
 const GRID: RGBColor = RGBColor(222, 222, 222);
@@ -72,12 +72,13 @@ impl Content<'_> {
     }
 }
 
-/// Of "tiles R=4" and "expected 8": "tiles" and "R=4", "expected" and "8 bins".
+/// Of "tiles R=4", "expected 8" and "length 15": "tiles" and "R=4", "expected" and "8 bins", "length" and "15 px".
 fn method(variant: &str) -> (&str, Option<String>) {
     match variant.rsplit_once(' ') {
         Some((method, amount)) if amount.starts_with("R=") => (method, Some(amount.to_owned())),
-        Some((method, amount)) if amount.chars().all(|c| c.is_ascii_digit()) => {
-            (method, Some(format!("{amount} bins")))
+        Some((method, amount)) if amount.chars().all(|c| c.is_ascii_digit() || c == '.') => {
+            let unit = if method == "expected" { "bins" } else { "px" };
+            (method, Some(format!("{amount} {unit}")))
         }
         _ => (variant, None),
     }
@@ -372,6 +373,7 @@ mod tests {
     fn methods_are_lines_where_passes_compare_them() {
         assert_eq!(method("tiles sobol R=16"), ("tiles sobol", Some("R=16".into())));
         assert_eq!(method("expected 8"), ("expected", Some("8 bins".into())));
+        assert_eq!(method("error 0.5"), ("error", Some("0.5 px".into())));
         assert_eq!(method("sorted"), ("sorted", None));
         let report = sample();
         let variants = ["tiles R=4", "tiles R=16", "sorted"];

@@ -31,7 +31,7 @@ pub(super) struct Row {
     pub(super) pass: &'static str,
     pub(super) variant: String,
     pub(super) workload: String,
-    /// Spheres, or sprites: render particles times repetitions.
+    /// Spheres; or sprites: render particles times repetitions; or vertices; or triangles.
     pub(super) items: u64,
     /// Median.
     pub(super) gpu_ms: f64,
@@ -134,16 +134,17 @@ impl Report {
                 let _ = writeln!(text, "\n{} {}: {}{of}", row.effect, row.pass, row.workload);
                 let _ = writeln!(
                     text,
-                    "{:width$} {:>11} {:>23} {:>9} {:>5} {:>9} {:>9} {:>9} {:>8}",
-                    "variant", "median ms", "quartiles ms", "cpu ms", "runs", "rms", "p99", "max", "of limit"
+                    "{:width$} {:>10} {:>11} {:>23} {:>9} {:>5} {:>9} {:>9} {:>9} {:>8}",
+                    "variant", "items", "median ms", "quartiles ms", "cpu ms", "runs", "rms", "p99", "max", "of limit"
                 );
             }
             let quartiles = format!("{} - {}", number(row.gpu_ms_low), number(row.gpu_ms_high));
             let error = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.2e}"));
             let _ = writeln!(
                 text,
-                "{:width$} {:>11} {quartiles:>23} {:>9.3} {:>5} {:>9} {:>9} {:>9} {:>8}",
+                "{:width$} {:>10} {:>11} {quartiles:>23} {:>9.3} {:>5} {:>9} {:>9} {:>9} {:>8}",
                 row.variant,
+                row.items,
                 number(row.gpu_ms),
                 row.cpu_ms,
                 row.runs,

@@ -2,6 +2,7 @@
 //! times it, from its first to its last step, with a full barrier around each.
 
 mod effect;
+mod take;
 
 use std::time::Instant;
 
@@ -22,6 +23,7 @@ use crate::plan::{BufferId, Command, Pass, Plan};
 use crate::smoke::Sequence;
 use crate::view::{Camera, Light};
 use effect::{Input, Made};
+pub(super) use take::Take;
 
 /// Format of the pictures.
 pub(super) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;

@@ -182,7 +182,6 @@ impl Blur {
     /// # Safety
     /// As for [`Blur::record`].
     #[cfg(feature = "cli")]
-    #[allow(dead_code, reason = "the benchmark of this effect replays its steps")]
     pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
         let images = [layout::TARGET, layout::HOST_FRAMES[0], layout::HOST_FRAMES[1]];
         // SAFETY: the caller's.

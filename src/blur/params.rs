@@ -114,6 +114,8 @@ push_constants! {
     RoundConstants { round: u32 }
     /// Of `visibility`.
     VisibilityConstants { frame: u32 }
+    /// Of the benchmark's `bench_extent`.
+    BenchExtentConstants { first: u32, end: u32 }
 }
 
 impl Control {

@@ -15,7 +15,8 @@ Examples:
   celfx bench                                       everything, into ./bench: bench.json and the plots
   celfx bench smoke --quick                         one effect, one run each
   celfx bench smoke --only 'gaussian/per_id_tiles'  one variant at its workloads
-  celfx bench flame --only 'tiles R=16/paper'       one row";
+  celfx bench flame --only 'tiles R=16/paper'       one row
+  celfx bench blur --only refine                    where triangles are divided, at all workloads";
 
 /// Options of `celfx bench`.
 #[derive(Debug, Args)]
@@ -41,6 +42,8 @@ enum What {
     Smoke,
     /// The flame effect's ways to accumulate, and its frames
     Flame,
+    /// The blur effect's kernels with a choice, and its frames
+    Blur,
     /// What the device can do: copy and arithmetic
     Limits,
     /// All of it
@@ -88,6 +91,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let what = match options.what {
         What::Smoke => bench::What::Smoke,
         What::Flame => bench::What::Flame,
+        What::Blur => bench::What::Blur,
         What::Limits => bench::What::Limits,
         What::All => bench::What::All,
     };

@@ -3,6 +3,7 @@
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
+use crate::blur::Blur;
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame, SceneFormat};
 use crate::gpu::profiler::Mode;
@@ -124,3 +125,4 @@ macro_rules! effect {
 
 effect!(Smoke);
 effect!(Flame);
+effect!(Blur);

@@ -4,6 +4,8 @@ use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use super::Shot;
+use super::take::TakeUpload;
+use crate::blur::Blur;
 use crate::error::Result;
 use crate::flame::{self, Flame, ParticleInput};
 use crate::gpu::profiler::Timing;
@@ -17,6 +19,7 @@ use crate::smoke::{self, Smoke, VolumeInput};
 pub(in crate::bench) enum Made {
     Smoke(Box<Smoke>, VolumeUpload, VolumeInput),
     Flame(Box<Flame>, ParticleUpload, ParticleInput),
+    Blur(Box<Blur>, Box<TakeUpload>),
 }
 
 /// What an effect is made for and given once.
@@ -77,6 +80,7 @@ impl Made {
         match self {
             Made::Smoke(smoke, ..) => smoke.as_ref(),
             Made::Flame(flame, ..) => flame.as_ref(),
+            Made::Blur(blur, ..) => blur.as_ref(),
         }
     }
 
@@ -84,6 +88,7 @@ impl Made {
         match self {
             Made::Smoke(smoke, ..) => smoke.as_mut(),
             Made::Flame(flame, ..) => flame.as_mut(),
+            Made::Blur(blur, ..) => blur.as_mut(),
         }
     }
 
@@ -127,6 +132,8 @@ impl Made {
                 // SAFETY: the caller's.
                 unsafe { flame.record(host, commands, &frame, &mut Timing::None) }
             }
+            // SAFETY: the caller's.
+            Made::Blur(blur, upload) => unsafe { upload.record(host, commands, blur, target, background) },
         }
     }
 
@@ -141,6 +148,7 @@ impl Made {
             match self {
                 Made::Smoke(_, upload, _) => upload.destroy(host, allocator),
                 Made::Flame(_, upload, _) => upload.destroy(host, allocator),
+                Made::Blur(_, upload) => upload.destroy(host, allocator),
             }
         }
     }

@@ -213,6 +213,12 @@ impl Motion {
     }
 }
 
+/// The extreme points of a cluster's points, which [`Interval::hull`] has.
+#[cfg(feature = "cli")]
+pub(crate) fn extreme_points(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
+    hull::extremes(points).points
+}
+
 fn refused(why: String) -> Error {
     Error::HostResource { name: "blur poses", why }
 }

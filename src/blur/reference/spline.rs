@@ -82,8 +82,8 @@ pub fn curve(times: &[f64], values: &[DVec3], t: f64) -> [DVec3; 2] {
     [value + slope * (t - inside), slope]
 }
 
-/// Second derivatives at the knots: the whole system, rows of the ends included, by elimination with pivots.
-fn second_derivatives(times: &[f64], values: &[DVec3]) -> Vec<DVec3> {
+/// Second derivatives at the knots, of which there are at least two: the whole system, rows of the ends included, by elimination with pivots.
+pub fn second_derivatives(times: &[f64], values: &[DVec3]) -> Vec<DVec3> {
     let n = times.len();
     let mut rows: Vec<(Vec<f64>, DVec3)> = Vec::new();
     for i in 0..n {

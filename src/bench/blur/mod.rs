@@ -1,0 +1,21 @@
+//! The blur effect: hulls against brute force, windows of trajectories against whole sequences, two rules of where
+//! triangles are divided, whole frames.
+
+mod draw;
+mod extent;
+mod frame;
+mod refine;
+mod scene;
+mod trajectory;
+
+use super::{Outcome, Session};
+
+/// Name of the effect in rows.
+const EFFECT: &str = "blur";
+
+pub(super) fn measure(session: &mut Session) -> Outcome {
+    extent::measure(session)?;
+    trajectory::measure(session)?;
+    refine::measure(session)?;
+    frame::measure(session)
+}

@@ -1,0 +1,212 @@
+//! What is measured: meshes that move, and what sees them.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+
+use super::draw;
+use crate::bench::rig::{FORMAT, Shot, Take};
+use crate::blur::{Desc, Interval, Knot, Mesh, MeshInput, Motion, Pose, Settings, View, Window};
+use crate::error::Result;
+use crate::io::scene::{Topology, weld};
+use crate::reference::random::{hash, unit};
+use crate::simulate::mesh::{Builtin, Model};
+use crate::smoke::Sequence;
+use crate::view::{Camera, Light};
+
+/// Seed of the effects.
+pub(super) const SEED: u32 = 0;
+/// Full HD.
+pub(super) const FULL_HD: [u32; 2] = [1920, 1080];
+/// Metres that a cloud moves in a frame, and turns by which it turns.
+const CLOUD_SPEED: f64 = 0.05;
+const CLOUD_TURNS: f64 = 0.004;
+
+/// A mesh that moves.
+pub(super) struct Scene {
+    pub(super) size: [u32; 2],
+    pub(super) topology: Topology,
+    pub(super) mesh: Mesh,
+    /// Of the mesh's points, from frame 0 on.
+    pub(super) poses: Vec<Vec<[f32; 3]>>,
+    pub(super) cameras: Vec<Camera>,
+    /// The earlier frame of the output.
+    pub(super) current: usize,
+}
+
+/// Where the points of an output are, and the frames that trajectories go through.
+pub(super) struct Prepared {
+    pub(super) interval: Interval,
+    pub(super) knots: Option<Vec<Knot>>,
+}
+
+impl Scene {
+    /// One of the program's meshes, of about so many vertices, at the middle of its frames.
+    pub(super) fn builtin(which: Builtin, vertices: u32, size: [u32; 2]) -> Result<Scene> {
+        let (model, topology) = Model::new(which, vertices);
+        let seconds = |frame: u32| f64::from(frame) / which.fps();
+        let pose = |frame: u32| {
+            let mut pose = vec![[0.0; 3]; topology.object.len()];
+            model.positions(seconds(frame), &mut pose);
+            pose
+        };
+        let files: Vec<Vec<[f32; 3]>> = (0..which.frames()).map(pose).collect();
+        let welded = weld(&topology.object, &files);
+        let input = MeshInput {
+            vertices: topology.object.len(),
+            triangles: &topology.triangles,
+            objects: Some(&topology.object),
+            weld: Some(&welded),
+            normals: Some(&topology.normal),
+        };
+        let mesh = Mesh::new(&input)?;
+        let poses = files.iter().filter_map(|pose| mesh.gather(pose)).collect();
+        let cameras = (0..which.frames()).map(|frame| model.camera(seconds(frame))).collect();
+        Ok(Scene { size, topology, mesh, poses, cameras, current: which.frames() as usize / 2 })
+    }
+
+    /// The runner's vertices as points of which hardly any is of a triangle: what is done for points alone.
+    pub(super) fn points(vertices: u32, size: [u32; 2]) -> Result<Scene> {
+        let (model, topology) = Model::new(Builtin::Run, vertices);
+        let frames = Builtin::Run.frames();
+        let seconds = |frame: u32| f64::from(frame) / Builtin::Run.fps();
+        let pose = |frame: u32| {
+            let mut pose = vec![[0.0; 3]; topology.object.len()];
+            model.positions(seconds(frame), &mut pose);
+            pose.truncate(vertices as usize);
+            pose
+        };
+        let poses: Vec<Vec<[f32; 3]>> = (0..frames).map(pose).collect();
+        let cameras = (0..frames).map(|frame| model.camera(seconds(frame))).collect();
+        Scene::of_points(poses, cameras, size, frames as usize / 2)
+    }
+
+    /// Points at random in a ball that flies and turns slowly: one cluster.
+    pub(super) fn cloud(points: u32, size: [u32; 2]) -> Result<Scene> {
+        let draw = |index, dimension| f64::from(unit(hash(5, index, 0, dimension)));
+        let place = |i: u32| {
+            let (sin, cos) = (TAU * draw(i, 0)).sin_cos();
+            let height = 2.0 * draw(i, 1) - 1.0;
+            let ring = (1.0 - height * height).sqrt();
+            0.8 * draw(i, 2).cbrt() * DVec3::new(ring * cos, height, ring * sin)
+        };
+        let rest: Vec<DVec3> = (0..points).map(place).collect();
+        let pose = |frame: i32| {
+            let turn = DQuat::from_rotation_z(TAU * CLOUD_TURNS * f64::from(frame));
+            let centre = DVec3::new(CLOUD_SPEED * f64::from(frame), 1.0, 0.0);
+            rest.iter().map(|p| (centre + turn * *p).as_vec3().to_array()).collect()
+        };
+        Scene::of_points((0..4).map(pose).collect(), vec![Camera::default(); 4], size, 1)
+    }
+
+    fn of_points(poses: Vec<Vec<[f32; 3]>>, cameras: Vec<Camera>, size: [u32; 2], current: usize) -> Result<Scene> {
+        let vertices = poses.first().map_or(0, Vec::len);
+        let triangles = vec![[0, 1, 2]];
+        let input = MeshInput { vertices, triangles: &triangles, objects: None, weld: None, normals: None };
+        let mesh = Mesh::new(&input)?;
+        let topology = Topology { triangles, object: vec![0; vertices], ..Topology::default() };
+        Ok(Scene { size, topology, mesh, poses, cameras, current })
+    }
+
+    /// What the host finds for an output.
+    pub(super) fn prepare(&self, settings: &Settings) -> Result<Prepared> {
+        let poses = self.poses.iter().zip(&self.cameras);
+        let poses: Vec<Pose> = poses.map(|(positions, camera)| Pose { positions, camera, cut: false }).collect();
+        let window = Window { frame: self.current as u32, poses: &poses, current: self.current, between: &[] };
+        let motion = Motion::new(settings, self.size)?;
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let interval = motion.interval(&self.mesh, &window, threads)?;
+        Ok(Prepared { interval, knots: motion.knots(&window) })
+    }
+
+    pub(super) fn view(&self, frame: usize) -> View {
+        View { frame: frame as u32, camera: self.cameras[frame] }
+    }
+
+    /// Frames i - 1 to i + 2.
+    pub(super) fn views(&self) -> [View; 4] {
+        [0, 1, 2, 3].map(|place| self.view((self.current + place).saturating_sub(1).min(self.cameras.len() - 1)))
+    }
+
+    /// The output, from all poses.
+    pub(super) fn take<'a>(&'a self, prepared: &'a Prepared, images: Option<&'a [Vec<[f32; 4]>; 2]>) -> Take<'a> {
+        Take {
+            mesh: &self.mesh,
+            first: 0,
+            poses: &self.poses,
+            interval: &prepared.interval,
+            views: self.views(),
+            knots: prepared.knots.as_deref(),
+            images,
+        }
+    }
+
+    /// What an effect with such settings is made for.
+    pub(super) fn desc(&self, settings: &Settings, most_triangles: u32) -> Desc {
+        let triangles = self.mesh.triangles().len() as u32;
+        Desc {
+            size: self.size,
+            target_format: FORMAT,
+            points: self.mesh.points() as u32,
+            triangles,
+            neighbours: self.mesh.neighbours().items.len() as u32,
+            most_triangles: most_triangles.max(triangles),
+            segments: Desc::segments_of(settings),
+            frames_resident: self.poses.len() as u32,
+            seed: SEED,
+            settings: settings.clone(),
+            layers: false,
+            skipping: true,
+        }
+    }
+
+    /// Frames i and i + 1 of some of the triangles.
+    pub(super) fn images(&self, topology: &Topology) -> [Vec<[f32; 4]>; 2] {
+        [0, 1].map(|later| {
+            let frame = self.current + later;
+            let pose = &self.poses[frame];
+            let vertices: Vec<[f32; 3]> = self.mesh.file_to_point().iter().map(|p| pose[*p as usize]).collect();
+            draw::picture(topology, &vertices, &self.cameras[frame], self.size)
+        })
+    }
+}
+
+/// A frame: the take says all of it.
+pub(super) fn shot() -> Shot {
+    Shot { sequence: Sequence::Restart, camera: Camera::default(), light: Light::default(), rendered: true }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cloud_is_one_cluster() -> Result<()> {
+        let scene = Scene::cloud(10_000, [512, 512])?;
+        let Prepared { interval, knots } = scene.prepare(&Settings::default())?;
+        assert_eq!((interval.clusters.len(), interval.labels.len()), (1, 10_000));
+        assert!(interval.labels.iter().all(|label| *label == 1));
+        assert!((20..400).contains(&interval.hull.len()), "{}", interval.hull.len());
+        assert_eq!(knots.map(|knots| knots.len()), Some(4));
+        Ok(())
+    }
+
+    #[test]
+    fn the_runner_is_in_the_middle_of_its_picture_and_runs() -> Result<()> {
+        let scene = Scene::builtin(Builtin::Run, 300, [512, 512])?;
+        let Prepared { interval, knots } = scene.prepare(&Settings::default())?;
+        assert_eq!(knots.map(|knots| knots.len()), Some(26));
+        assert!(interval.clusters.len() >= 6, "{}", interval.clusters.len());
+        let [first, second] = scene.images(&scene.topology);
+        let covered = |pixels: &[[f32; 4]]| pixels.iter().filter(|p| p[3] > 0.0).count();
+        assert!((20_000..80_000).contains(&covered(&first)) && first != second, "{}", covered(&first));
+        Ok(())
+    }
+
+    #[test]
+    fn points_have_one_triangle_and_their_number() -> Result<()> {
+        let scene = Scene::points(5000, FULL_HD)?;
+        assert_eq!((scene.mesh.points(), scene.mesh.triangles().len(), scene.poses.len()), (5000, 1, 48));
+        Ok(())
+    }
+}
