@@ -43,7 +43,11 @@ fn rows(what: What, only: &str, folder: &Path) -> Vec<serde_json::Value> {
         assert!(json["limits"][limit].as_f64().is_some_and(|value| value > 0.0), "{limit}: {json}");
     }
     assert!(json["device"].as_str().is_some_and(|name| table.contains(name)), "{table}");
-    let effect = if what == What::Flame { "flame" } else { "smoke" };
+    let effect = match what {
+        What::Flame => "flame",
+        What::Blur => "blur",
+        _ => "smoke",
+    };
     for plot in ["svg", "png"].map(|kind| format!("{effect}.{kind}")) {
         assert!(std::fs::metadata(folder.join(&plot)).is_ok_and(|file| file.len() > 1000), "{plot}");
     }
@@ -115,6 +119,31 @@ fn fire_by_repetitions_by_its_limit_and_by_blending() {
     }
     let frame = rows(What::Flame, "frame/R=10/paper", &folder);
     assert_eq!((frame.len(), &frame[0]["pass"]), (1, &"frame".into()));
+    std::fs::remove_dir_all(&folder).expect("the folder is removed");
+}
+
+#[test]
+fn hulls_windows_and_fine_triangles() {
+    if common::device().is_none() {
+        return;
+    }
+    let folder = std::env::temp_dir().join(format!("celfx-bench-blur-{}", std::process::id()));
+    let field = |row: &serde_json::Value, name: &str| row[name].as_f64().expect("a number");
+
+    // The hull has the bits of brute force, sooner.
+    let extent = rows(What::Blur, "/10000", &folder);
+    let own: Vec<_> = extent.iter().filter(|row| row["pass"] == "extent").collect();
+    let names: Vec<&str> = own.iter().filter_map(|row| row["variant"].as_str()).collect();
+    assert_eq!(names, ["brute", "hull"]);
+    assert!(own.iter().all(|row| field(row, "error_max") == 0.0 && field(row, "items") == 10_000.0), "{own:?}");
+    assert!(field(own[0], "gpu_ms") > field(own[1], "gpu_ms"), "{own:?}");
+
+    let refine = rows(What::Blur, "1/fox-like", &folder);
+    assert_eq!((refine.len(), &refine[0]["variant"], &refine[0]["pass"]), (1, &"error 1".into(), &"refine".into()));
+    assert!(field(&refine[0], "error_p99") < 1.5 && field(&refine[0], "items") > 1000.0, "{}", refine[0]);
+    let frame = rows(What::Blur, "frame/default/paper", &folder);
+    assert_eq!((frame.len(), &frame[0]["effect"]), (1, &"blur".into()));
+    assert!(field(&frame[0], "error_rms") < 0.1 && field(&frame[0], "cpu_ms") > 0.0, "{}", frame[0]);
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }
 

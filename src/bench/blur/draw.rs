@@ -8,15 +8,21 @@ use crate::io::scene::Topology;
 use crate::view::Camera;
 
 /// Where the light comes from.
-const LIGHT: DVec3 = DVec3::new(0.5, 0.7, 0.6);
+pub(super) const LIGHT: DVec3 = DVec3::new(0.5, 0.7, 0.6);
 /// Cosine of the angle to the light beyond which it is dark.
 const SHADE: f64 = 0.25;
 /// What the dark makes of red, green and blue.
 const DARK: [f32; 3] = [0.35, 0.40, 0.60];
 
 /// Linear RGB of each pixel, premultiplied, rows from the top; empty where nothing is. `positions` is the world position
-/// of each vertex.
-pub(super) fn picture(topology: &Topology, positions: &[[f32; 3]], camera: &Camera, size: [u32; 2]) -> Vec<[f32; 4]> {
+/// of each vertex, and `light` points to where it comes from.
+pub(super) fn picture(
+    topology: &Topology,
+    positions: &[[f32; 3]],
+    camera: &Camera,
+    light: DVec3,
+    size: [u32; 2],
+) -> Vec<[f32; 4]> {
     let [width, height] = size.map(|side| side as usize);
     let mut pixels = vec![[0.0; 4]; width * height];
     let mut nearest = vec![f64::INFINITY; width * height];
@@ -49,15 +55,15 @@ pub(super) fn picture(topology: &Topology, positions: &[[f32; 3]], camera: &Came
                 }
                 nearest[pixel] = depth;
                 let normal: DVec3 = (0..3).map(|i| shares[i] * normals[corners[i] as usize]).sum();
-                pixels[pixel] = colour(topology.colour[corners[0] as usize], normal);
+                pixels[pixel] = colour(topology.colour[corners[0] as usize], normal, light);
             }
         }
     }
     pixels
 }
 
-fn colour(of: [f32; 3], normal: DVec3) -> [f32; 4] {
-    let is_lit = normal.normalize_or_zero().dot(LIGHT.normalize()) > SHADE;
+fn colour(of: [f32; 3], normal: DVec3, light: DVec3) -> [f32; 4] {
+    let is_lit = normal.normalize_or_zero().dot(light.normalize_or_zero()) > SHADE;
     let [r, g, b] = [0, 1, 2].map(|i| if is_lit { of[i] } else { of[i] * DARK[i] });
     [r, g, b, 1.0]
 }
@@ -88,10 +94,10 @@ mod tests {
         };
         let positions =
             [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 30.0, 0.0], [-0.5, 0.4, 0.1], [0.5, 0.4, 0.1], [0.0, 0.9, 1.5]];
-        let pixels = picture(&topology, &positions, &Camera::default(), [64, 64]);
+        let pixels = picture(&topology, &positions, &Camera::default(), LIGHT, [64, 64]);
         assert_eq!(pixels[10 * 64 + 32], [1.0, 0.0, 0.0, 1.0]);
         assert_eq!(pixels[36 * 64 + 32], [0.0, DARK[1], 0.0, 1.0]);
-        let rear = picture(&topology.without(1), &positions, &Camera::default(), [64, 64]);
+        let rear = picture(&topology.without(1), &positions, &Camera::default(), LIGHT, [64, 64]);
         assert_eq!(rear[36 * 64 + 32], [1.0, 0.0, 0.0, 1.0]);
     }
 }

@@ -5,6 +5,7 @@
 use std::time::Instant;
 
 use super::EFFECT;
+use super::draw::LIGHT;
 use super::scene::{FULL_HD, Scene, shot};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
@@ -49,7 +50,7 @@ type Picture = Vec<[f32; 4]>;
 
 fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants: &[&(&str, Change)]) -> Outcome {
     let scene = Scene::builtin(Builtin::Run, VERTICES, size)?;
-    let images = scene.images(&scene.topology);
+    let images = scene.images([LIGHT; 2]);
     // Settings that differ only in how triangles are divided have one truth.
     let mut truths: Vec<(Settings, Picture)> = Vec::new();
     let mut found = Vec::new();

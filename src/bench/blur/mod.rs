@@ -1,6 +1,7 @@
 //! The blur effect: hulls against brute force, windows of trajectories against whole sequences, two rules of where
-//! triangles are divided, whole frames.
+//! triangles are divided, what replaces hidden colours, whole frames.
 
+mod complete;
 mod draw;
 mod extent;
 mod frame;
@@ -17,5 +18,6 @@ pub(super) fn measure(session: &mut Session) -> Outcome {
     extent::measure(session)?;
     trajectory::measure(session)?;
     refine::measure(session)?;
+    complete::measure(session)?;
     frame::measure(session)
 }

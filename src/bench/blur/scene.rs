@@ -67,7 +67,8 @@ impl Scene {
 
     /// The runner's vertices as points of which hardly any is of a triangle: what is done for points alone.
     pub(super) fn points(vertices: u32, size: [u32; 2]) -> Result<Scene> {
-        let (model, topology) = Model::new(Builtin::Run, vertices);
+        // There are not always exactly as many as are asked for.
+        let (model, topology) = Model::new(Builtin::Run, vertices + vertices / 16);
         let frames = Builtin::Run.frames();
         let seconds = |frame: u32| f64::from(frame) / Builtin::Run.fps();
         let pose = |frame: u32| {
@@ -160,13 +161,28 @@ impl Scene {
         }
     }
 
-    /// Frames i and i + 1 of some of the triangles.
-    pub(super) fn images(&self, topology: &Topology) -> [Vec<[f32; 4]>; 2] {
+    /// The same points without the triangles of an object.
+    pub(super) fn without(&self, object: u32) -> Result<Scene> {
+        let topology = self.topology.without(object);
+        let input = MeshInput {
+            vertices: topology.object.len(),
+            triangles: &topology.triangles,
+            objects: Some(&topology.object),
+            weld: Some(self.mesh.file_to_point()),
+            normals: Some(&topology.normal),
+        };
+        let mesh = Mesh::new(&input)?;
+        let (poses, cameras) = (self.poses.clone(), self.cameras.clone());
+        Ok(Scene { size: self.size, topology, mesh, poses, cameras, current: self.current })
+    }
+
+    /// Frames i and i + 1, each under its own light.
+    pub(super) fn images(&self, lights: [DVec3; 2]) -> [Vec<[f32; 4]>; 2] {
         [0, 1].map(|later| {
             let frame = self.current + later;
             let pose = &self.poses[frame];
             let vertices: Vec<[f32; 3]> = self.mesh.file_to_point().iter().map(|p| pose[*p as usize]).collect();
-            draw::picture(topology, &vertices, &self.cameras[frame], self.size)
+            draw::picture(&self.topology, &vertices, &self.cameras[frame], lights[later], self.size)
         })
     }
 }
@@ -197,7 +213,7 @@ mod tests {
         let Prepared { interval, knots } = scene.prepare(&Settings::default())?;
         assert_eq!(knots.map(|knots| knots.len()), Some(26));
         assert!(interval.clusters.len() >= 6, "{}", interval.clusters.len());
-        let [first, second] = scene.images(&scene.topology);
+        let [first, second] = scene.images([draw::LIGHT; 2]);
         let covered = |pixels: &[[f32; 4]]| pixels.iter().filter(|p| p[3] > 0.0).count();
         assert!((20_000..80_000).contains(&covered(&first)) && first != second, "{}", covered(&first));
         Ok(())

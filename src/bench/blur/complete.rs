@@ -1,0 +1,167 @@
+//! Pass `complete`: what replaces colours that one of two frames hides, against the colours that are there: two bars pass
+//! each other, and the truth is the rear one without the one before it. The light turns, or nothing would change that
+//! could be guessed wrongly.
+
+use glam::{DQuat, DVec3};
+
+use super::EFFECT;
+use super::draw::LIGHT;
+use super::scene::{FULL_HD, Scene, shot};
+use crate::bench::measure::{Deviation, interleaved};
+use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::rig::{EffectId, Rig};
+use crate::bench::{Outcome, Session};
+use crate::blur::layout::{COLOUR_LAYER, CONTROL, DISTORTED_NAMES, FINISHED, MASK_LAYER};
+use crate::blur::params::{BASE_MASK, Control};
+use crate::blur::settings::Completion;
+use crate::blur::{Desc, MOST_TRIANGLES, Settings};
+use crate::error::Result;
+use crate::plan::Plan;
+use crate::simulate::mesh::Builtin;
+
+const PASS: &str = "complete";
+const NAME: &str = "crossing";
+const VARIANTS: [(&str, Completion); 3] =
+    [("surface", Completion::Surface), ("gradient", Completion::Gradient), ("none", Completion::None)];
+const VERTICES: u32 = 4_000;
+/// The earlier frames of the outputs: the rear bar disappears behind the other, and comes out.
+const FRAMES: [usize; 2] = [21, 26];
+/// Degrees by which the light turns in a frame.
+const TURN: f64 = 15.0;
+/// The bar before the other.
+const FRONT: u32 = 0;
+/// Layer `blur.mask` where one of the frames shows the place.
+const ONE_SIDED: [u32; 2] = [1, 2];
+
+pub(super) fn measure(session: &mut Session) -> Outcome {
+    let variants = session.wanted(PASS, NAME, &VARIANTS);
+    if !variants.is_empty() {
+        session.next(&format!("blur complete {NAME}"))?;
+        measure_variants(session, &variants)?;
+        session.rig.clear();
+    }
+    Ok(())
+}
+
+/// The distorted mesh alone.
+struct Layers {
+    colour: Vec<[f32; 4]>,
+    mask: Vec<u32>,
+    /// Object of each pixel's triangle.
+    object: Vec<Option<u32>>,
+}
+
+fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> Outcome {
+    let mut runs: Vec<(EffectId, Plan)> = Vec::new();
+    let mut differences: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
+    for current in FRAMES {
+        let scene = Scene { current, ..Scene::builtin(Builtin::Crossing, VERTICES, FULL_HD)? };
+        let open = scene.without(FRONT)?;
+        let truth = render(&mut session.rig, &open, Completion::None)?.1;
+        runs.clear();
+        for ((variant, completion), differences) in variants.iter().zip(&mut differences) {
+            session.next(&format!("blur complete {NAME}: {variant}"))?;
+            let (effect, layers) = render(&mut session.rig, &scene, *completion)?;
+            differences.extend(compare(&layers, &truth, scene.size));
+            let steps = |name: &str| matches!(name, "blur.learn" | "blur.normals" | "blur.shade" | "blur.complete");
+            runs.push((effect, session.rig.steps(effect, |pass| steps(pass.name))));
+        }
+    }
+    let (rig, quick) = (&mut session.rig, session.quick);
+    let times = interleaved(variants.len(), quick, |i| rig.replay(runs[i].0, &runs[i].1))?;
+    for (((variant, _), times), differences) in variants.iter().zip(&times).zip(differences) {
+        let (count, sum) = (differences.len(), differences.iter().sum::<f64>());
+        let mean = sum / count.max(1) as f64;
+        session.notes.push(format!("blur complete {NAME}: {variant} is off by {mean:.3} in the mean"));
+        let of = format!("occluder removed, 100 x distance in Oklab, {count} one-sided pixels");
+        let accuracy: Accuracy = Deviation::of(differences).map(|deviation| (deviation, of));
+        let subject =
+            Subject { pass: PASS, variant: (*variant).to_owned(), workload: NAME.to_owned(), items: count as u64 };
+        session.rows.push(Row::new(EFFECT, subject, times, &accuracy, Work::default(), &session.limits));
+    }
+    Ok(())
+}
+
+fn render(rig: &mut Rig, scene: &Scene, completion: Completion) -> Result<(EffectId, Layers)> {
+    let settings = Settings { completion, ..Settings::default() };
+    let prepared = scene.prepare(&settings)?;
+    let light = |frames: f64| DQuat::from_rotation_y((frames * TURN).to_radians()) * LIGHT;
+    let images = scene.images([light(-0.5), light(0.5)]);
+    let desc = Desc { layers: true, ..scene.desc(&settings, MOST_TRIANGLES) };
+    let effect = rig.effect(desc, &scene.take(&prepared, Some(&images)))?;
+    rig.frame(effect, &shot())?;
+    let pixels = scene.size[0] as usize * scene.size[1] as usize;
+    let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
+    let triangles = control.first().map_or(0, |control| control.refined[0]);
+    let triangles: Vec<[u32; 4]> = rig.read(effect, FINISHED, triangles as usize)?;
+    let object = |name: &u32| {
+        let triangle = triangles.get((*name as usize).checked_sub(1)?)?;
+        scene.mesh.triangle_objects().get((triangle[3] & BASE_MASK) as usize).copied()
+    };
+    let names: Vec<u32> = rig.read(effect, DISTORTED_NAMES, pixels)?;
+    let layers = Layers {
+        colour: rig.read(effect, COLOUR_LAYER, pixels)?,
+        mask: rig.read(effect, MASK_LAYER, pixels)?,
+        object: names.iter().map(object).collect(),
+    };
+    Ok((effect, layers))
+}
+
+/// Of the pixels of the rear bar, away from borders, that one frame shows.
+fn compare(found: &Layers, truth: &Layers, [width, height]: [u32; 2]) -> Vec<f64> {
+    let (width, height) = (width as usize, height as usize);
+    let is_rear = |pixel: usize| {
+        let is_whole =
+            |layers: &Layers| layers.object[pixel].is_some_and(|o| o != FRONT) && layers.colour[pixel][3] == 1.0;
+        is_whole(found) && is_whole(truth)
+    };
+    let inside = (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| y * width + x));
+    let counted = inside.filter(|pixel| {
+        let around = [pixel - width, pixel - 1, *pixel, pixel + 1, pixel + width];
+        ONE_SIDED.contains(&found.mask[*pixel]) && around.into_iter().all(is_rear)
+    });
+    counted.map(|pixel| 100.0 * oklab(found.colour[pixel]).distance(oklab(truth.colour[pixel]))).collect()
+}
+
+/// Lightness and two opponent colours of a linear sRGB colour (Ottosson 2020): equal distances look equal.
+fn oklab([r, g, b, _]: [f32; 4]) -> DVec3 {
+    let [r, g, b] = [r, g, b].map(f64::from);
+    let l = (0.412_221_470_8 * r + 0.536_332_536_3 * g + 0.051_445_992_9 * b).cbrt();
+    let m = (0.211_903_498_2 * r + 0.680_699_545_1 * g + 0.107_396_956_6 * b).cbrt();
+    let s = (0.088_302_461_9 * r + 0.281_718_837_6 * g + 0.629_978_700_5 * b).cbrt();
+    DVec3::new(
+        0.210_454_255_3 * l + 0.793_617_785_0 * m - 0.004_072_046_8 * s,
+        1.977_998_495_1 * l - 2.428_592_205_0 * m + 0.450_593_709_9 * s,
+        0.025_904_037_1 * l + 0.782_771_766_2 * m - 0.808_675_766_0 * s,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_documented_name_is_there() {
+        assert_eq!((NAME, VARIANTS.map(|(name, _)| name)), ("crossing", ["surface", "gradient", "none"]));
+    }
+
+    #[test]
+    fn white_is_one_and_grey_has_no_colour() {
+        assert!((oklab([1.0; 4]) - DVec3::X).length() < 1e-6);
+        let grey = oklab([0.125, 0.125, 0.125, 1.0]);
+        assert!((grey - 0.5 * DVec3::X).length() < 1e-6);
+        assert!((oklab([1.0, 0.0, 0.0, 1.0]) - DVec3::new(0.627_955, 0.224_863, 0.125_846)).length() < 1e-5);
+    }
+
+    #[test]
+    fn only_one_sided_pixels_inside_the_rear_bar_count() {
+        let layers = |red: f32| Layers {
+            colour: vec![[red, 0.0, 0.0, 1.0]; 25],
+            mask: (0..25).map(|i| if i == 12 || i == 6 { 1 } else { 3 }).collect(),
+            object: (0..25).map(|i| Some(u32::from(i != 1))).collect(),
+        };
+        let found = compare(&layers(1.0), &layers(0.0), [5, 5]);
+        assert_eq!(found.len(), 1, "6 is beside the front bar");
+        assert!((found[0] - 68.0).abs() < 0.1, "{found:?}");
+    }
+}
