@@ -2,6 +2,7 @@
 #![deny(missing_docs, unsafe_op_in_unsafe_fn)]
 
 pub mod barrier;
+pub mod blur;
 pub mod error;
 pub mod flame;
 pub mod gpu;

@@ -202,9 +202,20 @@ pub struct DepthAttachment {
     pub layer: u32,
 }
 
-/// Shaders and fixed state of a render pass: quads as triangle strips of four vertices, no culling.
+/// What a render pass draws. Vertex shaders make their vertices from `gl_VertexIndex`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topology {
+    /// Quads as triangle strips of four vertices, one an instance.
+    Quads,
+    /// Triangles, three vertices each.
+    Triangles,
+}
+
+/// Shaders and fixed state of a render pass; nothing is culled.
 #[derive(Debug)]
 pub struct Raster {
+    /// What it draws.
+    pub topology: Topology,
     /// Vertex shader.
     pub vertex: &'static Shader,
     /// Fragment shader.
@@ -374,7 +385,12 @@ pub enum Command {
         /// Its offset in bytes.
         offset: u64,
     },
-    /// Quads, one an instance, their number from a buffer.
+    /// So many vertices of one instance.
+    Draw {
+        /// Vertices.
+        vertices: u32,
+    },
+    /// Quads, one an instance, or triangles of one instance; their number from a buffer.
     DrawIndirect {
         /// Holds a `VkDrawIndirectCommand`.
         arguments: BufferId,
@@ -410,6 +426,15 @@ pub enum Command {
         from: BufferId,
         /// Destination.
         to: BufferId,
+        /// Number of bytes.
+        bytes: u64,
+    },
+    /// Copies a range of a buffer into the middle of another.
+    CopyRange {
+        /// Source, and the first byte.
+        from: (BufferId, u64),
+        /// Destination, and the first byte.
+        to: (BufferId, u64),
         /// Number of bytes.
         bytes: u64,
     },

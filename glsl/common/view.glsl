@@ -1,17 +1,6 @@
 // From world to view space (x right, y up, z = view depth, in metres), with what `params` says of the camera: rotation and eye, each
 // as a sum of two floats.
-#include "exact.glsl"
-
-// One row of the view rotation times the way from the eye, each given as a sum of two floats.
-float along_row(vec3 row, vec3 row_low, vec3 q, vec3 q_low) {
-    vec2 x = two_product(row.x, q.x);
-    vec2 y = two_product(row.y, q.y);
-    vec2 z = two_product(row.z, q.z);
-    vec2 xy = two_sum(x.x, y.x);
-    vec2 xyz = two_sum(xy.x, z.x);
-    float low = x.y + y.y + z.y + xy.y + xyz.y + dot(row, q_low) + dot(row_low, q);
-    return xyz.x + low;
-}
+#include "along.glsl"
 
 // World to view space, rounded once: what a small sphere far away looks like depends on the last bits.
 vec3 to_view(vec3 p) {

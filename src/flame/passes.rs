@@ -6,7 +6,7 @@ use crate::flame::colour::{Form, Table};
 use crate::flame::frame::Desc;
 use crate::flame::layout::*;
 use crate::flame::settings::{Mode, Sampling, Shape};
-use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Usage};
+use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Topology, Usage};
 use crate::shaders::flame as glsl;
 
 /// What an effect declares: its passes, and which is which.
@@ -127,6 +127,7 @@ fn raster(desc: &Desc) -> Pass {
     let extent = if is_raster(desc) { desc.size } else { [1, 1] };
     let (format, blend) = (vk::Format::R32G32_UINT, Blend::Replace);
     let raster = Raster {
+        topology: Topology::Quads,
         vertex: &glsl::raster_vertex::SHADER,
         fragment: &glsl::raster_fragment::SHADER,
         colour: Some(ColourAttachment { image: DRAWN, format, clear: Some([0; 4]), blend }),
@@ -146,6 +147,7 @@ fn raster(desc: &Desc) -> Pass {
 /// What the fire does to the scene around it.
 fn light(desc: &Desc) -> Pass {
     let raster = Raster {
+        topology: Topology::Quads,
         vertex: &glsl::light_vertex::SHADER,
         fragment: &glsl::light_fragment::SHADER,
         colour: Some(ColourAttachment {
@@ -167,6 +169,7 @@ fn expected(desc: &Desc) -> Pass {
 
 fn composite(desc: &Desc) -> Pass {
     let raster = Raster {
+        topology: Topology::Quads,
         vertex: &glsl::composite_vertex::SHADER,
         fragment: &glsl::composite_fragment::SHADER,
         colour: Some(ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over }),

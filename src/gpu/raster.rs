@@ -1,11 +1,11 @@
-//! Render passes: pipelines for dynamic rendering, quads as triangle strips.
+//! Render passes: pipelines for dynamic rendering.
 
 use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::gpu::kernel::{create_module, specialisation};
 use crate::host::Host;
-use crate::plan::{Blend, Pass, Raster};
+use crate::plan::{Blend, Pass, Raster, Topology};
 
 /// Creates the pipeline of a render pass.
 ///
@@ -51,7 +51,10 @@ unsafe fn create_pipeline(
     stages: &[vk::PipelineShaderStageCreateInfo],
 ) -> std::result::Result<vk::Pipeline, vk::Result> {
     let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
-    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_STRIP);
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(match raster.topology {
+        Topology::Quads => vk::PrimitiveTopology::TRIANGLE_STRIP,
+        Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
+    });
     let (viewports, scissors) = ([viewport(raster.extent)], [area(raster.extent)]);
     let viewport_state = vk::PipelineViewportStateCreateInfo::default().viewports(&viewports).scissors(&scissors);
     let rasterisation = vk::PipelineRasterizationStateCreateInfo::default()

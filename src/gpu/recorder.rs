@@ -10,7 +10,7 @@ use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::raster::area;
 use crate::gpu::resources::{BufferSlot, ImageSlot, Resources};
 use crate::host::{Host, ImageState};
-use crate::plan::{Command, ImageId, Kernel, Pass, Plan, Raster, Resource, Step, Usage};
+use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Resource, Step, Usage};
 
 /// Records plans of one effect.
 #[derive(Debug)]
@@ -90,7 +90,7 @@ impl Recorder {
         unsafe { barrier(host, *commands, &opening) };
         for (index, slot) in resources.buffers.iter().enumerate() {
             if let BufferSlot::Host(Some(buffer)) = slot {
-                let id = crate::plan::BufferId(index as u16);
+                let id = BufferId(index as u16);
                 self.tracker.written_before(Resource::Buffer(id), buffer.stage, buffer.access);
             }
         }
@@ -307,6 +307,7 @@ impl Walk<'_> {
                     let (buffer, start, _) = self.resources.buffer(arguments);
                     device.cmd_draw_indirect(self.commands, buffer, start + offset, 1, 16);
                 }
+                Command::Draw { vertices } => device.cmd_draw(self.commands, vertices, 1, 0, 0),
                 _ => debug_assert!(false, "a render pass draws"),
             }
             device.cmd_end_rendering(self.commands);
@@ -319,6 +320,20 @@ impl Walk<'_> {
             ImageSlot::Own(_) => vk::ImageLayout::GENERAL,
             ImageSlot::Host(_) => used(usage).layout,
         }
+    }
+
+    unsafe fn copy(&self, from: (BufferId, u64), to: (BufferId, u64), size: u64, pass: &Pass) -> Result<()> {
+        let (source, src_offset, available) = self.resources.buffer(from.0);
+        if from.1 + size > available {
+            let why = format!("{available} bytes, {} are read from it", from.1 + size);
+            return Err(Error::HostResource { name: pass.name, why });
+        }
+        let (target, dst_offset, _) = self.resources.buffer(to.0);
+        let (src_offset, dst_offset) = (src_offset + from.1, dst_offset + to.1);
+        let regions = [vk::BufferCopy { src_offset, dst_offset, size }];
+        // SAFETY: the caller's.
+        unsafe { self.host.device.cmd_copy_buffer(self.commands, source, target, &regions) };
+        Ok(())
     }
 
     unsafe fn transfer(&self, step: &Step, pass: &Pass) -> Result<()> {
@@ -340,16 +355,8 @@ impl Walk<'_> {
                     let layout = self.layout(image, &Usage::COPY_TARGET);
                     device.cmd_clear_color_image(self.commands, self.resources.image(image), layout, &value, &range);
                 }
-                Command::CopyBuffer { from, to, bytes } => {
-                    let (from, src_offset, available) = self.resources.buffer(from);
-                    if bytes > available {
-                        let why = format!("{available} bytes, {bytes} are read from it");
-                        return Err(Error::HostResource { name: pass.name, why });
-                    }
-                    let (to, dst_offset, _) = self.resources.buffer(to);
-                    let regions = [vk::BufferCopy { src_offset, dst_offset, size: bytes }];
-                    device.cmd_copy_buffer(self.commands, from, to, &regions);
-                }
+                Command::CopyBuffer { from, to, bytes } => self.copy((from, 0), (to, 0), bytes, pass)?,
+                Command::CopyRange { from, to, bytes } => self.copy(from, to, bytes, pass)?,
                 Command::CopyImage { from, to, extent: [width, height] } => {
                     let layers = vk::ImageSubresourceLayers {
                         aspect_mask: vk::ImageAspectFlags::COLOR,

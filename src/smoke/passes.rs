@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::host::DepthFormat;
-use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Usage};
+use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Topology, Usage};
 use crate::shaders::smoke as glsl;
 use crate::smoke::frame::Desc;
 use crate::smoke::layout::*;
@@ -130,6 +130,7 @@ const REVERSED: vk::CompareOp = vk::CompareOp::GREATER;
 fn shadow_map(desc: &Desc, face: u32) -> Pass {
     let format = vk::Format::D32_SFLOAT;
     let raster = Raster {
+        topology: Topology::Quads,
         vertex: &glsl::shadow_vertex::SHADER,
         fragment: &glsl::shadow_fragment::SHADER,
         colour: None,
@@ -144,6 +145,7 @@ fn spheres(desc: &Desc) -> Pass {
     let seen =
         ColourAttachment { image: SEEN, format: vk::Format::R32_UINT, clear: Some([0; 4]), blend: Blend::Replace };
     let raster = Raster {
+        topology: Topology::Quads,
         vertex: &glsl::spheres_vertex::SHADER,
         fragment: &glsl::spheres_fragment::SHADER,
         colour: Some(seen),
@@ -178,6 +180,7 @@ fn composite(desc: &Desc) -> Pass {
     // Equal depth passes: what is drawn twice stays.
     let compare = |reversed| if reversed { vk::CompareOp::GREATER_OR_EQUAL } else { vk::CompareOp::LESS_OR_EQUAL };
     let raster = Raster {
+        topology: Topology::Quads,
         vertex: &glsl::composite_vertex::SHADER,
         fragment: match desc.depth {
             Some(_) => &glsl::composite_depth_fragment::SHADER,

@@ -94,6 +94,18 @@ impl Default for Outline {
     }
 }
 
+impl Outline {
+    /// Checks every value; `names` are the keys of strength, width and colour.
+    pub(crate) fn validate(&self, names: [&'static str; 3]) -> Result<()> {
+        within(names[0], self.strength, 0.0, 1e6, "0 (off) to 1e6")?;
+        within(names[1], self.width, 1.0, 16.0, "pixels, 1 to 16")?;
+        for c in self.colour {
+            within(names[2], c, 0.0, f32::MAX, "linear RGB, finite, 0 or above")?;
+        }
+        Ok(())
+    }
+}
+
 /// One tone: from luminance `from` upwards the smoke has colour `colour`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(from = "(f32, [f32; 3])"))]
@@ -265,33 +277,24 @@ impl Settings {
             number("smoke.sigma", self.sigma, 0.1, 64.0, "pixels, 0 (off) or 0.1 to 64")?;
         }
         number("smoke.cutoff", self.cutoff, 1.0, 4.0, "multiples of sigma, 1 to 4")?;
-        self.validate_tones()?;
+        validate_tones("smoke.tones", &self.tones)?;
         number("smoke.tone_softness", self.tone_softness, 0.0, 16.0, "pixels, 0 to 16")?;
-        let Outline { strength, width, colour, .. } = self.outline;
-        number("smoke.outline.strength", strength, 0.0, 1e6, "0 (off) to 1e6")?;
-        number("smoke.outline.width", width, 1.0, 16.0, "pixels, 1 to 16")?;
-        for c in colour {
-            number("smoke.outline.colour", c, 0.0, f32::MAX, "linear RGB, finite, 0 or above")?;
-        }
-        Ok(())
+        self.outline.validate(["smoke.outline.strength", "smoke.outline.width", "smoke.outline.colour"])
     }
+}
 
-    fn validate_tones(&self) -> Result<()> {
-        if self.tones.is_empty() || self.tones.len() > 256 {
-            return Err(Error::setting("smoke.tones", format!("{} tones", self.tones.len()), "1 to 256 tones"));
-        }
-        for (i, tone) in self.tones.iter().enumerate() {
-            if !(0.0..=1.0).contains(&tone.from) || (i > 0 && tone.from <= self.tones[i - 1].from) {
-                return Err(Error::setting("smoke.tones", tone.from, "luminances in 0 to 1, ascending"));
-            }
-            if tone.colour.iter().any(|c| !(0.0..=f32::MAX).contains(c)) {
-                return Err(Error::setting(
-                    "smoke.tones",
-                    format!("{:?}", tone.colour),
-                    "linear RGB, finite, 0 or above",
-                ));
-            }
-        }
-        Ok(())
+/// Checks the tones of the key `name`.
+pub(crate) fn validate_tones(name: &'static str, tones: &[Tone]) -> Result<()> {
+    if tones.is_empty() || tones.len() > 256 {
+        return Err(Error::setting(name, format!("{} tones", tones.len()), "1 to 256 tones"));
     }
+    for (i, tone) in tones.iter().enumerate() {
+        if !(0.0..=1.0).contains(&tone.from) || (i > 0 && tone.from <= tones[i - 1].from) {
+            return Err(Error::setting(name, tone.from, "luminances in 0 to 1, ascending"));
+        }
+        if tone.colour.iter().any(|c| !(0.0..=f32::MAX).contains(c)) {
+            return Err(Error::setting(name, format!("{:?}", tone.colour), "linear RGB, finite, 0 or above"));
+        }
+    }
+    Ok(())
 }

@@ -8,6 +8,7 @@
 
 pub mod allocations;
 pub mod bench;
+pub mod blur;
 pub mod flame;
 pub mod picture;
 pub mod rig;

@@ -1,0 +1,70 @@
+// Which edges are split in a round. An edge's ends alone decide, so that both of its triangles agree.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 128) in;
+layout(std430, binding = 1) readonly buffer Splines { Piece splines[]; };
+layout(std430, binding = 2) readonly buffer Vertices { Vertex vertices[]; };
+layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
+layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
+layout(std430, binding = 5) readonly buffer Rounds { Round rounds[]; };
+layout(std430, binding = 6) buffer Active { uvec4 active_triangles[]; };
+layout(std430, binding = 7) writeonly buffer Blocks { uvec2 blocks[]; };
+layout(push_constant) uniform RoundConstants { uint round; } constants;
+layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, whatever they look like
+#include "curve.glsl"
+#include "extent.glsl"
+#include "vertex.glsl"
+#include "block.glsl"
+
+// How far an edge is from where it should be, squared.
+float departure(uint a, uint b, uint where, vec2 straight) {
+    return distance2(vertex_between(a, b, where).drawn.xy, straight);
+}
+
+vec2 quarter_of(vec2 from, vec2 to) {
+    precise vec2 quarter = from + (to - from) * 0.25;
+    return quarter;
+}
+
+bool is_split(uint a, uint b) {
+    vec2 from = vertices[a].drawn.xy;
+    vec2 to = vertices[b].drawn.xy;
+    float length2 = distance2(from, to);
+    bool is_long = length2 >= params.lens.y * params.lens.y && length2 < uintBitsToFloat(0x7f800000u);
+    if (!is_long || vertices[a].place.x + vertices[b].place.x == 0u) {
+        return false;
+    }
+    if (BY_LENGTH == 1u) {
+        return length2 > params.model.w * params.model.w;
+    }
+    precise float most = params.model.z * params.model.z;
+    precise vec2 half_way = (from + to) * 0.5;
+    return departure(a, b, 2u, half_way) > most || departure(a, b, 1u, quarter_of(from, to)) > most
+        || departure(a, b, 3u, quarter_of(to, from)) > most;
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    uvec2 parts = uvec2(0u);
+    if (index < rounds[constants.round].groups.w) {
+        uvec4 triangle = active_triangles[index];
+        uint open = triangle.w >> OPEN_SHIFT;
+        if (open != 0u) {
+            uint split = 0u;
+            for (uint edge = 0u; edge < 3u; ++edge) {
+                uint next = edge == 2u ? 0u : edge + 1u;
+                if ((open >> edge & 1u) != 0u && is_split(triangle[edge], triangle[next])) {
+                    split |= 1u << edge;
+                }
+            }
+            triangle.w = triangle.w & ~(7u << SPLIT_SHIFT) | split << SPLIT_SHIFT;
+            active_triangles[index].w = triangle.w;
+            parts = parts_of(triangle.w);
+        }
+    }
+    uvec4 sum = sum_block(parts);
+    if (gl_LocalInvocationID.x == 0u) {
+        blocks[gl_WorkGroupID.x] = sum.zw;
+    }
+}

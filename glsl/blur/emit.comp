@@ -1,0 +1,107 @@
+// Divides the triangles of a round: what is not divided is finished. The order is that of the triangles before.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 128) in;
+layout(std430, binding = 1) buffer Splines { Piece splines[]; };
+layout(std430, binding = 2) buffer Vertices { Vertex vertices[]; };
+layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
+layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
+layout(std430, binding = 5) readonly buffer Rounds { Round rounds[]; };
+layout(std430, binding = 6) readonly buffer Active { uvec4 active_triangles[]; };
+layout(std430, binding = 7) writeonly buffer Next { uvec4 next_triangles[]; };
+layout(std430, binding = 8) writeonly buffer Finished { uvec4 finished[]; };
+layout(std430, binding = 9) readonly buffer Blocks { uvec2 blocks[]; };
+layout(std430, binding = 10) readonly buffer Triangles { uvec4 triangles[]; };
+layout(push_constant) uniform RoundConstants { uint round; } constants;
+#include "curve.glsl"
+#include "extent.glsl"
+#include "vertex.glsl"
+#include "block.glsl"
+
+const uint ALL_OPEN = 7u;
+
+// Barycentric coordinates in a base triangle, of its second and its third corner.
+vec2 place_in(uint base, uint vertex) {
+    uvec4 place = vertices[vertex].place;
+    return place.y == 0u ? uintBitsToFloat(place.zw)
+        : vec2(triangles[base].y == vertex ? 1.0 : 0.0, triangles[base].z == vertex ? 1.0 : 0.0);
+}
+
+void add_vertex(uint to, uint a, uint b, uint base) {
+    for (uint s = 0u; s < params.pieces.x; ++s) {
+        splines[s * params.pieces.z + to] = piece_of(a, b, 2u, s);
+    }
+    Vertex vertex = vertex_between(a, b, 2u);
+    vec2 place = (place_in(base, a) + place_in(base, b)) * 0.5;
+    vertex.place.zw = floatBitsToUint(place);
+    vertices[to] = vertex;
+}
+
+void add(inout uint at, uvec3 corners, uint base, uint open) {
+    next_triangles[at] = uvec4(corners, base | open << OPEN_SHIFT);
+    at += 1u;
+}
+
+// Whether the first of two diagonals is the shorter one; of equal ones, which new vertex is farther to the left, or up.
+bool is_shorter(float own, vec2 p, float other, vec2 q) {
+    return own < other || own == other && (p.x < q.x || p.x == q.x && p.y <= q.y);
+}
+
+void divide(uvec4 triangle, uint at, uint made) {
+    uint base = triangle.w & BASE_MASK;
+    uint split = triangle.w >> SPLIT_SHIFT & 7u;
+    // Turned so that of one split edge it is the first, and of two they meet in the first corner.
+    uint turns = split == 2u || split == 3u ? 1u : split == 4u || split == 6u ? 2u : 0u;
+    uvec3 corners = turns == 0u ? triangle.xyz : turns == 1u ? triangle.yzx : triangle.zxy;
+    uint a = corners.x;
+    uint b = corners.y;
+    uint c = corners.z;
+    uint ab = made;
+    add_vertex(ab, a, b, base);
+    if (bitCount(split) == 1) {
+        add(at, uvec3(a, ab, c), base, 3u);
+        add(at, uvec3(ab, b, c), base, 5u);
+        return;
+    }
+    uint ca = made + 1u;
+    add_vertex(ca, c, a, base);
+    add(at, uvec3(a, ab, ca), base, ALL_OPEN);
+    if (bitCount(split) == 2) {
+        vec2 first = vertices[ab].drawn.xy;
+        vec2 second = vertices[ca].drawn.xy;
+        float own = distance2(first, vertices[c].drawn.xy);
+        if (is_shorter(own, first, distance2(vertices[b].drawn.xy, second), second)) {
+            add(at, uvec3(ab, b, c), base, 5u);
+            add(at, uvec3(ab, c, ca), base, ALL_OPEN);
+        } else {
+            add(at, uvec3(ab, b, ca), base, ALL_OPEN);
+            add(at, uvec3(b, c, ca), base, 6u);
+        }
+        return;
+    }
+    uint bc = made + 2u;
+    add_vertex(bc, b, c, base);
+    add(at, uvec3(ab, b, bc), base, ALL_OPEN);
+    add(at, uvec3(ca, bc, c), base, ALL_OPEN);
+    add(at, uvec3(ab, bc, ca), base, ALL_OPEN);
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    Round current = rounds[constants.round];
+    bool exists = index < current.groups.w;
+    uvec4 triangle = exists ? active_triangles[index] : uvec4(0u);
+    bool is_last = current.scan.w != 0u;
+    uvec2 parts = exists && !is_last ? parts_of(triangle.w) : uvec2(0u);
+    uvec2 before = sum_block(parts).xy + (is_last ? uvec2(0u) : blocks[gl_WorkGroupID.x]);
+    if (!exists) {
+        return;
+    }
+    if (parts.x > 0u) {
+        divide(triangle, before.x, current.made.y + before.x - before.y);
+    } else {
+        uint kept = (triangle.w >> OPEN_SHIFT) == 0u ? triangle.w & (BASE_MASK | CULLED) : triangle.w & BASE_MASK;
+        finished[current.made.x + index - before.y] = uvec4(triangle.xyz, kept);
+    }
+}

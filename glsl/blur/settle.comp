@@ -1,0 +1,31 @@
+// Where the mesh's points are drawn.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) readonly buffer Smooth { uint smooth_values[]; };
+layout(std430, binding = 2) readonly buffer Splines { Piece splines[]; };
+layout(std430, binding = 3) buffer Vertices { Vertex vertices[]; };
+layout(std430, binding = 4) readonly buffer Clusters { Cluster clusters[]; };
+layout(std430, binding = 5) readonly buffer Hull { vec2 hull[]; };
+layout(push_constant) uniform SettleConstants {
+    uint from;  // which half of the smoothed values is the last: 0 or 1
+} constants;
+#include "curve.glsl"
+#include "extent.glsl"
+
+void main() {
+    uint point = gl_GlobalInvocationID.x;
+    if (point >= params.counts.x) {
+        return;
+    }
+    float moved = vertices[point].extent.w;
+    int change = int(whole_of(moved)) - int(smooth_values[constants.from * params.counts.x + point]);
+    precise float added = float(change) * (1.0 / UNIT);
+    if (vertices[point].place.x > 0u) {
+        moved = shifted(moved, added);
+    }
+    State state = state_at(point, point, 0u, moved);
+    vertices[point].extent.zw = vec2(added, moved);
+    vertices[point].drawn = vec4(state.motion.xy, state.depth, moved);
+}

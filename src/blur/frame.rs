@@ -1,0 +1,326 @@
+//! What a host says of one output.
+
+use ash::vk;
+
+use crate::blur::mesh::{Lists, Mesh};
+use crate::blur::motion::{Interval, Segment};
+use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
+use crate::blur::settings::Settings;
+use crate::error::{Error, Result};
+use crate::host::{Background, HostBuffer, HostImage, check_image};
+use crate::view::Camera;
+
+/// Triangles that refinement may make, unless a host says otherwise.
+pub const MOST_TRIANGLES: u32 = 1_000_000;
+
+/// What a blur effect is made for. All of it is fixed until `resize`.
+#[derive(Clone, Debug)]
+pub struct Desc {
+    /// Pixels of the picture, each at least 1.
+    pub size: [u32; 2],
+    /// Format of the target and of the frames' images; one that can be a colour attachment and be sampled.
+    pub target_format: vk::Format,
+    /// Points of the mesh, at least 1.
+    pub points: u32,
+    /// Its triangles.
+    pub triangles: u32,
+    /// Entries of its lists of neighbours.
+    pub neighbours: u32,
+    /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
+    /// Usually [`MOST_TRIANGLES`].
+    pub most_triangles: u32,
+    /// Pieces that a trajectory may have in a frame, 1 to 32: [`Desc::segments_of`], or more with `trajectory = "exact"`.
+    pub segments: u32,
+    /// Frames whose poses are kept on the device, at least 4 and as many as a window of trajectories has; a frame takes
+    /// the place of the one that is so many before it.
+    pub frames_resident: u32,
+    /// Same seed, same teeth.
+    pub seed: u32,
+    /// The look.
+    pub settings: Settings,
+    /// Whether every buffer that is a layer is kept for reading after the frame.
+    pub layers: bool,
+    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
+    pub skipping: bool,
+}
+
+impl Desc {
+    /// Pieces that splines need: one, and one for each frame that the smear reaches back over.
+    pub fn segments_of(settings: &Settings) -> u32 {
+        1 + (settings.strength - 1.0).max(0.0).ceil() as u32
+    }
+}
+
+/// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct TopologyInput {
+    /// Four `u32` a triangle: its points, and twice the place of its object, plus 1 if the object is closed.
+    pub triangles: HostBuffer,
+    /// A `u32` a point and one more: where its list of neighbours begins, and the end of the last.
+    pub neighbour_starts: HostBuffer,
+    /// The lists.
+    pub neighbours: HostBuffer,
+}
+
+impl TopologyInput {
+    /// The rows of [`TopologyInput::triangles`] of a mesh.
+    pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
+        let place = |id: &u32| mesh.objects().partition_point(|object| object.id < *id);
+        let rows = mesh.triangles().iter().zip(mesh.triangle_objects());
+        rows.map(|([a, b, c], id)| {
+            let object = place(id);
+            [*a, *b, *c, 2 * object as u32 + u32::from(mesh.objects()[object].closed)]
+        })
+        .collect()
+    }
+}
+
+/// Poses of consecutive frames.
+#[derive(Clone, Copy, Debug)]
+pub struct PoseInput {
+    /// Number of the first frame.
+    pub first: u32,
+    /// Number of frames, at least 1.
+    pub count: u32,
+    /// Three `f32` a point and frame, frame by frame: world position in metres, finite. Usage: `TRANSFER_SRC`.
+    pub positions: HostBuffer,
+}
+
+/// A frame whose pose is on the device, and what sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Its number.
+    pub frame: u32,
+    /// Its camera.
+    pub camera: Camera,
+}
+
+/// A frame that trajectories go through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knot {
+    /// The frame.
+    pub view: View,
+    /// Share of its distance from frame i in each row of each piece: origin, step, moments; segment by segment.
+    pub weights: [[f32; 4]; PIECE_SEGMENTS],
+}
+
+/// Where trajectories come from.
+#[derive(Clone, Copy, Debug)]
+pub enum Trajectories<'a> {
+    /// Made on the device, through these frames; at most 8 segments.
+    Poses(&'a [Knot]),
+    /// Given: [`Interval::pieces`]. Usage: `TRANSFER_SRC`.
+    Pieces(HostBuffer),
+}
+
+/// An [`Interval`] on the device. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct IntervalInput<'a> {
+    /// How much of it there is.
+    pub counts: Counts,
+    /// [`Interval::segments`].
+    pub segments: &'a [Segment],
+    /// Frames i - 1, i, i + 1, i + 2; where there is no such frame, the nearest of the others.
+    pub views: [View; 4],
+    /// Where trajectories come from.
+    pub trajectories: Trajectories<'a>,
+    /// [`Interval::motion`].
+    pub motion: HostBuffer,
+    /// [`Interval::labels`].
+    pub labels: HostBuffer,
+    /// [`Interval::clusters`].
+    pub clusters: HostBuffer,
+    /// [`Interval::hull`].
+    pub hull: HostBuffer,
+    /// [`Interval::seams`]; not looked at if there are none.
+    pub seams: HostBuffer,
+}
+
+/// What must be known of an [`Interval`] before the device has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// [`Interval::generation`].
+    pub generation: u32,
+    /// Clusters.
+    pub clusters: u32,
+    /// Points of all hulls.
+    pub hull: u32,
+    /// Points of the largest hull.
+    pub largest_hull: u32,
+    /// Points at seams.
+    pub seams: u32,
+    /// The most neighbours of one of these.
+    pub most_neighbours: u32,
+    /// The largest |x| + |y| of a point of a hull, in pixels.
+    pub farthest: f32,
+}
+
+impl Counts {
+    /// Of an interval. The seams' neighbours are those of [`crate::blur::Mesh::neighbours`].
+    pub fn of(interval: &Interval, neighbours: &Lists) -> Counts {
+        let seams = interval.seams.iter().map(|point| neighbours.of(*point as usize).len() as u32);
+        Counts {
+            generation: interval.generation,
+            clusters: interval.clusters.len() as u32,
+            hull: interval.hull.len() as u32,
+            largest_hull: interval.clusters.iter().map(|c| c.hull_end - c.hull_begin).max().unwrap_or(0),
+            seams: interval.seams.len() as u32,
+            most_neighbours: seams.max().unwrap_or(0),
+            farthest: interval.hull.iter().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f32::max),
+        }
+    }
+}
+
+/// One output, i + 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// The mesh; given exactly in the first frame after creation and `resize`.
+    pub mesh: Option<TopologyInput>,
+    /// Poses of frames that are not on the device yet.
+    pub poses: Option<PoseInput>,
+    /// What moves; none: nothing, and the output is the image of frame i + 1.
+    pub interval: Option<IntervalInput<'a>>,
+    /// Images of frames i and i + 1: linear light (or a format that is read as such), premultiplied, of the target's size
+    /// and format. Usage: `TRANSFER_SRC`.
+    pub images: [HostImage; 2],
+    /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
+    pub target: HostImage,
+    /// What is where no image shows anything but the mesh: [`Background::Keep`] is nothing at all, an image is not
+    /// taken yet.
+    pub background: Background,
+}
+
+fn refuse<T>(name: &'static str, why: String) -> Result<T> {
+    Err(Error::HostResource { name, why })
+}
+
+fn holds(name: &'static str, buffer: &HostBuffer, needed: u64) -> Result<()> {
+    match buffer.size < needed {
+        true => refuse(name, format!("{} bytes; {needed} expected", buffer.size)),
+        false => Ok(()),
+    }
+}
+
+impl TopologyInput {
+    fn validate(&self, desc: &Desc) -> Result<()> {
+        holds("the mesh's triangles", &self.triangles, 16 * u64::from(desc.triangles))?;
+        holds("the mesh's lists of neighbours", &self.neighbour_starts, 4 * (u64::from(desc.points) + 1))?;
+        holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))
+    }
+}
+
+impl PoseInput {
+    fn validate(&self, desc: &Desc) -> Result<()> {
+        if self.count > desc.frames_resident {
+            let why = format!("{} of them; the effect was made to keep {}", self.count, desc.frames_resident);
+            return refuse("poses", why);
+        }
+        if self.first.checked_add(self.count).is_none() {
+            return refuse("poses", "their frame numbers do not fit into 32 bits".to_owned());
+        }
+        holds("poses", &self.positions, 12 * u64::from(desc.points) * u64::from(self.count))
+    }
+}
+
+impl IntervalInput<'_> {
+    fn validate(&self, desc: &Desc) -> Result<()> {
+        let Counts { clusters, hull, largest_hull, seams, most_neighbours, farthest, .. } = self.counts;
+        let points = u64::from(desc.points);
+        if clusters.max(seams) > desc.points || hull > desc.points {
+            let why = format!("{clusters} clusters, {hull} points of hulls, {seams} of seams, of {points} points");
+            return refuse("the interval", why);
+        }
+        let limits = [
+            ("points of a hull", largest_hull, crate::blur::layout::MOST_HULL),
+            ("neighbours of a point at a seam", most_neighbours, crate::layout::LOOP_BUDGET),
+        ];
+        for (what, needed, limit) in limits {
+            if needed > limit {
+                let (needed, limit) = (needed.into(), limit.into());
+                return Err(Error::Limit { what, needed, limit, advice: "use a mesh with fewer points" });
+            }
+        }
+        if !farthest.is_finite() {
+            return refuse("the interval", "a hull that is not finite".to_owned());
+        }
+        self.validate_segments(desc)?;
+        self.views.iter().try_for_each(|view| view.camera.validate())?;
+        holds("the interval's motion", &self.motion, 16 * points)?;
+        holds("the interval's labels", &self.labels, 4 * points)?;
+        holds("the interval's clusters", &self.clusters, 24 * u64::from(clusters))?;
+        holds("the interval's hulls", &self.hull, 8 * u64::from(hull))?;
+        if seams > 0 {
+            holds("the interval's seams", &self.seams, 4 * u64::from(seams))?;
+        }
+        match self.trajectories {
+            Trajectories::Poses(knots) => knots.iter().try_for_each(|knot| knot.view.camera.validate()),
+            Trajectories::Pieces(pieces) => {
+                holds("the interval's pieces", &pieces, 64 * points * self.segments.len() as u64)
+            }
+        }
+    }
+
+    fn validate_segments(&self, desc: &Desc) -> Result<()> {
+        let count = self.segments.len();
+        let most = match self.trajectories {
+            Trajectories::Poses(knots) if knots.is_empty() || knots.len() > MOST_KNOTS => {
+                return refuse("the trajectories' knots", format!("{}; 1 to {MOST_KNOTS} expected", knots.len()));
+            }
+            Trajectories::Poses(_) => PIECE_SEGMENTS,
+            Trajectories::Pieces(_) => MOST_SEGMENTS,
+        };
+        if count == 0 || count > most.min(desc.segments as usize) {
+            let why = format!("{count}; 1 to {} expected", most.min(desc.segments as usize));
+            return refuse("the trajectories' segments", why);
+        }
+        match self.segments.iter().find(|s| !(s.end > s.begin && s.begin.is_finite() && s.end.is_finite())) {
+            Some(s) => refuse("the trajectories' segments", format!("one from {} to {}", s.begin, s.end)),
+            None => Ok(()),
+        }
+    }
+
+    /// Frames whose poses it needs.
+    pub(super) fn frames(&self) -> impl Iterator<Item = u32> {
+        let knots: &[Knot] = match self.trajectories {
+            Trajectories::Poses(knots) => knots,
+            Trajectories::Pieces(_) => &[],
+        };
+        self.views.iter().chain(knots.iter().map(|knot| &knot.view)).map(|view| view.frame)
+    }
+}
+
+impl Frame<'_> {
+    /// `resident`: the frame in each place of the device's poses.
+    pub(crate) fn validate(&self, desc: &Desc, first: bool, resident: &[Option<u32>]) -> Result<()> {
+        match (&self.mesh, first) {
+            (None, true) => return refuse("the mesh", "the first frame needs it".to_owned()),
+            (Some(_), false) => return refuse("the mesh", "only the first frame brings it".to_owned()),
+            (mesh, _) => mesh.iter().try_for_each(|mesh| mesh.validate(desc))?,
+        }
+        if let Some(poses) = &self.poses {
+            poses.validate(desc)?;
+        }
+        if let Some(interval) = &self.interval {
+            interval.validate(desc)?;
+            let fresh = |frame: u32| self.poses.is_some_and(|p| (p.first..p.first + p.count).contains(&frame));
+            let place = |frame: u32| resident.get((frame % desc.frames_resident) as usize).copied().flatten();
+            // What a new pose takes the place of is gone.
+            let is_covered = |frame: u32| {
+                self.poses.is_some_and(|p| {
+                    (p.first..p.first + p.count).any(|new| new % desc.frames_resident == frame % desc.frames_resident)
+                })
+            };
+            let is_there = |frame: &u32| fresh(*frame) || (place(*frame) == Some(*frame) && !is_covered(*frame));
+            if let Some(frame) = interval.frames().find(|frame| !is_there(frame)) {
+                return refuse("poses", format!("that of frame {frame} is needed and not on the device"));
+            }
+        }
+        check_image("target", &self.target, desc.size, desc.target_format)?;
+        check_image("the image of frame i", &self.images[0], desc.size, desc.target_format)?;
+        check_image("the image of frame i + 1", &self.images[1], desc.size, desc.target_format)?;
+        match self.background {
+            Background::Copy(_) => refuse("background", "an image; expected a colour or none".to_owned()),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Which buffers and images the effect has, and how large they are. Pure.
+
+use ash::vk;
+
+use crate::blur::frame::Desc;
+use crate::blur::params::{
+    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_SEGMENTS, Piece, ROUNDS, Round, Vertex,
+};
+use crate::error::{Error, Result};
+use crate::gpu::buffer::BufferDesc;
+use crate::gpu::image::ImageDesc;
+use crate::host::Memory;
+use crate::layout::{LOOP_BUDGET, Sizes, buffers};
+use crate::plan::{BufferId, ImageId, Resource, Slot};
+
+/// The most points of a cluster's hull. An invocation decides on three edges, each in three places, and for each may have
+/// to look at all of a hull after it has searched and walked in four directions (`glsl/blur/extent.glsl`).
+pub const MOST_HULL: u32 = LOOP_BUDGET / 9 - 4 * (16 + 128 + 64) - 3 * MOST_SEGMENTS as u32;
+/// Workgroups that any device can dispatch along an axis.
+const MOST_GROUPS: u64 = 65_535;
+
+buffers! {
+    "blur"
+    PARAMS = "BlurParams",
+    CONTROL = "ControlBuffer",
+    ROUND_LIST = "Rounds",
+    KNOTS = "Knots",
+    POSES = "Poses",
+    TRIANGLES = "Triangles",
+    NEIGHBOUR_STARTS = "NeighbourStarts",
+    NEIGHBOURS = "Neighbours",
+    MOTIONS = "Motions",
+    LABELS = "Labels",
+    CLUSTERS = "Clusters",
+    HULL = "Hull",
+    SEAMS = "Seams",
+    SMOOTH = "Smooth",
+    CLIP = "Clip",
+    SPLINES = "Splines",
+    VERTICES = "Vertices",
+    ACTIVE = "Active",
+    NEXT = "Next",
+    FINISHED = "Finished",
+    BLOCKS_SUMS = "Blocks",
+    PREVIOUS_NAMES = "PreviousNames",
+    NEXT_NAMES = "NextNames",
+    DISTORTED_NAMES = "DistortedNames",
+}
+
+/// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
+/// refined one.
+pub const NAME_LAYERS: [BufferId; 3] = [PREVIOUS_NAMES, NEXT_NAMES, DISTORTED_NAMES];
+/// The host's topology: triangles, where lists of neighbours begin, neighbours.
+pub const HOST_TOPOLOGY: [BufferId; 3] = [BufferId(BUFFERS), BufferId(BUFFERS + 1), BufferId(BUFFERS + 2)];
+/// The host's poses.
+pub const HOST_POSES: BufferId = BufferId(BUFFERS + 3);
+/// The host's interval: motion, labels, clusters, hulls, seams, pieces.
+pub const HOST_INTERVAL: [BufferId; 6] = [
+    BufferId(BUFFERS + 4),
+    BufferId(BUFFERS + 5),
+    BufferId(BUFFERS + 6),
+    BufferId(BUFFERS + 7),
+    BufferId(BUFFERS + 8),
+    BufferId(BUFFERS + 9),
+];
+/// Buffers of the host's.
+pub const HOST_BUFFERS: usize = 10;
+
+/// Which triangle each pixel of frames i and i + 1 sees.
+pub const SEEN: [ImageId; 2] = [ImageId(0), ImageId(1)];
+/// Their depth.
+pub const SEEN_DEPTH: [ImageId; 2] = [ImageId(2), ImageId(3)];
+/// Which refined triangle each pixel sees.
+pub const DISTORTED: ImageId = ImageId(4);
+/// Its depth.
+pub const DISTORTED_DEPTH: ImageId = ImageId(5);
+/// Which refined triangle each of a pixel's four samples sees.
+pub const SAMPLED: ImageId = ImageId(6);
+/// Their depth.
+pub const SAMPLED_DEPTH: ImageId = ImageId(7);
+/// Own images.
+pub const IMAGES: u16 = 8;
+/// The host's target.
+pub const TARGET: ImageId = ImageId(IMAGES);
+/// The host's images of frames i and i + 1.
+pub const HOST_FRAMES: [ImageId; 2] = [ImageId(IMAGES + 1), ImageId(IMAGES + 2)];
+/// Images of the host's.
+pub const HOST_IMAGES: usize = 3;
+
+/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
+pub fn resource(slot: &Slot) -> Option<Resource> {
+    let image = match slot.name {
+        "seen_previous" => Some(SEEN[0]),
+        "seen_next" => Some(SEEN[1]),
+        "distorted" => Some(DISTORTED),
+        _ => None,
+    };
+    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    image.map(Resource::Image).or(buffer.map(Resource::Buffer))
+}
+
+/// Sizes of everything, from what the effect is made for.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Triangles that there may be.
+    pub triangles: u32,
+    /// Vertices that there is room for: the mesh's points, and one for each triangle that refinement adds.
+    pub vertices: u32,
+    sizes: Sizes<{ BUFFERS as usize }>,
+}
+
+impl Layout {
+    /// Computes it; fails where a buffer is larger than `limit` bytes, the largest range that a shader can bind.
+    pub fn new(desc: &Desc, limit: u64) -> Result<Layout> {
+        let vertex = u64::from(desc.segments) * size_of::<Piece>() as u64;
+        let room = (limit / vertex.max(size_of::<Vertex>() as u64)).min(MOST_GROUPS * 64);
+        let added = u64::from(desc.most_triangles - desc.triangles).min(room.saturating_sub(desc.points.into()));
+        // Lists of triangles are bound, too, and dispatched over.
+        let added = added.min((limit / 16).min(MOST_GROUPS * u64::from(BLOCK)).saturating_sub(desc.triangles.into()));
+        let mut layout = Layout {
+            triangles: desc.triangles + added as u32,
+            vertices: desc.points + added as u32,
+            sizes: Sizes::LEAST,
+        };
+        layout.size_buffers(desc);
+        layout.check(desc, limit)?;
+        Ok(layout)
+    }
+
+    fn set(&mut self, id: BufferId, bytes: u64) {
+        self.sizes.set(id, bytes);
+    }
+
+    /// Bytes of a buffer.
+    pub fn size(&self, id: BufferId) -> u64 {
+        self.sizes.get(id)
+    }
+
+    fn size_buffers(&mut self, desc: &Desc) {
+        let (points, triangles) = (u64::from(desc.points), u64::from(self.triangles));
+        let vertices = u64::from(self.vertices);
+        self.set(PARAMS, size_of::<BlurParams>() as u64);
+        self.set(CONTROL, size_of::<Control>() as u64);
+        self.set(ROUND_LIST, u64::from(ROUNDS + 1) * size_of::<Round>() as u64);
+        self.set(KNOTS, (MOST_KNOTS * size_of::<Knot>()) as u64);
+        self.set(POSES, 12 * points * u64::from(desc.frames_resident));
+        self.set(TRIANGLES, 16 * u64::from(desc.triangles));
+        self.set(NEIGHBOUR_STARTS, 4 * (points + 1));
+        self.set(NEIGHBOURS, 4 * u64::from(desc.neighbours));
+        self.set(MOTIONS, 16 * points);
+        self.set(LABELS, 4 * points);
+        self.set(CLUSTERS, size_of::<Cluster>() as u64 * points);
+        self.set(HULL, 8 * points);
+        self.set(SEAMS, 4 * points);
+        self.set(SMOOTH, 8 * points);
+        self.set(CLIP, 4 * 16 * points);
+        self.set(SPLINES, vertices * u64::from(desc.segments) * size_of::<Piece>() as u64);
+        self.set(VERTICES, vertices * size_of::<Vertex>() as u64);
+        self.set(ACTIVE, triangles * 16);
+        self.set(NEXT, triangles * 16);
+        self.set(FINISHED, triangles * 16);
+        let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
+        for id in NAME_LAYERS {
+            self.set(id, if desc.layers { 4 * pixels } else { 0 });
+        }
+        self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
+    }
+
+    fn check(&self, desc: &Desc, limit: u64) -> Result<()> {
+        let advice = |id: BufferId| match id {
+            POSES => "keep fewer frames on the device",
+            _ => "use a smaller mesh",
+        };
+        self.sizes.check(limit, &NAMES, advice)?;
+        for (what, needed, limit) in
+            [("blur's points", desc.points, MOST_GROUPS * 64), ("blur's triangles", desc.triangles, MOST_GROUPS * 64)]
+        {
+            if u64::from(needed) > limit {
+                return Err(Error::Limit { what, needed: needed.into(), limit, advice: "use a smaller mesh" });
+            }
+        }
+        Ok(())
+    }
+
+    /// Descriptions of the own buffers, in order.
+    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
+        self.sizes.descriptions(&NAMES, PARAMS)
+    }
+
+    /// Descriptions of the own images, in order.
+    pub fn images(&self, desc: &Desc) -> [ImageDesc; IMAGES as usize] {
+        let seen = ImageDesc {
+            name: "blur seen",
+            extent: desc.size,
+            layers: 1,
+            array_view: false,
+            format: vk::Format::R32_UINT,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+        };
+        let (format, usage) =
+            (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED);
+        let depth = ImageDesc { name: "blur seen depth", format, usage, ..seen };
+        let extent = desc.size.map(|side| 2 * side);
+        [
+            seen,
+            seen,
+            depth,
+            depth,
+            ImageDesc { name: "blur distorted", ..seen },
+            ImageDesc { name: "blur distorted depth", ..depth },
+            ImageDesc { name: "blur samples", extent, ..seen },
+            ImageDesc { name: "blur sample depth", extent, ..depth },
+        ]
+    }
+
+    /// Device memory, before alignment.
+    pub fn memory(&self, desc: &Desc) -> Memory {
+        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
+        let mut memory = self.sizes.memory(&kept);
+        for image in self.images(desc) {
+            memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * 4;
+        }
+        memory
+    }
+}

@@ -1,0 +1,581 @@
+use glam::{DVec2, DVec3};
+
+use super::*;
+use crate::blur::mesh::MeshInput;
+use crate::blur::reference::{extent, path, spline};
+use crate::blur::settings::{self, Space, Trajectory};
+use crate::reference::random::{hash, unit};
+
+const SIZE: [u32; 2] = [1920, 1080];
+
+/// A mesh and its poses.
+#[derive(Clone)]
+struct Shot {
+    mesh: Mesh,
+    poses: Vec<Vec<[f32; 3]>>,
+    cameras: Vec<Camera>,
+    cuts: Vec<usize>,
+}
+
+/// At this depth a pixel is 1/100 metre.
+fn camera() -> Camera {
+    let depth = 10.0_f64;
+    let fov = 2.0 * (5.4 / depth).atan().to_degrees();
+    Camera { eye: DVec3::new(0.0, 0.0, depth), target: DVec3::ZERO, vertical_fov: fov, ..Camera::default() }
+}
+
+/// World position in the plane z = 0 whose picture is at a pixel position, to rounding.
+fn at_pixel(x: f64, y: f64) -> [f32; 3] {
+    [((x - 960.0) / 100.0) as f32, ((540.0 - y) / 100.0) as f32, 0.0]
+}
+
+fn mesh(vertices: usize, triangles: &[[u32; 3]], objects: Option<&[u32]>) -> Mesh {
+    Mesh::new(&MeshInput { vertices, triangles, objects, weld: None, normals: None }).unwrap()
+}
+
+/// Triangles of a grid of vertices.
+fn grid(columns: u32, rows: u32) -> Vec<[u32; 3]> {
+    let cells = (0..rows - 1).flat_map(|y| (0..columns - 1).map(move |x| y * columns + x));
+    cells.flat_map(|a| [[a, a + 1, a + columns], [a + 1, a + columns + 1, a + columns]]).collect()
+}
+
+impl Shot {
+    fn new(mesh: Mesh, frames: usize, at: impl Fn(usize, usize) -> [f32; 3]) -> Shot {
+        let poses = (0..frames).map(|f| (0..mesh.points()).map(|p| at(p, f)).collect()).collect();
+        Shot { mesh, poses, cameras: vec![camera(); frames], cuts: Vec::new() }
+    }
+
+    fn poses(&self) -> Vec<Pose<'_>> {
+        let poses = self.poses.iter().zip(&self.cameras).enumerate();
+        poses.map(|(f, (positions, camera))| Pose { positions, camera, cut: self.cuts.contains(&f) }).collect()
+    }
+
+    fn try_interval(&self, settings: &Settings, frame: usize) -> Result<Interval> {
+        let window = Window { frame: frame as u32, poses: &self.poses(), current: frame, between: &[] };
+        let motion = Motion::new(settings, SIZE)?;
+        let one = motion.interval(&self.mesh, &window, 1)?;
+        assert_eq!(one, motion.interval(&self.mesh, &window, 3)?, "threads change nothing");
+        check_invariants(&self.mesh, &one);
+        Ok(one)
+    }
+
+    fn interval(&self, settings: &Settings, frame: usize) -> Interval {
+        self.try_interval(settings, frame).unwrap()
+    }
+
+    /// The state of a point in f64 by the reference.
+    fn exact(&self, point: usize, time: f64, on_screen: bool) -> spline::State {
+        let positions: Vec<[f32; 3]> = self.poses.iter().map(|pose| pose[point]).collect();
+        let held = |f: usize| f > 0 && self.poses[f] == self.poses[f - 1] && self.cameras[f] == self.cameras[f - 1];
+        let held: Vec<bool> = (0..self.poses.len()).map(held).collect();
+        spline::Path { positions: &positions, cameras: &self.cameras, held: &held, size: SIZE, on_screen }.at(time)
+    }
+}
+
+/// What holds of every interval.
+fn check_invariants(mesh: &Mesh, interval: &Interval) {
+    assert_eq!(interval.motion.len(), mesh.points());
+    assert_eq!(interval.pieces.len(), mesh.points() * interval.segments.len());
+    assert!(interval.motion.iter().flatten().all(|c| c.is_finite()));
+    let rows = |piece: &Piece| [piece.origin, piece.step, piece.bend_begin, piece.bend_end].concat();
+    assert!(interval.pieces.iter().flat_map(rows).all(f32::is_finite));
+    let mut counts = vec![0; interval.clusters.len() + 1];
+    interval.labels.iter().for_each(|label| counts[*label as usize] += 1);
+    assert!(interval.clusters.is_sorted_by_key(|cluster| cluster.points));
+    for (label, cluster) in (1..).zip(&interval.clusters) {
+        assert_eq!(cluster.points, counts[label]);
+        assert!(cluster.hull_begin < cluster.chain_end && cluster.chain_end <= cluster.hull_end);
+        assert!((1..=4096).contains(&cluster.teeth));
+    }
+    for (point, label) in interval.labels.iter().enumerate() {
+        if let Some(cluster) = interval.cluster(*label) {
+            assert_eq!(cluster.object, mesh.point_objects()[point]);
+        }
+    }
+    assert!(interval.seams.is_sorted() && interval.seams.iter().all(|p| interval.labels[*p as usize] > 0));
+}
+
+fn path_of(interval: &Interval, point: usize, on_screen: bool) -> (Vec<Piece>, bool) {
+    let points = interval.motion.len();
+    ((0..interval.segments.len()).map(|s| interval.pieces[s * points + point]).collect(), on_screen)
+}
+
+/// Compares all points with the reference: offsets from frame i to 1e-4 pixels, motion to rounding.
+fn check_trajectories(shot: &Shot, settings: &Settings, frame: usize, times: &[f32]) {
+    let on_screen = settings.space == Space::Screen;
+    let interval = shot.interval(settings, frame);
+    for point in 0..shot.mesh.points() {
+        let exact = |time: f32| shot.exact(point, frame as f64 + f64::from(time), on_screen);
+        let [x, y, vx, vy] = interval.motion[point].map(f64::from);
+        let at = exact(settings.reference_time);
+        assert!((DVec2::new(x, y) - at.position).abs().max_element() < 1e-4, "{x} {y} {at:?}");
+        assert!((DVec2::new(vx, vy) - at.velocity).abs().max_element() < 1e-4, "{vx} {vy} {at:?}");
+        let (pieces, on_screen) = path_of(&interval, point, on_screen);
+        let path = path::Path { segments: &interval.segments, pieces: &pieces, on_screen };
+        for time in times {
+            let moved = DVec2::from_array(path.moved(*time).map(f64::from));
+            let expected = exact(*time).position - exact(0.0).position;
+            assert!((moved - expected).abs().max_element() < 1e-4, "{point} {time}: {moved} {expected}");
+        }
+    }
+}
+
+/// Five points on curves of their own, up to 60 pixels a frame.
+fn wandering(frames: usize) -> Shot {
+    Shot::new(mesh(5, &[[0, 1, 2], [2, 3, 4]], None), frames, |p, f| {
+        let noise = |d| unit(hash(4, p as u32, f as u32, d)) * 0.3;
+        let t = f as f32 * 0.4 + p as f32;
+        [2.0 * t.cos() + noise(0), 1.5 * t.sin() + noise(1), (0.7 * t).sin() + noise(2)]
+    })
+}
+
+#[test]
+fn trajectories_are_those_of_the_reference() {
+    let mut shot = wandering(40);
+    for (f, camera) in shot.cameras.iter_mut().enumerate() {
+        camera.eye.x = 0.1 * f as f64;
+        camera.vertical_fov += 0.2 * f as f64;
+    }
+    for (settings, frame) in [
+        (Settings::default(), 20),
+        (Settings { reference_time: 0.0, ..Settings::default() }, 20),
+        (Settings { space: Space::Screen, ..Settings::default() }, 14),
+    ] {
+        check_trajectories(&shot, &settings, frame, &[0.0, 0.25, 0.5, 0.75, 1.0]);
+        let still_camera = Shot { cameras: vec![camera(); 40], ..shot.clone() };
+        check_trajectories(&still_camera, &settings, frame, &[0.0, 0.3, 1.0]);
+    }
+}
+
+#[test]
+fn ends_and_short_sequences_are_natural() {
+    for (frames, frame) in [(2, 0), (3, 0), (3, 1), (4, 1), (30, 0), (30, 28)] {
+        check_trajectories(&wandering(frames), &Settings::default(), frame, &[0.0, 0.5, 1.0]);
+    }
+}
+
+#[test]
+fn strength_above_one_reaches_back_and_goes_on_straight() {
+    let settings = Settings { strength: 3.5, ..Settings::default() };
+    for (frame, segments) in [(20, 4), (2, 3), (1, 2), (0, 1)] {
+        let shot = wandering(34);
+        assert_eq!(shot.interval(&settings, frame).segments.len(), segments);
+        check_trajectories(&shot, &settings, frame, &[1.0, 0.0, -0.5, -1.0, -1.25, -2.5]);
+    }
+}
+
+#[test]
+fn a_held_pose_is_one_knot() {
+    let mut shot = wandering(60);
+    // On threes.
+    for f in 0..60 {
+        shot.poses[f] = shot.poses[f / 3 * 3].clone();
+    }
+    for frame in [29, 32] {
+        check_trajectories(&shot, &Settings { strength: 4.0, ..Settings::default() }, frame, &[0.5, -0.5, -1.5, -2.9]);
+    }
+    for frame in [30, 31] {
+        let interval = shot.interval(&Settings::default(), frame);
+        assert!(interval.clusters.is_empty() && interval.labels == [0; 5]);
+        for point in 0..5 {
+            let [x, y, vx, vy] = interval.motion[point];
+            let exact = shot.exact(point, 30.0, false).position;
+            assert!((DVec2::new(x.into(), y.into()) - exact).length() < 2e-4 && vx == 0.0 && vy == 0.0);
+        }
+    }
+    // Where the camera moves nothing is held.
+    (0..60).for_each(|f| shot.cameras[f].eye.y = 0.1 * f as f64);
+    assert!(!shot.interval(&Settings::default(), 30).clusters.is_empty());
+}
+
+#[test]
+fn a_cut_separates_trajectories() {
+    let shot = wandering(40);
+    let mut cut = shot.clone();
+    cut.cuts = vec![15, 25];
+    let part = |range: std::ops::Range<usize>| Shot {
+        poses: shot.poses[range.clone()].to_vec(),
+        cameras: shot.cameras[range].to_vec(),
+        ..shot.clone()
+    };
+    let settings = Settings { strength: 2.0, ..Settings::default() };
+    let without_frame = |interval: Interval| Interval { generation: 0, ..interval };
+    for frame in 15..24 {
+        let alone = part(15..25).interval(&settings, frame - 15);
+        assert_eq!(without_frame(cut.interval(&settings, frame)), without_frame(alone), "{frame}");
+    }
+    for frame in [14, 24, 39] {
+        let still = cut.interval(&settings, frame);
+        assert!(still.clusters.is_empty() && still.segments.len() == 1, "{frame}");
+        let next = (frame + 1).min(39);
+        let exact = shot.exact(2, next as f64, false).position;
+        let [x, y, ..] = still.motion[2].map(f64::from);
+        assert!((DVec2::new(x, y) - exact).length() < 2e-4);
+    }
+}
+
+#[test]
+fn a_jump_is_a_cut_and_steady_speed_is_not() {
+    let square = |x: f64, p: usize| at_pixel(x + 50.0 * (p % 2) as f64, 300.0 + 50.0 * (p / 2) as f64);
+    let jumping =
+        Shot::new(mesh(4, &grid(2, 2), None), 30, |p, f| square(if f < 15 { 0.0 } else { 1200.0 } + f as f64, p));
+    assert!(jumping.interval(&Settings::default(), 14).clusters.is_empty());
+    assert!(!jumping.interval(&Settings { jump: 0.0, ..Settings::default() }, 14).clusters.is_empty());
+    // The interval beside it does not ring: 1 pixel a frame.
+    let [_, _, vx, _] = jumping.interval(&Settings::default(), 15).motion[0];
+    assert!((vx - 1.0).abs() < 1e-3, "{vx}");
+    let [_, _, ringing, _] = jumping.interval(&Settings { jump: 0.0, ..Settings::default() }, 15).motion[0];
+    assert!(ringing.abs() > 100.0, "{ringing}");
+    let steady = Shot::new(mesh(4, &grid(2, 2), None), 6, |p, f| square(1200.0 * f as f64 - 2000.0, p));
+    assert!(!steady.interval(&Settings::default(), 2).clusters.is_empty());
+}
+
+#[test]
+fn sub_frame_poses_are_passed_through() {
+    let turn = |p: usize, t: f64| {
+        let (y, x) = (1.3 * t + p as f64).sin_cos();
+        at_pixel(900.0 + 300.0 * x, 500.0 + 300.0 * y)
+    };
+    let shot = Shot::new(mesh(3, &[[0, 1, 2]], None), 9, |p, f| turn(p, f as f64));
+    let between: Vec<Vec<[f32; 3]>> =
+        (1..8).map(|k| (0..3).map(|p| turn(p, 4.0 + f64::from(k) / 8.0)).collect()).collect();
+    let view = camera();
+    let between: Vec<Pose> = between.iter().map(|p| Pose { positions: p, camera: &view, cut: false }).collect();
+    let poses = shot.poses();
+    let window = Window { frame: 4, poses: &poses, current: 4, between: &between };
+    let error = |trajectory| {
+        let settings = Settings { trajectory, strength: 2.0, ..Settings::default() };
+        let interval = Motion::new(&settings, SIZE).unwrap().interval(&shot.mesh, &window, 1).unwrap();
+        check_invariants(&shot.mesh, &interval);
+        let (pieces, on_screen) = path_of(&interval, 1, false);
+        let path = path::Path { segments: &interval.segments, pieces: &pieces, on_screen };
+        let errors = (0..=16).map(|k| {
+            let (y, x) = (1.3 * (4.0 + f64::from(k) / 16.0) + 1.0).sin_cos();
+            let found = DVec2::from_array(path.at(k as f32 / 16.0).position.map(f64::from));
+            (found - DVec2::new(900.0 + 300.0 * x, 500.0 + 300.0 * y)).length()
+        });
+        (errors.fold(0.0, f64::max), interval.segments.len())
+    };
+    let (exact, segments) = error(Trajectory::Exact);
+    assert_eq!(segments, 9);
+    assert!(exact < 0.1, "{exact}");
+    let (spline, segments) = error(Trajectory::Spline);
+    assert_eq!(segments, 2);
+    assert!(spline > 1.0, "{spline}");
+}
+
+#[test]
+fn one_frame_and_one_to_three_points() {
+    let still = wandering(1).interval(&Settings::default(), 0);
+    assert!(still.clusters.is_empty() && still.seams.is_empty());
+    for points in 1..=3_usize {
+        let triangles: &[[u32; 3]] = if points == 3 { &[[0, 1, 2]] } else { &[] };
+        let shot = Shot::new(mesh(points, triangles, None), 5, |p, f| {
+            at_pixel(100.0 + 20.0 * f as f64, 100.0 + 10.0 * p as f64)
+        });
+        let interval = shot.interval(&Settings::default(), 2);
+        assert_eq!(interval.clusters.len(), 1);
+        let extents = extent::extents(&shot.mesh, &interval, 1, 1.0, 8);
+        // All are in a line across the motion: there is no front and no rear.
+        assert!(extents.iter().all(|extent| extent.k == 1.0 && extent.time == 1.0), "{extents:?}");
+    }
+}
+
+#[test]
+fn what_hardly_moves_is_static() {
+    let shot = Shot::new(mesh(4, &grid(2, 2), None), 4, |p, f| {
+        at_pixel(500.0 + 100.0 * p as f64 + f as f64 * [0.0, 0.49, 0.51, 30.0][p], 500.0)
+    });
+    assert_eq!(shot.interval(&Settings::default(), 1).labels, [0, 0, 1, 1]);
+}
+
+#[test]
+fn what_is_behind_the_camera_stays_undistorted() {
+    // Point 1 passes the camera between frames 5 and 6; the camera is at z = 10.
+    let shot = Shot::new(mesh(3, &[[0, 1, 2]], None), 12, |p, f| {
+        let z = if p == 1 { f as f32 * 2.0 - 1.0 } else { 0.0 };
+        [p as f32 * 0.2 + 0.05 * f as f32, 0.1, z]
+    });
+    for space in [Space::Homogeneous, Space::Screen] {
+        let settings = Settings { space, jump: 0.0, ..Settings::default() };
+        let labels = |frame| shot.interval(&settings, frame).labels;
+        assert!(labels(5)[1] == 0 && labels(4)[1] == 0 && labels(8)[1] == 0);
+        assert!(labels(5)[0] > 0 && labels(5)[2] > 0);
+        assert_eq!(labels(1)[1] > 0, space == Space::Homogeneous);
+    }
+}
+
+#[test]
+fn positions_that_are_not_finite_are_refused_by_vertex_and_frame() {
+    let weld = [0, 1, 1, 2, 0];
+    let triangles = [[0, 1, 3], [4, 2, 3]];
+    let welded = MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: Some(&weld), normals: None };
+    for (bad, space) in [(f32::NAN, Space::Homogeneous), (f32::INFINITY, Space::Screen), (f32::NAN, Space::Screen)] {
+        let mut shot = Shot::new(Mesh::new(&welded).unwrap(), 20, |p, f| at_pixel(10.0 * f as f64, 10.0 * p as f64));
+        shot.poses[13][2][1] = bad;
+        let error = shot.try_interval(&Settings { space, ..Settings::default() }, 6).unwrap_err().to_string();
+        assert!(error.contains("vertex 3 is not at a finite position in frame 13"), "{error}");
+        shot.cuts = vec![10];
+        assert!(shot.try_interval(&Settings { space, ..Settings::default() }, 6).is_ok());
+        shot.poses.truncate(14);
+        shot.cuts.clear();
+        assert!(shot.try_interval(&Settings { space, ..Settings::default() }, 13).is_err(), "nothing moves");
+    }
+    let mut short = wandering(3);
+    short.poses[2].pop();
+    assert!(short.try_interval(&Settings::default(), 1).unwrap_err().to_string().contains("4 positions for 5 points"));
+    assert!(wandering(3).try_interval(&Settings::default(), 3).is_err());
+}
+
+/// A disc of points that spins about its centre, which is a vertex.
+fn spinning(speed: f64) -> Shot {
+    let mut triangles = Vec::new();
+    for ring in 0..8_u32 {
+        for i in 0..32_u32 {
+            let [a, b] = [i, (i + 1) % 32].map(|i| 1 + ring * 32 + i);
+            match ring {
+                0 => triangles.push([0, a, b]),
+                _ => triangles.extend([[a - 32, a, b], [b - 32, a - 32, b]]),
+            }
+        }
+    }
+    Shot::new(mesh(257, &triangles, None), 30, |p, f| {
+        if p == 0 {
+            return at_pixel(900.0, 500.0);
+        }
+        let (radius, angle) = (((p - 1) / 32 + 1) as f64 * 40.0, ((p - 1) % 32) as f64 / 32.0);
+        let (y, x) = (angle * std::f64::consts::TAU + speed * f as f64).sin_cos();
+        at_pixel(900.0 + radius * x, 500.0 + radius * y)
+    })
+}
+
+/// The largest angle in degrees between a point's velocity and the sum of its cluster's.
+fn largest_angle(interval: &Interval) -> f64 {
+    let velocity = |point: usize| DVec2::new(interval.motion[point][2].into(), interval.motion[point][3].into());
+    let mut sums = vec![DVec2::ZERO; interval.clusters.len() + 1];
+    interval.labels.iter().enumerate().for_each(|(point, label)| sums[*label as usize] += velocity(point));
+    let moving = (0..interval.labels.len()).filter(|point| interval.labels[*point] > 0);
+    moving.map(|p| velocity(p).angle_to(sums[interval.labels[p] as usize]).abs().to_degrees()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_spin_is_divided_until_the_angle_holds() {
+    let shot = spinning(0.1);
+    for clusters in [settings::Clusters::Direction, settings::Clusters::Ldf] {
+        for angle in [20.0, 60.0, 100.0] {
+            let settings = Settings { clusters, angle, ..Settings::default() };
+            let interval = shot.interval(&settings, 12);
+            assert_eq!(interval.labels[0], 0, "the centre stays");
+            assert!(interval.labels[1..].iter().all(|label| *label > 0));
+            assert!(interval.clusters.len() >= (180.0 / angle) as usize, "{}", interval.clusters.len());
+            // Crumbs are exempt: a disc has none.
+            assert!(largest_angle(&interval) <= f64::from(angle) + 1e-3, "{}", largest_angle(&interval));
+            assert!(!interval.seams.is_empty());
+        }
+    }
+}
+
+#[test]
+fn seams_are_three_edges_wide() {
+    // A strip of 20 columns: the left half moves up, the right half down.
+    let shot = Shot::new(mesh(40, &grid(20, 2), None), 4, |p, f| {
+        let y = if p % 20 < 10 { 10.0 } else { -10.0 };
+        at_pixel(300.0 + 40.0 * (p % 20) as f64, 500.0 + 40.0 * (p / 20) as f64 + y * f as f64)
+    });
+    let interval = shot.interval(&Settings::default(), 1);
+    assert_eq!(interval.clusters.len(), 2);
+    let expected: Vec<u32> = (0..40).filter(|p| (6..14).contains(&(p % 20))).collect();
+    assert_eq!(interval.seams, expected);
+    assert!(shot.interval(&Settings { seam_smoothing: 0, ..Settings::default() }, 1).seams.is_empty());
+}
+
+#[test]
+fn all_velocities_equal_are_one_cluster() {
+    for clusters in [settings::Clusters::Direction, settings::Clusters::Ldf] {
+        let shot = Shot::new(mesh(100, &grid(10, 10), None), 5, |p, f| {
+            at_pixel(300.0 + 30.0 * (p % 10) as f64 + 25.0 * f as f64, 300.0 + 30.0 * (p / 10) as f64)
+        });
+        let interval = shot.interval(&Settings { clusters, ..Settings::default() }, 2);
+        assert_eq!(interval.clusters.len(), 1);
+        // 270 pixels across the motion, of 12 each: 22.5 rounds to 23.
+        assert_eq!(interval.clusters[0].teeth, 24);
+        assert_eq!(interval.clusters[0].points, 100);
+        let teeth = |settings: Settings| shot.interval(&settings, 2).clusters[0].teeth;
+        assert_eq!(teeth(Settings { teeth: Some(43), ..Settings::default() }), 43);
+        assert_eq!(teeth(Settings { tooth_width: Some(90.0), ..Settings::default() }), 4);
+        assert_eq!(teeth(Settings { tooth_width: Some(10_000.0), ..Settings::default() }), 2);
+        assert_eq!(teeth(Settings { tooth_width: Some(0.1), ..Settings::default() }), 2701);
+    }
+}
+
+#[test]
+fn a_mean_of_zero_is_split_and_coincident_points_are_not() {
+    for clusters in [settings::Clusters::Direction, settings::Clusters::Ldf] {
+        let settings = Settings { clusters, angle: 180.0, ..Settings::default() };
+        let apart = Shot::new(mesh(4, &grid(2, 2), None), 4, |p, f| {
+            at_pixel(960.0 + [-1.0, 1.0][p % 2] * (f as f64 + 1.0) * 8.0, 500.0 + p as f64)
+        });
+        let interval = apart.interval(&settings, 1);
+        assert_eq!(interval.clusters.len(), 2);
+        assert_eq!(interval.labels[0], interval.labels[2]);
+        let same = Shot::new(mesh(4, &grid(2, 2), None), 4, |_, f| at_pixel(500.0 + 8.0 * f as f64, 500.0));
+        let interval = same.interval(&Settings { clusters, angle: 0.0, ..Settings::default() }, 1);
+        assert_eq!((interval.clusters.len(), interval.hull.len()), (1, 1));
+    }
+}
+
+#[test]
+fn far_parts_are_apart_and_edges_connect() {
+    // Two patches that move alike, of one object; then the same with an edge from one to the other.
+    let patch = grid(5, 5);
+    let mut triangles: Vec<[u32; 3]> = patch.iter().copied().chain(patch.iter().map(|t| t.map(|v| v + 25))).collect();
+    let shot = |triangles: &[[u32; 3]], apart: f64| {
+        Shot::new(mesh(50, triangles, None), 4, move |p, f| {
+            let (p, x) = (p % 25, apart * (p / 25) as f64);
+            at_pixel(300.0 + x + 20.0 * (p % 5) as f64 + 9.0 * f as f64, 300.0 + 20.0 * (p / 5) as f64)
+        })
+    };
+    let count = |shot: Shot| shot.interval(&Settings::default(), 1).clusters.len();
+    assert_eq!(count(shot(&triangles, 400.0)), 2);
+    assert_eq!(count(shot(&triangles, 100.0)), 1, "neighbouring cells");
+    triangles.push([4, 25, 30]);
+    assert_eq!(count(shot(&triangles, 400.0)), 1, "an edge");
+}
+
+#[test]
+fn objects_are_borders_and_crumbs_join() {
+    let objects: Vec<u32> = (0..900).map(|p| u32::from(p % 30 >= 15)).collect();
+    let split: Vec<[u32; 3]> =
+        grid(30, 30).into_iter().filter(|t| t.iter().all(|v| objects[*v as usize] == objects[t[0] as usize])).collect();
+    // Two points of the left object go against the others.
+    let shot = Shot::new(mesh(900, &split, Some(&objects)), 4, |p, f| {
+        let speed = if p == 305 || p == 306 { -9.0 } else { 9.0 };
+        at_pixel(300.0 + 20.0 * (p % 30) as f64 + speed * f as f64, 300.0 + 20.0 * (p / 30) as f64)
+    });
+    let interval = shot.interval(&Settings::default(), 1);
+    assert_eq!(interval.clusters.iter().map(|c| (c.points, c.object)).collect::<Vec<_>>(), [(450, 0), (450, 1)]);
+    // The seed keeps them apart.
+    let ldf = Settings { clusters: settings::Clusters::Ldf, ..Settings::default() };
+    let interval = shot.interval(&ldf, 1);
+    assert!(interval.clusters.len() > 2 && largest_angle(&interval) < 60.0);
+}
+
+/// A grid with some motion in all of it, in an order of its own for each seed.
+fn shuffled(seed: u32) -> (Shot, Vec<usize>) {
+    let mut order: Vec<usize> = (0..1200).collect();
+    order.sort_by_key(|p| if seed == 0 { *p as u32 } else { hash(seed, *p as u32, 0, 0) });
+    let mut place = vec![0; 1200];
+    order.iter().enumerate().for_each(|(new, old)| place[*old] = new as u32);
+    let mut triangles: Vec<[u32; 3]> = grid(40, 30).iter().map(|t| t.map(|v| place[v as usize])).collect();
+    if seed > 0 {
+        triangles.sort_by_key(|t| hash(seed, t[0], t[1], t[2]));
+        triangles.iter_mut().for_each(|t| t.rotate_left(1));
+    }
+    let shot = Shot::new(mesh(1200, &triangles, None), 30, |p, f| {
+        let (x, y) = ((order[p] % 40) as f64 * 21.0, (order[p] / 40) as f64 * 21.0);
+        let t = f as f64 * 0.3;
+        let (dx, dy) = ((x * 0.01 + t).sin() * 60.0 + 3.0 * t, (y * 0.013 - x * 0.02 + 1.3 * t).cos() * 70.0);
+        at_pixel(300.0 + x + dx, 200.0 + y + dy)
+    });
+    (shot, order)
+}
+
+#[test]
+fn the_order_of_points_and_triangles_changes_nothing() {
+    for clusters in [settings::Clusters::Direction, settings::Clusters::Ldf] {
+        let settings = Settings { clusters, ..Settings::default() };
+        let (shot, _) = shuffled(0);
+        let reference = shot.interval(&settings, 14);
+        let extents = extent::extents(&shot.mesh, &reference, 5, 1.0, 8);
+        assert!(reference.clusters.len() > 3 && reference.seams.len() > 100);
+        for seed in 1..4 {
+            let (shot, order) = shuffled(seed);
+            let interval = shot.interval(&settings, 14);
+            assert_eq!(interval.clusters, reference.clusters);
+            assert_eq!(interval.hull, reference.hull);
+            let other = extent::extents(&shot.mesh, &interval, 5, 1.0, 8);
+            for (new, old) in order.iter().enumerate() {
+                assert_eq!(interval.labels[new], reference.labels[*old]);
+                assert_eq!(interval.motion[new], reference.motion[*old]);
+                assert_eq!(interval.pieces[new], reference.pieces[*old]);
+                assert_eq!(other[new], extents[*old]);
+            }
+            let mut seams: Vec<u32> = interval.seams.iter().map(|p| order[*p as usize] as u32).collect();
+            seams.sort_unstable();
+            assert_eq!(seams, reference.seams);
+        }
+    }
+}
+
+#[test]
+fn the_hull_is_as_extreme_as_all_points_bit_for_bit() {
+    fn uniform(i: u32, d: u32) -> f32 {
+        unit(hash(6, i, 0, d))
+    }
+    let turn = std::f32::consts::TAU;
+    let normal = move |i: u32, d: u32| (-2.0 * uniform(i, d).ln()).sqrt() * (turn * uniform(i, d + 2)).cos();
+    let angle = move |i: u32| turn * uniform(i, 5);
+    type Set = (&'static str, Box<dyn Fn(u32) -> [f32; 2]>);
+    let sets: [Set; 9] = [
+        ("gauss", Box::new(move |i| [normal(i, 0) * 200.0 + 960.0, normal(i, 1) * 100.0 + 540.0])),
+        (
+            "disc",
+            Box::new(move |i| {
+                let r = uniform(i, 0).sqrt() * 400.0;
+                [960.0 + r * angle(i).cos(), 540.0 + r * angle(i).sin()]
+            }),
+        ),
+        ("grid", Box::new(|i| [(i % 45) as f32 * 10.1 + 3.0, (i / 45) as f32 * 9.7])),
+        (
+            "tilted grid",
+            Box::new(|i| {
+                let (x, y) = ((i % 45) as f32, (i / 45) as f32);
+                [400.0 + 9.0 * x - 4.3 * y, 200.0 + 4.3 * x + 9.0 * y]
+            }),
+        ),
+        ("line", Box::new(|i| [100.0 + 0.37 * i as f32, 900.0 - 0.11 * i as f32])),
+        ("circle", Box::new(move |i| [960.0 + 300.0 * angle(i).cos(), 540.0 + 300.0 * angle(i).sin()])),
+        ("far gauss", Box::new(move |i| [normal(i, 0) * 2.0 + 1e5, normal(i, 1) - 1e5])),
+        ("one point", Box::new(|_| [33.3, 44.4])),
+        ("two points", Box::new(|i| [33.3 + (i % 2) as f32, 44.4])),
+    ];
+    for (name, point) in sets {
+        let points: Vec<[f32; 2]> = (0..2000).map(point).collect();
+        let hull = hull::extremes(&points).points;
+        for i in 0..2000_u32 {
+            let [x, y] = points[i as usize];
+            let motion = [x, y, normal(i, 8) * 20.0, normal(i, 9) * 20.0];
+            let (all, few) = (extent::extent(motion, &points), extent::extent(motion, &hull));
+            assert_eq!(all.map(f32::to_bits), few.map(f32::to_bits), "{name} {motion:?}");
+            if name != "far gauss" {
+                let wide: Vec<[f64; 2]> = hull.iter().map(|p| p.map(f64::from)).collect();
+                let exact = extent::extent_f64(motion.map(f64::from), &wide);
+                assert!((0..2).all(|c| (exact[c] - f64::from(all[c])).abs() < 2e-3), "{name} {exact:?} {all:?}");
+            }
+        }
+        assert!(name != "gauss" || hull.len() < 60, "{}", hull.len());
+    }
+}
+
+#[test]
+fn coordinates_far_outside_of_the_picture_are_worked_on() {
+    let shot = Shot::new(mesh(9, &grid(3, 3), None), 5, |p, f| {
+        at_pixel(1e5 + 4.0 * (p % 3) as f64 + 20.0 * f as f64, -1e5 + 4.0 * (p / 3) as f64)
+    });
+    let interval = shot.interval(&Settings::default(), 2);
+    assert_eq!(interval.clusters.len(), 1);
+    check_trajectories_far(&shot, &interval);
+    // Numbers that no pixel has stay numbers.
+    let huge = Shot::new(mesh(3, &[[0, 1, 2]], None), 5, |p, f| [1e37 * (p as f32 + 1.0), 3e38, f as f32]);
+    assert!(huge.interval(&Settings::default(), 2).motion.iter().flatten().all(|c| c.is_finite()));
+}
+
+fn check_trajectories_far(shot: &Shot, interval: &Interval) {
+    for point in 0..9 {
+        let exact = shot.exact(point, 2.5, false);
+        let [x, y, vx, vy] = interval.motion[point].map(f64::from);
+        // Two ulp at 1e5.
+        assert!((DVec2::new(x, y) - exact.position).abs().max_element() < 0.016);
+        assert!((DVec2::new(vx, vy) - exact.velocity).abs().max_element() < 1e-4);
+    }
+}

@@ -1,0 +1,236 @@
+//! The structures of `glsl/blur/params.glsl` and the kernels' push constants. Offsets and sizes are compared with the
+//! shaders' when the crate is built; what the fields mean stands there.
+#![allow(missing_docs)] // the shader's declarations document the fields
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat3, DVec3};
+
+use crate::blur::frame::{self, Desc, IntervalInput};
+use crate::blur::layout::Layout;
+pub use crate::blur::motion::{Cluster, Piece};
+use crate::blur::settings::Settings;
+use crate::layout::push_constants;
+use crate::view::Camera;
+
+/// Triangles of a workgroup of the refinement.
+pub const BLOCK: u32 = 128;
+/// Rounds of the refinement.
+pub const ROUNDS: u32 = 16;
+/// A finished triangle's last word: its base triangle.
+pub const BASE_MASK: u32 = 0x03ff_ffff;
+/// A finished triangle's last word: it is never seen.
+pub const CULLED: u32 = 1 << 26;
+/// The most segments of a trajectory.
+pub const MOST_SEGMENTS: usize = 32;
+/// The most that are made of poses.
+pub const PIECE_SEGMENTS: usize = 8;
+/// The most frames that they go through.
+pub const MOST_KNOTS: usize = 64;
+/// The least length of an edge that is divided, in pixels.
+const LEAST_LENGTH: f32 = 0.25;
+
+/// `View`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct View {
+    pub across: [f32; 4],
+    pub down: [f32; 4],
+    pub along: [f32; 4],
+    pub across_low: [f32; 4],
+    pub down_low: [f32; 4],
+    pub along_low: [f32; 4],
+    pub eye: [f32; 4],
+    pub eye_low: [f32; 4],
+    pub slot: [u32; 4],
+}
+
+/// `BlurParams`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct BlurParams {
+    pub views: [View; 4],
+    pub image: [u32; 4],
+    pub counts: [u32; 4],
+    pub pieces: [u32; 4],
+    pub model: [f32; 4],
+    pub lens: [f32; 4],
+    pub segments: [[f32; 4]; MOST_SEGMENTS],
+}
+
+/// `Knot`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Knot {
+    pub across: [f32; 4],
+    pub down: [f32; 4],
+    pub along: [f32; 4],
+    pub across_low: [f32; 4],
+    pub down_low: [f32; 4],
+    pub along_low: [f32; 4],
+    pub across_turn: [f32; 4],
+    pub down_turn: [f32; 4],
+    pub along_turn: [f32; 4],
+    pub across_turn_low: [f32; 4],
+    pub down_turn_low: [f32; 4],
+    pub along_turn_low: [f32; 4],
+    pub slot: [u32; 4],
+    pub weights: [[f32; 4]; PIECE_SEGMENTS],
+}
+
+/// `Vertex`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    pub motion: [f32; 4],
+    pub extent: [f32; 4],
+    pub drawn: [f32; 4],
+    pub place: [u32; 4],
+}
+
+/// `Round`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Round {
+    pub groups: [u32; 4],
+    pub scan: [u32; 4],
+    pub made: [u32; 4],
+}
+
+/// `Control`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Control {
+    pub draw: [u32; 4],
+    pub refined: [u32; 4],
+}
+
+push_constants! {
+    /// Of `seams`.
+    SeamConstants { from: u32 }
+    /// Of `settle`.
+    SettleConstants { from: u32 }
+    /// Of `count`, `scan` and `emit`.
+    RoundConstants { round: u32 }
+    /// Of `visibility`.
+    VisibilityConstants { frame: u32 }
+}
+
+impl Control {
+    /// What a frame starts with.
+    pub fn reset() -> Control {
+        Control { draw: [0, 1, 0, 0], refined: [0; 4] }
+    }
+}
+
+/// What a frame's rounds start with: the first has the mesh's triangles, the others none.
+pub fn rounds(desc: &Desc) -> [Round; ROUNDS as usize + 1] {
+    let none = Round { groups: [0, 1, 1, 0], scan: [0, 1, 1, 0], made: [0; 4] };
+    let mut rounds = [none; ROUNDS as usize + 1];
+    rounds[0].groups = [desc.triangles.div_ceil(BLOCK), 1, 1, desc.triangles];
+    rounds[0].scan[0] = 1;
+    rounds[0].made[1] = desc.points;
+    rounds
+}
+
+/// Rows that make the pixel clip coordinates X, Y and W of a point less the eye.
+pub fn clip_rows(camera: &Camera, size: [u32; 2]) -> [DVec3; 3] {
+    let rotation: DMat3 = camera.rotation();
+    let (right, up, forward) = (rotation.row(0), rotation.row(1), rotation.row(2));
+    let [width, height] = size.map(f64::from);
+    let focal = height / 2.0 / camera.half_extent(size).y;
+    [right * focal + forward * (width / 2.0), forward * (height / 2.0) - up * focal, forward]
+}
+
+fn row(v: DVec3, w: f64) -> [f32; 4] {
+    v.extend(w).as_vec4().to_array()
+}
+
+/// What [`row`] loses in rounding.
+fn low(v: DVec3, w: f64) -> [f32; 4] {
+    row(v - v.as_vec3().as_dvec3(), w - f64::from(w as f32))
+}
+
+fn split(v: DVec3) -> [[f32; 4]; 2] {
+    [row(v, 0.0), low(v, 0.0)]
+}
+
+impl View {
+    fn new(view: &frame::View, desc: &Desc) -> View {
+        let [across, down, along] = clip_rows(&view.camera, desc.size).map(split);
+        let [eye, eye_low] = split(view.camera.eye);
+        View {
+            across: across[0],
+            down: down[0],
+            along: along[0],
+            across_low: across[1],
+            down_low: down[1],
+            along_low: along[1],
+            eye,
+            eye_low,
+            slot: [view.frame % desc.frames_resident, 0, 0, 0],
+        }
+    }
+}
+
+impl Knot {
+    /// `current`: the camera of frame i.
+    pub fn new(knot: &frame::Knot, current: &Camera, desc: &Desc) -> Knot {
+        let rows = clip_rows(&knot.view.camera, desc.size);
+        let current_rows = clip_rows(current, desc.size);
+        let way = knot.view.camera.eye - current.eye;
+        let part = |i: usize| {
+            let moved = -rows[i].dot(way);
+            let own = [row(rows[i], moved), low(rows[i], moved)];
+            let turn = rows[i] - current_rows[i];
+            (own, [row(turn, 0.0), low(turn, 0.0)])
+        };
+        let ([across, across_low], [across_turn, across_turn_low]) = part(0);
+        let ([down, down_low], [down_turn, down_turn_low]) = part(1);
+        let ([along, along_low], [along_turn, along_turn_low]) = part(2);
+        let is_other = knot.view.camera != *current;
+        Knot {
+            across,
+            down,
+            along,
+            across_low,
+            down_low,
+            along_low,
+            across_turn,
+            down_turn,
+            along_turn,
+            across_turn_low,
+            down_turn_low,
+            along_turn_low,
+            slot: [knot.view.frame % desc.frames_resident, is_other.into(), 0, 0],
+            weights: knot.weights,
+        }
+    }
+}
+
+impl BlurParams {
+    /// What an output's kernels are told.
+    pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput) -> BlurParams {
+        let settings = &desc.settings;
+        let [width, height] = desc.size;
+        let mut params = BlurParams::zeroed();
+        params.views = interval.views.map(|view| View::new(&view, desc));
+        params.image = [width, height, desc.seed, interval.counts.generation];
+        let knots = match interval.trajectories {
+            frame::Trajectories::Poses(knots) => knots.len() as u32,
+            frame::Trajectories::Pieces(_) => 0,
+        };
+        params.counts = [desc.points, desc.triangles, knots, interval.counts.seams];
+        let segments = interval.segments;
+        let ahead = segments.iter().take_while(|segment| segment.begin >= 0.0).count().max(1);
+        params.pieces = [segments.len() as u32, ahead as u32, layout.vertices, layout.triangles];
+        let scaled = |pixels| Settings::scaled(pixels, height);
+        params.model = [settings.strength, settings.reference_time, scaled(settings.tolerance), scaled(settings.edge)];
+        // Each product of two sums of two products is off by less than 2^-22 of this.
+        let margin = interval.counts.farthest * 6e-7;
+        params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
+        for (to, segment) in params.segments.iter_mut().zip(segments) {
+            *to = [segment.begin, segment.end, 0.0, 0.0];
+        }
+        params
+    }
+}

@@ -1,0 +1,123 @@
+//! The passes of the blur effect, declared once. Every kernel binds its slots by their names.
+
+use ash::vk;
+
+use crate::blur::frame::Desc;
+use crate::blur::layout::*;
+use crate::blur::params::PIECE_SEGMENTS;
+use crate::blur::settings::{Refine, Space};
+use crate::plan::{
+    Blend, ColourAttachment, Declare, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage,
+};
+use crate::shaders::blur as glsl;
+
+/// What an effect declares: its passes, and which is which.
+#[derive(Debug)]
+pub struct Passes {
+    /// By [`PassId`].
+    pub list: Vec<Pass>,
+    pub(super) params: PassId,
+    pub(super) mesh: PassId,
+    pub(super) poses: PassId,
+    pub(super) background: PassId,
+    pub(super) interval: PassId,
+    pub(super) project: PassId,
+    pub(super) knots: PassId,
+    pub(super) trajectory: PassId,
+    pub(super) pieces: PassId,
+    pub(super) extent: PassId,
+    pub(super) seams: PassId,
+    pub(super) settle: PassId,
+    pub(super) begin: PassId,
+    /// Of even rounds, and of odd ones, which read what even ones write.
+    pub(super) count: [PassId; 2],
+    pub(super) scan: PassId,
+    /// As `count`.
+    pub(super) emit: [PassId; 2],
+    /// Frames i and i + 1.
+    pub(super) visibility: [PassId; 2],
+    /// At pixel centres, and at four samples a pixel.
+    pub(super) distort: [PassId; 2],
+    pub(super) layers: PassId,
+}
+
+impl Passes {
+    /// Declares every pass that some frame of this effect may need.
+    pub fn new(desc: &Desc) -> Passes {
+        let mut d = Declare::new(resource);
+        let screen = u32::from(desc.settings.space == Space::Screen);
+        let by_length = u32::from(desc.settings.refine == Refine::Length);
+        let segments = desc.segments.min(PIECE_SEGMENTS as u32);
+        Passes {
+            params: d.writes("blur.params", &[PARAMS, CONTROL, ROUND_LIST]),
+            mesh: d.transfer("blur.mesh", &copies(HOST_TOPOLOGY, [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS])),
+            poses: d.transfer("blur.poses", &copies([HOST_POSES], [POSES])),
+            background: d.transfer(
+                "blur.background",
+                &[(HOST_FRAMES[1].into(), Usage::COPY_SOURCE), (TARGET.into(), Usage::COPY_TARGET)],
+            ),
+            interval: d.transfer(
+                "blur.interval",
+                &copies(
+                    [HOST_INTERVAL[0], HOST_INTERVAL[1], HOST_INTERVAL[2], HOST_INTERVAL[3], HOST_INTERVAL[4]],
+                    [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS],
+                ),
+            ),
+            project: d.compute("blur.trajectory", &glsl::project::SHADER),
+            knots: d.writes("blur.trajectory", &[KNOTS]),
+            trajectory: d
+                .add(Pass::compute("blur.trajectory", &glsl::trajectory::SHADER).specialise([segments, screen])),
+            pieces: d.transfer("blur.trajectory", &copies([HOST_INTERVAL[5]], [SPLINES])),
+            extent: d.compute("blur.extent", &glsl::extent::SHADER),
+            seams: d.compute("blur.seams", &glsl::seams::SHADER),
+            settle: d.add(Pass::compute("blur.extent", &glsl::settle::SHADER).specialise([screen])),
+            begin: d.compute("blur.refine", &glsl::begin::SHADER),
+            count: [ACTIVE, NEXT].map(|active| {
+                let pass = Pass::compute("blur.refine", &glsl::count::SHADER).specialise([screen, by_length]);
+                d.add(pass.bind(glsl::count::ACTIVE, active))
+            }),
+            scan: d.compute("blur.refine", &glsl::scan::SHADER),
+            emit: [(ACTIVE, NEXT), (NEXT, ACTIVE)].map(|(active, next)| {
+                let pass = Pass::compute("blur.refine", &glsl::emit::SHADER).specialise([screen]);
+                d.add(pass.bind(glsl::emit::ACTIVE, active).bind(glsl::emit::NEXT, next))
+            }),
+            visibility: [0, 1].map(|i| {
+                let vertex = &glsl::visibility_vertex::SHADER;
+                d.add(drawing("blur.visibility", vertex, SEEN[i], SEEN_DEPTH[i], desc.size))
+            }),
+            distort: [(DISTORTED, DISTORTED_DEPTH, 1), (SAMPLED, SAMPLED_DEPTH, 2)].map(|(image, depth, scale)| {
+                let extent = desc.size.map(|side| scale * side);
+                d.add(drawing("blur.distort", &glsl::distort_vertex::SHADER, image, depth, extent))
+            }),
+            layers: d.compute("blur.layers", &glsl::layers::SHADER),
+            list: d.list,
+        }
+    }
+}
+
+/// Copies from the host's buffers.
+fn copies<const N: usize>(from: [crate::plan::BufferId; N], to: [crate::plan::BufferId; N]) -> Vec<(Resource, Usage)> {
+    let from = from.map(|id| (id.into(), Usage::COPY_SOURCE));
+    let to = to.map(|id| (id.into(), Usage::COPY_TARGET));
+    from.into_iter().chain(to).collect()
+}
+
+/// Triangles by their numbers. The first of those that are equally near stays.
+fn drawing(name: &'static str, vertex: &'static Shader, image: ImageId, depth: ImageId, extent: [u32; 2]) -> Pass {
+    let (format, blend) = (vk::Format::R32_UINT, Blend::Replace);
+    let raster = Raster {
+        topology: Topology::Triangles,
+        vertex,
+        fragment: &glsl::name_fragment::SHADER,
+        colour: Some(ColourAttachment { image, format, clear: Some([0; 4]), blend }),
+        depth: Some(DepthAttachment {
+            image: depth,
+            format: vk::Format::D32_SFLOAT,
+            clear: Some(0.0),
+            compare: vk::CompareOp::GREATER,
+            layer: 0,
+        }),
+        extent,
+    };
+    Pass::raster(name, raster)
+}

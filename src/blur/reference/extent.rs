@@ -1,0 +1,199 @@
+//! Where a vertex is within its cluster, and how far it is drawn back.
+
+use crate::blur::mesh::Mesh;
+use crate::blur::motion::{Cluster, Interval};
+use crate::reference::random::{hash, unit};
+
+/// Squared speed in (pixels per frame)^2 below which a vertex has no direction.
+const NO_SPEED_SQUARED: f32 = 1e-12;
+/// Extent in pixels below which a cluster has no front and rear.
+const NO_EXTENT: f32 = 1e-3;
+/// Units of k' when it is smoothed: 2^18 to 1.
+pub const UNIT: f32 = 262_144.0;
+
+/// What is known of a vertex of the distorted mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// How far front it is: 0 (rear) to 1.
+    pub k: f32,
+    /// How far across it is: 0 to 1.
+    pub l: f32,
+    /// What smoothing the seams adds to k'.
+    pub offset: f32,
+    /// The sub-frame time at which it is drawn, in frames after frame i, `1 - strength` to 1.
+    pub time: f32,
+}
+
+impl Extent {
+    /// That of a vertex that is not distorted.
+    pub const NONE: Extent = Extent { k: 1.0, l: 0.0, offset: 0.0, time: 1.0 };
+}
+
+/// k and l of a vertex with position and velocity `motion` among the points of its cluster: equations 3 to 6, in f32,
+/// each operation rounded by itself, in this order. `points` may be all of the cluster's points or its hull.
+pub fn extent(motion: [f32; 4], points: &[[f32; 2]]) -> [f32; 2] {
+    let [x, y, vx, vy] = motion;
+    let squared = vx * vx + vy * vy;
+    // Also where the square is not a number.
+    if squared.is_nan() || squared < NO_SPEED_SQUARED {
+        return [1.0, 0.0];
+    }
+    let inverse = 1.0 / squared.sqrt();
+    let along = [vx * inverse, vy * inverse];
+    let share = |[dx, dy]: [f32; 2]| {
+        let own = dx * x + dy * y;
+        let (mut least, mut most) = (f32::MAX, f32::MIN);
+        for point in points {
+            let p = dx * point[0] + dy * point[1];
+            (least, most) = (least.min(p), most.max(p));
+        }
+        let (n, m) = (most - own, least - own);
+        if n - m < NO_EXTENT { None } else { Some((-m / (n - m)).clamp(0.0, 1.0)) }
+    };
+    [share(along).unwrap_or(1.0), share([along[1], -along[0]]).unwrap_or(0.0)]
+}
+
+/// The same in f64, as the equations are written.
+pub fn extent_f64(motion: [f64; 4], points: &[[f64; 2]]) -> [f64; 2] {
+    let [x, y, vx, vy] = motion;
+    let speed = vx.hypot(vy);
+    if speed < 1e-6 {
+        return [1.0, 0.0];
+    }
+    let share = |ux: f64, uy: f64| {
+        let products = points.iter().map(|p| ((p[0] - x) * ux + (p[1] - y) * uy) / speed);
+        let [m, n] = products.fold([f64::MAX, f64::MIN], |[m, n], p| [m.min(p), n.max(p)]);
+        if n - m < 1e-3 { None } else { Some((-m / (n - m)).clamp(0.0, 1.0)) }
+    };
+    [share(vx, vy).unwrap_or(1.0), share(vy, -vx).unwrap_or(0.0)]
+}
+
+/// R at `l`: piecewise linear through the cluster's random numbers (equation 7).
+pub fn tooth(seed: u32, generation: u32, cluster: &Cluster, l: f32) -> f32 {
+    let random = |q: u32| unit(hash(seed, cluster.object, q, generation));
+    if cluster.teeth < 2 {
+        return random(0);
+    }
+    let x = (cluster.teeth - 1) as f32 * l;
+    let q = (x as u32).min(cluster.teeth - 2);
+    let (from, to) = (random(q), random(q + 1));
+    from + (x - q as f32) * (to - from)
+}
+
+/// k' (equation 8).
+pub fn time(strength: f32, k: f32, tooth: f32) -> f32 {
+    1.0 - strength * (1.0 - k) * tooth
+}
+
+/// k' with what smoothing adds, within the range that k' has.
+pub fn shifted(strength: f32, raw: f32, offset: f32) -> f32 {
+    (raw + offset).max(1.0 - strength).min(1.0)
+}
+
+/// The extent of every point, smoothed `rounds` times at the seams.
+pub fn extents(mesh: &Mesh, interval: &Interval, seed: u32, strength: f32, rounds: u32) -> Vec<Extent> {
+    let of_point = |(motion, label): (&[f32; 4], &u32)| {
+        let Some(cluster) = interval.cluster(*label) else { return Extent::NONE };
+        let [k, l] = extent(*motion, interval.hull_of(cluster));
+        let raw = time(strength, k, tooth(seed, interval.generation, cluster, l));
+        Extent { k, l, offset: 0.0, time: raw }
+    };
+    let mut extents: Vec<Extent> = interval.motion.iter().zip(&interval.labels).map(of_point).collect();
+    let times: Vec<f32> = extents.iter().map(|extent| extent.time).collect();
+    for (point, offset) in smooth(mesh, &interval.seams, &times, rounds) {
+        let extent = &mut extents[point as usize];
+        extent.offset = offset;
+        extent.time = shifted(strength, extent.time, offset);
+    }
+    extents
+}
+
+/// What `rounds` of smoothing add to k' of the points of `seams`: each round makes each of them the mean of itself and
+/// its neighbours, all at once. In whole numbers, so that neighbours may come in any order: the nearest ones of 2^-18,
+/// of 1 - k', which is not negative.
+pub fn smooth(mesh: &Mesh, seams: &[u32], times: &[f32], rounds: u32) -> Vec<(u32, f32)> {
+    let begin: Vec<u32> = times.iter().map(|time| ((1.0 - time) * UNIT + 0.5) as u32).collect();
+    let mut now = begin.clone();
+    for _ in 0..rounds {
+        let mean = |point: &u32| {
+            let others = mesh.neighbours().of(*point as usize);
+            let count = others.len() as u32 + 1;
+            let sum = now[*point as usize] + others.iter().map(|other| now[*other as usize]).sum::<u32>();
+            (sum + count / 2) / count
+        };
+        let next: Vec<u32> = seams.iter().map(mean).collect();
+        seams.iter().zip(next).for_each(|(point, mean)| now[*point as usize] = mean);
+    }
+    let change = |p: usize| (begin[p] as i32 - now[p] as i32) as f32 * (1.0 / UNIT);
+    seams.iter().map(|p| (*p, change(*p as usize))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blur::mesh::MeshInput;
+
+    fn cluster(teeth: u32) -> Cluster {
+        Cluster { object: 3, hull_begin: 0, chain_end: 0, hull_end: 0, teeth, points: 0 }
+    }
+
+    #[test]
+    fn the_foremost_is_one_and_the_rear_zero() {
+        let square = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        let at = |x, y| extent([x, y, 5.0, 0.0], &square);
+        assert_eq!(at(10.0, 0.0), [1.0, 1.0]);
+        assert_eq!(at(0.0, 10.0), [0.0, 0.0]);
+        assert_eq!(at(2.5, 2.5), [0.25, 0.75]);
+        // u = (vy, -vx): moving down (y down), the left of the picture has l = 0.
+        assert_eq!(extent([2.5, 5.0, 0.0, 1.0], &square), [0.5, 0.25]);
+    }
+
+    #[test]
+    fn without_extent_or_speed_there_is_no_effect() {
+        assert_eq!(extent([1.0, 2.0, 3.0, 4.0], &[[1.0, 2.0]]), [1.0, 0.0]);
+        assert_eq!(extent([1.0, 2.0, 0.0, 1e-7], &[[1.0, 2.0], [5.0, 5.0]]), [1.0, 0.0]);
+        let line = [[0.0, 0.0], [0.0, 8.0]];
+        assert_eq!(extent([0.0, 2.0, 1.0, 0.0], &line), [1.0, 0.75]);
+        assert_eq!(extent([0.0, 2.0, 0.0, 1.0], &line), [0.25, 0.0]);
+        assert_eq!(extent([f32::NAN; 4], &line), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn teeth_are_linear_between_their_random_numbers() {
+        let numbers: Vec<f32> = (0..5).map(|q| unit(hash(7, 3, q, 2))).collect();
+        let at = |l| tooth(7, 2, &cluster(5), l);
+        for q in 0..5 {
+            assert_eq!(at(q as f32 * 0.25), numbers[q]);
+        }
+        assert_eq!(at(0.125), numbers[0] + 0.5 * (numbers[1] - numbers[0]));
+        assert_eq!(tooth(7, 2, &cluster(1), 0.7), numbers[0]);
+        assert_eq!(tooth(7, 2, &cluster(2), 1.0), numbers[1]);
+        assert_ne!(tooth(7, 3, &cluster(5), 0.0), numbers[0]);
+    }
+
+    #[test]
+    fn the_front_is_not_drawn_back_and_the_rear_is_by_the_strength() {
+        assert_eq!(time(1.0, 1.0, 0.7), 1.0);
+        assert_eq!(time(1.0, 0.0, 1.0), 0.0);
+        assert_eq!(time(2.0, 0.0, 1.0), -1.0);
+        assert_eq!(time(0.0, 0.3, 0.9), 1.0);
+        assert_eq!(shifted(1.0, 0.1, -0.2), 0.0);
+        assert_eq!(shifted(1.0, 0.9, 0.2), 1.0);
+    }
+
+    #[test]
+    fn smoothing_takes_the_mean_and_nothing_else_moves() {
+        // A line of 5 points: 0 - 1 - 2 - 3 - 4, by triangles without area.
+        let triangles = [[0, 1, 1], [1, 2, 2], [2, 3, 3], [3, 4, 4]];
+        let mesh = MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: None, normals: None };
+        let mesh = Mesh::new(&mesh).unwrap();
+        let times = [1.0, 1.0, 0.25, 0.25, -0.5];
+        assert_eq!(smooth(&mesh, &[1, 2], &times, 1), [(1, -0.25), (2, 0.25)]);
+        assert_eq!(smooth(&mesh, &[1, 2], &times, 0), [(1, 0.0), (2, 0.0)]);
+        let far: Vec<f32> = smooth(&mesh, &[1, 2, 3], &times, 64).iter().map(|(_, offset)| *offset).collect();
+        // Between fixed ends the limit is a straight line: 1, 0.625, 0.25, -0.125, -0.5.
+        for (found, limit) in far.iter().zip([-0.375, 0.0, -0.375]) {
+            assert!((found - limit).abs() < 2e-5, "{far:?}");
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Refinement: triangles are bisected where the distorted mesh departs from them. In f32, each operation rounded by
+//! itself, in this order.
+
+use super::extent::{Extent, extent, shifted, time, tooth};
+use super::path::Path;
+use crate::blur::mesh::Mesh;
+use crate::blur::motion::{Interval, Piece};
+use crate::blur::settings::{Refine, Settings, Space};
+
+/// The most rounds.
+pub const ROUNDS: u32 = 16;
+/// Squared length in pixels^2 below which an edge is not split: 0.25 pixels.
+const SHORTEST: f32 = 0.0625;
+
+/// What decides.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules<'a> {
+    /// The interval that is drawn.
+    pub interval: &'a Interval,
+    /// The effect's settings.
+    pub settings: &'a Settings,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// The shot's seed.
+    pub seed: u32,
+    /// The most triangles.
+    pub budget: usize,
+}
+
+/// A vertex of the refined mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vertex {
+    /// Its trajectory: a piece of each segment.
+    pub pieces: Vec<Piece>,
+    /// Position and velocity at the reference time.
+    pub motion: [f32; 4],
+    /// Its place in its cluster, and its time.
+    pub extent: Extent,
+    /// Its cluster, from 1; 0: none.
+    pub label: u32,
+    /// Where it is drawn, in pixels.
+    pub drawn: [f32; 2],
+}
+
+/// A triangle of the refined mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Its vertices.
+    pub corners: [u32; 3],
+    /// The mesh's triangle that it is a part of.
+    pub base: u32,
+    /// Barycentric coordinates of its corners in that.
+    pub weights: [[f32; 3]; 3],
+}
+
+/// The refined mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Refined {
+    /// The mesh's points, then those that were added; each triangle has its own of the latter.
+    pub vertices: Vec<Vertex>,
+    /// The triangles, in the order of the mesh's.
+    pub triangles: Vec<Triangle>,
+    /// Rounds that split something.
+    pub rounds: u32,
+    /// Whether the budget did not suffice for a round.
+    pub over_budget: bool,
+}
+
+/// Refines the mesh, of whose points `extents` are known.
+pub fn refine(mesh: &Mesh, extents: &[Extent], rules: &Rules) -> Refined {
+    let (points, segments) = (mesh.points(), rules.interval.segments.len());
+    let vertex = |p: usize| {
+        let pieces: Vec<Piece> = (0..segments).map(|s| rules.interval.pieces[s * points + p]).collect();
+        let drawn = rules.path(&pieces).at(extents[p].time).position;
+        let (motion, label) = (rules.interval.motion[p], rules.interval.labels[p]);
+        Vertex { pieces, motion, extent: extents[p], label, drawn }
+    };
+    let whole = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let base = |(corners, base): (&[u32; 3], u32)| Triangle { corners: *corners, base, weights: whole };
+    let mut refined = Refined {
+        vertices: (0..points).map(vertex).collect(),
+        triangles: mesh.triangles().iter().zip(0..).map(base).collect(),
+        ..Refined::default()
+    };
+    loop {
+        let split: Vec<[bool; 3]> = refined.triangles.iter().map(|t| rules.split(&refined.vertices, t)).collect();
+        let more = split.iter().flatten().filter(|split| **split).count();
+        refined.over_budget = refined.triangles.len() + more > rules.budget;
+        if more == 0 || refined.rounds == ROUNDS || refined.over_budget {
+            return refined;
+        }
+        let triangles = std::mem::take(&mut refined.triangles);
+        triangles.iter().zip(split).for_each(|(triangle, split)| rules.divide(&mut refined, triangle, split));
+        refined.rounds += 1;
+    }
+}
+
+impl Rules<'_> {
+    fn path<'a>(&'a self, pieces: &'a [Piece]) -> Path<'a> {
+        Path { segments: &self.interval.segments, pieces, on_screen: self.settings.space == Space::Screen }
+    }
+
+    /// The vertex in the middle between two.
+    pub fn middle(&self, a: &Vertex, b: &Vertex) -> Vertex {
+        let mean = |a: [f32; 4], b: [f32; 4]| [0, 1, 2, 3].map(|i| (a[i] + b[i]) * 0.5);
+        let piece = |(a, b): (&Piece, &Piece)| Piece {
+            origin: mean(a.origin, b.origin),
+            step: mean(a.step, b.step),
+            bend_begin: mean(a.bend_begin, b.bend_begin),
+            bend_end: mean(a.bend_end, b.bend_end),
+        };
+        let pieces: Vec<Piece> = a.pieces.iter().zip(&b.pieces).map(piece).collect();
+        let path = self.path(&pieces);
+        let state = path.at(self.settings.reference_time);
+        let ([x, y], [vx, vy]) = (state.position, state.velocity);
+        let seen = [state.depth, path.at(0.0).depth, path.at(1.0).depth].iter().all(|depth| *depth > 0.0);
+        let usable = seen && [x, y, vx, vy].iter().all(|c| c.is_finite());
+        let (motion, label) = if usable { ([x, y, vx, vy], a.label.max(b.label)) } else { ([0.0; 4], 0) };
+        let extent = match self.interval.cluster(label) {
+            None => Extent::NONE,
+            Some(cluster) => {
+                let [k, l] = extent(motion, self.interval.hull_of(cluster));
+                let offset = (a.extent.offset + b.extent.offset) * 0.5;
+                let strength = self.settings.strength;
+                let raw = time(strength, k, tooth(self.seed, self.interval.generation, cluster, l));
+                Extent { k, l, offset, time: shifted(strength, raw, offset) }
+            }
+        };
+        let drawn = path.at(extent.time).position;
+        Vertex { pieces, motion, extent, label, drawn }
+    }
+
+    /// Whether the edge between two vertices is to be split: the same for both orders.
+    pub fn splits(&self, a: &Vertex, b: &Vertex) -> bool {
+        let squared = |p: [f32; 2], q: [f32; 2]| {
+            let (x, y) = (p[0] - q[0], p[1] - q[1]);
+            x * x + y * y
+        };
+        let length = squared(a.drawn, b.drawn);
+        // Also where the length is not a number.
+        if a.label.max(b.label) == 0 || !(SHORTEST..f32::INFINITY).contains(&length) {
+            return false;
+        }
+        if self.settings.refine == Refine::Length {
+            let edge = Settings::scaled(self.settings.edge, self.height);
+            return length > edge * edge;
+        }
+        let tolerance = Settings::scaled(self.settings.tolerance, self.height);
+        let towards = |p: [f32; 2], q: [f32; 2]| [0, 1].map(|i| p[i] + (q[i] - p[i]) * 0.25);
+        let middle = self.middle(a, b);
+        let half = [0, 1].map(|i| (a.drawn[i] + b.drawn[i]) * 0.5);
+        let quarters = [self.middle(a, &middle), self.middle(b, &middle)];
+        let departs = |p: [f32; 2], q: [f32; 2]| squared(p, q) > tolerance * tolerance;
+        departs(middle.drawn, half)
+            || departs(quarters[0].drawn, towards(a.drawn, b.drawn))
+            || departs(quarters[1].drawn, towards(b.drawn, a.drawn))
+    }
+
+    fn split(&self, vertices: &[Vertex], triangle: &Triangle) -> [bool; 3] {
+        let [a, b, c] = triangle.corners.map(|corner| &vertices[corner as usize]);
+        [self.splits(a, b), self.splits(b, c), self.splits(c, a)]
+    }
+
+    /// Adds the parts of a triangle whose edges (first to second corner, second to third, third to first) are `split`.
+    fn divide(&self, refined: &mut Refined, triangle: &Triangle, split: [bool; 3]) {
+        // Turned so that the corners' order decides nothing: one split edge comes first, of two the edge that is whole is
+        // in the middle.
+        let turn = match split {
+            [false, true, false] | [true, true, false] => 1,
+            [false, false, true] | [false, true, true] => 2,
+            _ => 0,
+        };
+        let turned = |i: usize| (i + turn) % 3;
+        let corners: [Corner; 3] =
+            std::array::from_fn(|i| Corner(triangle.corners[turned(i)], triangle.weights[turned(i)]));
+        let split: [bool; 3] = std::array::from_fn(|i| split[turned(i)]);
+        let [a, b, c] = corners;
+        let mut middle = |i: usize| {
+            let (p, q) = (corners[i], corners[(i + 1) % 3]);
+            let vertex = self.middle(&refined.vertices[p.0 as usize], &refined.vertices[q.0 as usize]);
+            refined.vertices.push(vertex);
+            Corner(refined.vertices.len() as u32 - 1, [0, 1, 2].map(|k| (p.1[k] + q.1[k]) * 0.5))
+        };
+        let parts = match split {
+            [false, false, false] => vec![[a, b, c]],
+            [true, false, false] => {
+                let m = middle(0);
+                vec![[a, m, c], [m, b, c]]
+            }
+            [true, false, true] => {
+                let (m, n) = (middle(0), middle(2));
+                match first_is_shorter(&refined.vertices, [m, c], [b, n]) {
+                    true => vec![[a, m, n], [m, b, c], [m, c, n]],
+                    false => vec![[a, m, n], [m, b, n], [b, c, n]],
+                }
+            }
+            _ => {
+                let (m, n, o) = (middle(0), middle(1), middle(2));
+                vec![[a, m, o], [m, b, n], [o, n, c], [m, n, o]]
+            }
+        };
+        refined.triangles.extend(parts.iter().map(|part| Triangle {
+            corners: part.map(|corner| corner.0),
+            base: triangle.base,
+            weights: part.map(|corner| corner.1),
+        }));
+    }
+}
+
+/// A vertex, and its barycentric coordinates.
+#[derive(Clone, Copy)]
+struct Corner(u32, [f32; 3]);
+
+/// Whether the first of two diagonals is the shorter one; of equal ones, which new vertex is farther left, or up.
+fn first_is_shorter(vertices: &[Vertex], first: [Corner; 2], second: [Corner; 2]) -> bool {
+    let ends = [first, second].map(|diagonal| diagonal.map(|corner| vertices[corner.0 as usize].drawn));
+    let squared = ends.map(|[p, q]| {
+        let (x, y) = (p[0] - q[0], p[1] - q[1]);
+        x * x + y * y
+    });
+    let (m, n) = (ends[0][0], ends[1][1]);
+    squared[0] < squared[1] || (squared[0] == squared[1] && (m[0] < n[0] || (m[0] == n[0] && m[1] <= n[1])))
+}
+
+#[cfg(test)]
+mod tests;

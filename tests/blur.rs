@@ -1,0 +1,16 @@
+//! The blur on a device, against references in f64 and f32 and against itself. Every device is under core and
+//! synchronisation validation, and a single message fails the test.
+#![cfg(feature = "cli")]
+
+mod common;
+
+#[path = "blur/extent.rs"]
+mod extent;
+#[path = "blur/plan.rs"]
+mod plan;
+#[path = "blur/refine.rs"]
+mod refine;
+#[path = "blur/scenes.rs"]
+mod scenes;
+#[path = "blur/trajectory.rs"]
+mod trajectory;

@@ -1,0 +1,346 @@
+//! Plans, barriers and sizes of the blur, without a device.
+
+use std::collections::HashMap;
+
+use ash::vk;
+use celfx::barrier::{Barrier, Tracker};
+use celfx::blur::layout::{self, Layout};
+use celfx::blur::passes::Passes;
+use celfx::blur::settings::{Refine, Space};
+use celfx::blur::steps::{self, Steps};
+use celfx::blur::{
+    Background, Blur, Counts, Desc, Frame, IntervalInput, Knot, PoseInput, Settings, TopologyInput, Trajectories, View,
+};
+use celfx::error::Error;
+use celfx::host::{HostBuffer, HostImage, ImageState};
+use celfx::plan::{Command, Kernel, Plan, Resource, Usage};
+use celfx::view::Camera;
+
+use crate::common::allocations::allocated;
+
+const RANGE: u64 = 128 << 20;
+const VIEW: View = View {
+    frame: 1,
+    camera: Camera {
+        eye: glam::DVec3::new(0.0, 1.0, 4.0),
+        target: glam::DVec3::Y,
+        up: glam::DVec3::Y,
+        vertical_fov: 40.0,
+        near: 0.1,
+        far: 100.0,
+    },
+};
+const SEGMENTS: [celfx::blur::motion::Segment; 3] = [
+    celfx::blur::motion::Segment { begin: 0.0, end: 1.0 },
+    celfx::blur::motion::Segment { begin: -1.0, end: 0.0 },
+    celfx::blur::motion::Segment { begin: -2.0, end: -1.0 },
+];
+
+fn desc(settings: Settings) -> Desc {
+    Desc {
+        size: [200, 150],
+        target_format: vk::Format::R32G32B32A32_SFLOAT,
+        points: 1000,
+        triangles: 1900,
+        neighbours: 5800,
+        most_triangles: 1_000_000,
+        segments: Desc::segments_of(&settings),
+        frames_resident: 26,
+        seed: 0,
+        settings,
+        layers: true,
+        skipping: true,
+    }
+}
+
+fn buffer() -> HostBuffer {
+    let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+    HostBuffer { buffer: vk::Buffer::null(), offset: 0, size: u64::MAX, stage, access }
+}
+
+fn image(desc: &Desc) -> HostImage {
+    let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
+    HostImage {
+        image: vk::Image::null(),
+        view: vk::ImageView::null(),
+        format: desc.target_format,
+        extent: desc.size,
+        state_in: state,
+        state_out: state,
+    }
+}
+
+fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'a> {
+    let counts = Counts { clusters: 3, hull: 100, largest_hull: 50, seams, farthest: 500.0, ..Counts::default() };
+    Frame {
+        mesh: Some(TopologyInput { triangles: buffer(), neighbour_starts: buffer(), neighbours: buffer() }),
+        poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
+        interval: Some(IntervalInput {
+            counts,
+            segments: &SEGMENTS[..desc.segments as usize],
+            views: [VIEW; 4],
+            trajectories,
+            motion: buffer(),
+            labels: buffer(),
+            clusters: buffer(),
+            hull: buffer(),
+            seams: buffer(),
+        }),
+        images: [image(desc); 2],
+        target: image(desc),
+        background: Background::Keep,
+    }
+}
+
+/// The effect's side of a frame, and a plan to be filled.
+struct Effect {
+    desc: Desc,
+    layout: Layout,
+    passes: Passes,
+    plan: Plan,
+}
+
+impl Effect {
+    fn new(desc: Desc) -> Effect {
+        let layout = Layout::new(&desc, RANGE).expect("a layout");
+        let (room, bytes) = steps::capacity(&desc);
+        Effect { layout, passes: Passes::new(&desc), plan: Plan::with_capacity(room, bytes), desc }
+    }
+
+    fn fill(&mut self, frame: &Frame) {
+        let Effect { desc, layout, passes, plan } = self;
+        Steps { plan, passes, desc, layout }.fill(frame);
+    }
+
+    fn names(&self) -> Vec<&'static str> {
+        let name = |step: &celfx::plan::Step| self.passes.list[usize::from(step.pass.0)].name;
+        let mut names: Vec<_> = self.plan.steps.iter().map(name).collect();
+        names.dedup();
+        names
+    }
+}
+
+/// Descriptions that reach every pass, and frames of both kinds.
+fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
+    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 8] }; 26];
+    for (space, refine, strength, layers) in [
+        (Space::Homogeneous, Refine::Error, 1.0, true),
+        (Space::Screen, Refine::Length, 2.5, false),
+        (Space::Homogeneous, Refine::Error, 0.3, false),
+    ] {
+        let settings = Settings { space, refine, strength, ..Settings::default() };
+        let mut effect = Effect::new(Desc { layers, ..desc(settings) });
+        for trajectories in [Trajectories::Poses(&knots), Trajectories::Pieces(buffer())] {
+            for seams in [0, 77] {
+                let frame = frame(&effect.desc.clone(), trajectories, seams);
+                effect.fill(&frame);
+                check(&mut effect, &frame);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_steps_of_a_frame_in_order() {
+    let mut effect = Effect::new(desc(Settings::default()));
+    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 8] }; 26];
+    let mut frame = frame(&effect.desc.clone(), Trajectories::Poses(&knots), 5);
+    effect.fill(&frame);
+    let expected = [
+        "blur.background",
+        "blur.mesh",
+        "blur.poses",
+        "blur.params",
+        "blur.interval",
+        "blur.trajectory",
+        "blur.extent",
+        "blur.seams",
+        "blur.extent",
+        "blur.refine",
+        "blur.visibility",
+        "blur.distort",
+    ];
+    assert!(effect.names().starts_with(&expected), "{:?}", effect.names());
+    // Where nothing moves, a copy is left.
+    (frame.interval, frame.mesh, frame.poses) = (None, None, None);
+    effect.fill(&frame);
+    assert_eq!(effect.names(), ["blur.background"]);
+    assert!(effect.plan.skipped.iter().all(|(_, reason)| !reason.is_empty()));
+    assert!(effect.plan.skipped.contains(&("blur.refine", "nothing moves")));
+}
+
+#[test]
+fn no_strength_is_a_copy() {
+    let mut effect = Effect::new(desc(Settings { strength: 0.0, ..Settings::default() }));
+    let mut frame = frame(&effect.desc.clone(), Trajectories::Pieces(buffer()), 5);
+    (frame.mesh, frame.poses) = (None, None);
+    effect.fill(&frame);
+    assert_eq!(effect.names(), ["blur.background"]);
+    assert!(effect.plan.skipped.contains(&("blur.distort", "strength is 0")));
+}
+
+#[test]
+fn poses_go_around() {
+    let mut effect = Effect::new(desc(Settings::default()));
+    let mut frame = frame(&effect.desc.clone(), Trajectories::Pieces(buffer()), 5);
+    frame.poses = Some(PoseInput { first: 50, count: 5, positions: buffer() });
+    effect.fill(&frame);
+    let copies: Vec<_> = effect
+        .plan
+        .steps
+        .iter()
+        .filter_map(|step| match step.command {
+            Command::CopyRange { from, to: (layout::POSES, to), bytes } => Some((from.1, to, bytes)),
+            _ => None,
+        })
+        .collect();
+    // Frames 50 and 51 stand in places 24 and 25, 52 to 54 in the first ones.
+    assert_eq!(copies, [(0, 24 * 12_000, 2 * 12_000), (24_000, 0, 3 * 12_000)]);
+}
+
+#[test]
+fn every_slot_is_bound_and_every_step_fits() {
+    every(|effect, _| {
+        let images = effect.layout.images(&effect.desc).len() as u16;
+        for pass in &effect.passes.list {
+            assert_eq!(pass.unbound().count(), 0, "{}", pass.name);
+            for (slot, resource) in &pass.bindings {
+                let own = match resource {
+                    Resource::Buffer(id) => id.0 < layout::BUFFERS,
+                    Resource::Image(id) => id.0 < images,
+                };
+                assert!(own, "{}: {} is bound to {resource:?}", pass.name, slot.name);
+            }
+            let storage = pass.bindings.iter().filter(|(slot, _)| slot.name != "BlurParams").count();
+            assert!(storage <= 12, "{}: {storage} storage buffers", pass.name);
+        }
+        let (steps, bytes) = steps::capacity(&effect.desc);
+        assert!(effect.plan.steps.len() <= steps && effect.plan.data.len() <= bytes);
+        for step in &effect.plan.steps {
+            let pass = &effect.passes.list[usize::from(step.pass.0)];
+            let pushed: u32 = pass.shaders().into_iter().flatten().map(|shader| shader.push_size).max().unwrap_or(0);
+            assert_eq!(step.constants_len as u32, pushed, "{}: push constants", pass.name);
+            let size = |id| effect.layout.size(id);
+            let fits = match (&pass.kernel, step.command) {
+                (Kernel::Compute(shader), Command::Dispatch { threads }) => {
+                    (0..3).all(|axis| (1..=65_535).contains(&threads[axis].div_ceil(shader.local_size[axis])))
+                }
+                (Kernel::Compute(_), Command::DispatchIndirect { arguments, offset }) => offset + 12 <= size(arguments),
+                (Kernel::Raster(_), Command::DrawIndirect { arguments, offset }) => offset + 16 <= size(arguments),
+                (Kernel::Raster(_), Command::Draw { vertices }) => vertices % 3 == 0,
+                (Kernel::Transfer, Command::Update { buffer, bytes, .. }) => {
+                    bytes as u64 <= size(buffer) && bytes <= 65_536 && bytes % 4 == 0
+                }
+                (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= size(to),
+                (Kernel::Transfer, Command::CopyRange { to, bytes, .. }) => to.1 + bytes <= size(to.0),
+                (Kernel::Transfer, Command::CopyImage { .. }) => true,
+                _ => false,
+            };
+            assert!(fits, "{}: {:?}", pass.name, step.command);
+            let touched: Vec<Resource> = match step.command {
+                Command::Update { buffer, .. } => vec![buffer.into()],
+                Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
+                Command::CopyRange { from, to, .. } => vec![from.0.into(), to.0.into()],
+                Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],
+                _ => vec![],
+            };
+            for resource in touched {
+                assert!(pass.uses.iter().any(|(used, _)| *used == resource), "{}: {resource:?}", pass.name);
+            }
+        }
+    });
+}
+
+#[test]
+fn barriers_cover_every_dependency() {
+    every(|effect, _| {
+        let images = effect.layout.images(&effect.desc).len() + layout::HOST_IMAGES;
+        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + layout::HOST_BUFFERS, images);
+        tracker.begin(&effect.plan, &effect.passes.list);
+        let mut written: HashMap<Resource, (usize, Usage)> = HashMap::new();
+        let mut barriers: Vec<Barrier> = Vec::new();
+        for (index, step) in effect.plan.steps.iter().enumerate() {
+            let pass = &effect.passes.list[usize::from(step.pass.0)];
+            barriers.push(tracker.before(step, pass));
+            let indirect = step.arguments().map(|id| (Resource::Buffer(id), Usage::INDIRECT));
+            for (resource, usage) in pass.uses.iter().copied().chain(indirect) {
+                let Some((since, write)) = written.get(&resource) else { continue };
+                let covered = barriers[since + 1..].iter().any(|barrier| {
+                    barrier.src_stage.contains(write.stage)
+                        && barrier.src_access.contains(write.writes)
+                        && barrier.dst_stage.contains(usage.stage)
+                        && barrier.dst_access.contains(usage.access())
+                });
+                assert!(covered, "{} at step {index} does not wait for the write of {resource:?}", pass.name);
+            }
+            for (resource, usage) in pass.uses.iter().filter(|(_, usage)| !usage.writes.is_empty()) {
+                written.insert(*resource, (index, *usage));
+            }
+        }
+    });
+}
+
+#[test]
+fn planning_allocates_nothing() {
+    every(|effect, frame| {
+        let before = allocated();
+        effect.fill(frame);
+        assert_eq!(allocated() - before, 0);
+    });
+}
+
+#[test]
+fn sizes_follow_from_counts_and_the_device() {
+    let settings = Settings { strength: 3.0, ..Settings::default() };
+    let desc = desc(settings);
+    let layout = Layout::new(&desc, RANGE).expect("a layout");
+    assert_eq!(desc.segments, 3);
+    // Pieces of three segments, 192 bytes a vertex, are what the range has least room for.
+    assert_eq!(u64::from(layout.vertices), RANGE / 192);
+    assert_eq!(layout.triangles - desc.triangles, layout.vertices - desc.points);
+    assert_eq!(layout.size(layout::POSES), 26 * 12_000);
+    assert!(layout.size(layout::SPLINES) <= RANGE);
+    let small = Desc { most_triangles: 5000, ..desc.clone() };
+    let layout = Layout::new(&small, RANGE).expect("a layout");
+    assert_eq!((layout.triangles, layout.vertices), (5000, 1000 + 3100));
+    let memory = Blur::memory(&small, RANGE).expect("a size");
+    let buffers: u64 = layout.buffers().map(|buffer| buffer.size).sum();
+    let pixels: u64 = layout.images(&small).iter().map(|i| u64::from(i.extent[0] * i.extent[1])).sum();
+    assert!(memory.total() >= buffers + 4 * pixels && memory.history >= 26 * 12_000);
+}
+
+#[test]
+fn loops_stay_within_their_budget() {
+    // An edge is looked at in three places: a hull is searched, walked along and what is near it looked at, in four
+    // directions, and then looked at whole; a trajectory's segments are gone through three times.
+    let hull = u64::from(layout::MOST_HULL) + 4 * (16 + 128 + 64) + 3 * 32;
+    assert!(3 * 3 * hull <= 48_000 && layout::MOST_HULL >= 4000);
+    // The scan: 256 lanes walk twice over their blocks of the most triangles that there can be, and over each other.
+    let layout =
+        Layout::new(&Desc { most_triangles: 60_000_000, ..desc(Settings::default()) }, u64::MAX).expect("a layout");
+    let blocks = u64::from(layout.triangles).div_ceil(128).div_ceil(256);
+    assert!(2 * blocks + 256 <= 50_000);
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_name() {
+    let refused = |desc: Desc| Blur::memory(&desc, RANGE).expect_err("refused").to_string();
+    let base = || desc(Settings::default());
+    assert!(refused(Desc { points: 0, ..base() }).contains("points"));
+    assert!(refused(Desc { most_triangles: 10, ..base() }).contains("triangles"));
+    assert!(refused(Desc { segments: 33, ..base() }).contains("segments"));
+    assert!(refused(Desc { frames_resident: 3, ..base() }).contains("resident"));
+    assert!(refused(Desc { size: [0, 5], ..base() }).contains("size"));
+    assert!(
+        refused(Desc { settings: Settings { strength: -1.0, ..Settings::default() }, ..base() })
+            .contains("blur.strength")
+    );
+    let poses = refused(Desc { frames_resident: 1 << 20, ..base() });
+    assert!(poses.contains("Poses") && poses.contains("keep fewer frames"), "{poses}");
+    let Err(Error::Limit { what, .. }) =
+        Blur::memory(&Desc { points: 5_000_000, frames_resident: 4, ..base() }, u64::MAX)
+    else {
+        panic!("too many points");
+    };
+    assert_eq!(what, "blur's points");
+}

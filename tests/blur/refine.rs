@@ -1,0 +1,189 @@
+//! Refinement: the reference's triangles to the bit, without cracks, within its budget.
+
+use std::collections::BTreeSet;
+
+use celfx::blur::params::{BASE_MASK, CULLED, Vertex};
+use celfx::blur::reference::extent::extents;
+use celfx::blur::reference::refine::{Refined, Rules, refine};
+use celfx::blur::reference::watertight::border;
+use celfx::blur::settings::{Refine, Space};
+use celfx::blur::{Desc, Interval, Mesh, Settings};
+
+use crate::common::blur::{BlurRig, Shot, desc};
+use crate::scenes::{Animation, grid, interval, swing};
+
+const SIDES: [u32; 2] = [13, 9];
+
+struct Case {
+    mesh: Mesh,
+    animation: Animation,
+    desc: Desc,
+}
+
+impl Case {
+    fn new(settings: Settings) -> Case {
+        let mesh = grid(SIDES);
+        let animation = swing(SIDES, 8, [480, 270], 0.4);
+        let desc = Desc { most_triangles: 20_000, ..desc(animation.size, &mesh, settings) };
+        Case { mesh, animation, desc }
+    }
+
+    fn labels(&self) -> Vec<u32> {
+        let label = |p: u32| match p % SIDES[0] {
+            0..3 => 0,
+            3..8 => 1,
+            _ => 2,
+        };
+        (0..SIDES[0] * SIDES[1]).map(label).collect()
+    }
+
+    /// The device's mesh, and the interval with the pieces that it made.
+    fn refined(&self, i: usize) -> Option<(BlurRig, Interval)> {
+        let segments = self.desc.segments as usize;
+        let mut interval = interval(&self.animation, i, &self.labels(), 0.5, 12, segments);
+        let mut rig = BlurRig::new(self.desc.clone(), self.mesh.clone())?;
+        let knots = self.animation.knots(i, segments);
+        let views = self.animation.views(i);
+        let poses = Some((0, &self.animation.poses[..]));
+        let shot = Shot { poses, interval: Some(&interval), views, knots: Some(&knots) };
+        rig.frame(&shot).expect("a frame");
+        interval.pieces = (0..segments).flat_map(|s| rig.pieces(s)).collect();
+        Some((rig, interval))
+    }
+
+    fn reference(&self, interval: &Interval) -> Refined {
+        let settings = &self.desc.settings;
+        let (seed, height) = (self.desc.seed, self.desc.size[1]);
+        let extents = extents(&self.mesh, interval, seed, settings.strength, settings.seam_smoothing);
+        let budget = self.desc.most_triangles as usize;
+        refine(&self.mesh, &extents, &Rules { interval, settings, height, seed, budget })
+    }
+}
+
+/// Bits of where a vertex is drawn.
+fn drawn(vertex: &Vertex) -> [u32; 3] {
+    [vertex.drawn[0], vertex.drawn[1], vertex.drawn[3]].map(f32::to_bits)
+}
+
+/// Triangles by their base, barycentric coordinates and drawn corners.
+type Row = (u32, [[u32; 2]; 3], [[u32; 3]; 3]);
+
+fn rows(rig: &mut BlurRig, mesh: &Mesh) -> BTreeSet<Row> {
+    let (vertices, finished) = (rig.vertices(), rig.finished());
+    let place = |base: u32, vertex: u32| {
+        let own = vertices[vertex as usize].place;
+        let corners = mesh.triangles()[base as usize];
+        let whole = |corner: usize| f32::from(u8::from(corners[corner] == vertex)).to_bits();
+        if own[1] == 1 { [whole(1), whole(2)] } else { [own[2], own[3]] }
+    };
+    let row = |triangle: &[u32; 4]| {
+        assert_eq!(triangle[3] & CULLED, 0, "open meshes are drawn whole");
+        let (base, corners) = (triangle[3] & BASE_MASK, [triangle[0], triangle[1], triangle[2]]);
+        (base, corners.map(|v| place(base, v)), corners.map(|v| drawn(&vertices[v as usize])))
+    };
+    let rows: BTreeSet<Row> = finished.iter().map(row).collect();
+    assert_eq!(rows.len(), finished.len(), "a triangle is there twice");
+    rows
+}
+
+fn expected(refined: &Refined) -> BTreeSet<Row> {
+    let row = |triangle: &celfx::blur::reference::refine::Triangle| {
+        let places = triangle.weights.map(|[_, v, w]| [v.to_bits(), w.to_bits()]);
+        let corners = triangle.corners.map(|v| {
+            let vertex = &refined.vertices[v as usize];
+            [vertex.drawn[0], vertex.drawn[1], vertex.extent.time].map(f32::to_bits)
+        });
+        (triangle.base, places, corners)
+    };
+    refined.triangles.iter().map(row).collect()
+}
+
+#[test]
+fn triangles_are_the_references() {
+    let settings = Settings::default;
+    let cases = [
+        ("error", Settings { tolerance: 4.0, ..settings() }),
+        ("length", Settings { refine: Refine::Length, edge: 40.0, ..settings() }),
+        ("screen", Settings { tolerance: 4.0, space: Space::Screen, ..settings() }),
+        ("strong", Settings { tolerance: 8.0, strength: 2.5, ..settings() }),
+        ("no smoothing", Settings { tolerance: 8.0, seam_smoothing: 0, ..settings() }),
+    ];
+    for (name, settings) in cases {
+        let case = Case::new(settings);
+        let Some((mut rig, interval)) = case.refined(3) else { return };
+        let refined = case.reference(&interval);
+        let (found, expected) = (rows(&mut rig, &case.mesh), expected(&refined));
+        eprintln!("{name}: {} triangles, {} rounds", found.len(), refined.rounds);
+        assert!(found.len() > case.mesh.triangles().len(), "{name}: nothing is divided");
+        let (more, less) = (found.difference(&expected).count(), expected.difference(&found).count());
+        assert_eq!((more, less), (0, 0), "{name}: of {} triangles", expected.len());
+        // Where clusters tear apart, edges are longer than a quarter of a pixel whatever is done.
+        assert_eq!(rig.control().refined[2], if refined.cut_short { 2 } else { 0 }, "{name}");
+    }
+}
+
+/// Edges that are not passed both ways, by the bits of what is drawn and of k'.
+fn open_edges(rig: &mut BlurRig) -> Vec<[[u32; 3]; 2]> {
+    let vertices = rig.vertices();
+    let corners = |t: &[u32; 4]| [t[0], t[1], t[2]].map(|v| drawn(&vertices[v as usize]));
+    border(&rig.finished().iter().map(corners).collect::<Vec<_>>())
+}
+
+#[test]
+fn there_are_no_cracks() {
+    for tolerance in [4.0, 1.0, 0.3] {
+        let case = Case::new(Settings { tolerance, ..Settings::default() });
+        let Some((mut rig, _)) = case.refined(4) else { return };
+        let border = open_edges(&mut rig);
+        // The grid's own border, divided: a closed way on which each vertex has one edge before and one after.
+        let ends: BTreeSet<_> = border.iter().flatten().collect();
+        assert_eq!(ends.len(), border.len(), "tolerance {tolerance}: the border is one closed line");
+        let vertices = rig.vertices();
+        let on_border: BTreeSet<[u32; 3]> = (0..SIDES[0] * SIDES[1])
+            .filter(|p| [0, SIDES[0] - 1].contains(&(p % SIDES[0])) || [0, SIDES[1] - 1].contains(&(p / SIDES[0])))
+            .map(|p| drawn(&vertices[p as usize]))
+            .collect();
+        assert!(on_border.iter().all(|p| ends.contains(p)), "tolerance {tolerance}: the border's points are on it");
+    }
+}
+
+#[test]
+fn a_budget_ends_it_and_is_reported() {
+    let mut case = Case::new(Settings { tolerance: 0.5, ..Settings::default() });
+    case.desc.most_triangles = 1000;
+    let Some((mut rig, interval)) = case.refined(3) else { return };
+    let refined = case.reference(&interval);
+    let control = rig.control();
+    assert!(refined.cut_short && control.refined[2] == 1 && control.refined[3] > 0, "{control:?}");
+    assert!(control.refined[0] <= 1000 && control.draw[0] == 3 * control.refined[0]);
+    assert!(rows(&mut rig, &case.mesh) == expected(&refined));
+    assert!(control.refined[1] as usize == refined.vertices.len());
+}
+
+/// Nothing ends where the tolerance is 0, but edges of a quarter of a pixel, the rounds and the budget.
+#[test]
+fn no_tolerance_ends() {
+    let mut case = Case::new(Settings { tolerance: 0.0, ..Settings::default() });
+    (case.desc.size, case.animation.size) = ([48, 27], [48, 27]);
+    case.desc.most_triangles = 400_000;
+    let Some((mut rig, _)) = case.refined(3) else { return };
+    let control = rig.control();
+    eprintln!("{:?}", control.refined);
+    assert!(control.refined[2] != 1, "edges below a quarter of a pixel are not divided: {control:?}");
+    let (vertices, finished) = (rig.vertices(), rig.finished());
+    let shortest = finished.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]).map(|edge| {
+        let [a, b] = edge.map(|v| vertices[v as usize].drawn);
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    });
+    assert!(shortest.fold(f32::INFINITY, f32::min) < 0.25, "it went on down to a quarter of a pixel");
+}
+
+#[test]
+fn same_frame_same_bits() {
+    let case = Case::new(Settings { tolerance: 2.0, ..Settings::default() });
+    let Some((mut first, _)) = case.refined(3) else { return };
+    let Some((mut second, _)) = case.refined(3) else { return };
+    assert!(first.finished() == second.finished(), "triangles in the same order");
+    let bits = |rig: &mut BlurRig| bytemuck::cast_slice::<_, u32>(&rig.vertices()).to_vec();
+    assert!(bits(&mut first) == bits(&mut second));
+}

@@ -1,0 +1,175 @@
+//! Meshes that move, and the splines through their poses in f64.
+
+use celfx::blur::motion::Segment;
+use celfx::blur::params::clip_rows;
+use celfx::blur::{Cluster, Interval, Knot, Mesh, MeshInput, View};
+use celfx::view::Camera;
+use glam::{DVec2, DVec3};
+
+use crate::common::scenes::random;
+
+/// A grid of this many points.
+pub fn grid([columns, rows]: [u32; 2]) -> Mesh {
+    let mut triangles = Vec::new();
+    for y in 0..rows - 1 {
+        for x in 0..columns - 1 {
+            let at = y * columns + x;
+            triangles.extend([[at, at + 1, at + columns], [at + 1, at + columns + 1, at + columns]]);
+        }
+    }
+    mesh((columns * rows) as usize, &triangles)
+}
+
+pub fn mesh(vertices: usize, triangles: &[[u32; 3]]) -> Mesh {
+    Mesh::new(&MeshInput { vertices, triangles, objects: None, weld: None, normals: None }).expect("a mesh")
+}
+
+/// Frames of a mesh and of what sees it.
+pub struct Animation {
+    pub poses: Vec<Vec<[f32; 3]>>,
+    pub cameras: Vec<Camera>,
+    pub size: [u32; 2],
+}
+
+impl Animation {
+    pub fn view(&self, frame: usize) -> View {
+        let frame = frame.min(self.poses.len() - 1);
+        View { frame: frame as u32, camera: self.cameras[frame] }
+    }
+
+    /// Frames i - 1 to i + 2.
+    pub fn views(&self, i: usize) -> [View; 4] {
+        [i.saturating_sub(1), i, i + 1, i + 2].map(|frame| self.view(frame))
+    }
+
+    /// Pixel clip coordinates.
+    pub fn clip(&self, frame: usize, point: usize) -> DVec3 {
+        let camera = &self.cameras[frame];
+        let way = DVec3::from_array(self.poses[frame][point].map(f64::from)) - camera.eye;
+        DVec3::from_array(clip_rows(camera, self.size).map(|row| row.dot(way)))
+    }
+
+    /// What the splines of a point interpolate, in each frame.
+    pub fn channels(&self, point: usize, screen: bool) -> Vec<DVec3> {
+        let clips = (0..self.poses.len()).map(|frame| self.clip(frame, point));
+        clips.map(|c| if screen { (c.truncate() / c.z).extend(c.z) } else { c }).collect()
+    }
+
+    /// Knots for the device: all frames, with the weights of segments from frame i and of as many before it.
+    pub fn knots(&self, i: usize, segments: usize) -> Vec<Knot> {
+        let count = self.poses.len();
+        let unit = |k: usize| (0..count).map(|j| DVec3::splat(f64::from(u8::from(j == k)))).collect::<Vec<_>>();
+        (0..count)
+            .map(|k| {
+                let (values, bends) = (unit(k), natural(&unit(k)));
+                let mut weights = [[0.0; 4]; 8];
+                for (s, row) in weights.iter_mut().enumerate().take(segments) {
+                    let (a, b) = (i - s, i - s + 1);
+                    let origin = if s == 0 { 0.0 } else { values[a].x };
+                    *row = [origin, values[b].x - values[a].x, bends[a].x, bends[b].x].map(|w| w as f32);
+                }
+                Knot { view: self.view(k), weights }
+            })
+            .collect()
+    }
+}
+
+/// Second derivatives of the natural spline through values at whole times.
+pub fn natural(values: &[DVec3]) -> Vec<DVec3> {
+    let n = values.len();
+    let mut bends = vec![DVec3::ZERO; n];
+    if n < 3 {
+        return bends;
+    }
+    let mut pivots = vec![4.0; n - 2];
+    let mut right: Vec<DVec3> = values.windows(3).map(|v| 6.0 * (v[0] - 2.0 * v[1] + v[2])).collect();
+    for j in 1..n - 2 {
+        let share = 1.0 / pivots[j - 1];
+        pivots[j] -= share;
+        right[j] = right[j] - right[j - 1] * share;
+    }
+    for j in (0..n - 2).rev() {
+        bends[j + 1] = (right[j] - bends[j + 2]) / pivots[j];
+    }
+    bends
+}
+
+/// The spline at a time after frame i: straight before the first frame.
+pub fn spline(values: &[DVec3], bends: &[DVec3], i: usize, time: f64) -> (DVec3, DVec3) {
+    let at = i as f64 + time;
+    let a = (at.floor().max(0.0) as usize).min(values.len() - 2);
+    let u = at - a as f64;
+    let (c, way) = (1.0 - u, values[a + 1] - values[a]);
+    let slope = |u: f64| {
+        let c = 1.0 - u;
+        way + bends[a] * ((1.0 - 3.0 * c * c) / 6.0) + bends[a + 1] * ((3.0 * u * u - 1.0) / 6.0)
+    };
+    if u < 0.0 {
+        return (values[a] + slope(0.0) * u, slope(0.0));
+    }
+    (values[a] + way * u + bends[a] * ((c * c * c - c) / 6.0) + bends[a + 1] * ((u * u * u - u) / 6.0), slope(u))
+}
+
+/// An interval whose points with a label above 0 are clusters, and all of whose points are in hulls; everything in f64
+/// and rounded once. The seams are all points of a cluster.
+pub fn interval(animation: &Animation, i: usize, labels: &[u32], time: f64, teeth: u32, segments: usize) -> Interval {
+    let points = animation.poses[0].len();
+    let mut motion = Vec::new();
+    for point in 0..points {
+        let values = animation.channels(point, false);
+        let (at, slope) = spline(&values, &natural(&values), i, time);
+        let pixel = at.truncate() / at.z;
+        let velocity: DVec2 = (slope.truncate() - pixel * slope.z) / at.z;
+        motion.push([pixel.x, pixel.y, velocity.x, velocity.y].map(|c| c as f32));
+    }
+    let (mut clusters, mut hull) = (Vec::new(), Vec::new());
+    for label in 1..=labels.iter().max().copied().unwrap_or(0) {
+        let begin = hull.len() as u32;
+        hull.extend((0..points).filter(|p| labels[*p] == label).map(|p| [motion[p][0], motion[p][1]]));
+        let end = hull.len() as u32;
+        clusters.push(Cluster {
+            object: 7 + label,
+            hull_begin: begin,
+            chain_end: begin,
+            hull_end: end,
+            teeth,
+            points: end - begin,
+        });
+    }
+    let mut spans = vec![Segment { begin: 0.0, end: 1.0 }];
+    spans.extend((1..segments).map(|s| Segment { begin: -(s as f32), end: 1.0 - s as f32 }));
+    Interval {
+        generation: 3,
+        motion,
+        labels: labels.to_vec(),
+        clusters,
+        hull,
+        seams: (0..points as u32).filter(|p| labels[*p as usize] > 0).collect(),
+        segments: spans,
+        pieces: Vec::new(),
+    }
+}
+
+/// A grid that swings and bends, seen by a camera that goes with it: `reach` metres from side to side.
+pub fn swing(sides: [u32; 2], frames: u32, size: [u32; 2], reach: f32) -> Animation {
+    let [columns, rows] = sides;
+    let pose = |frame: u32| {
+        let t = frame as f32 * 0.3;
+        (0..columns * rows)
+            .map(|p| {
+                let (u, v) = ((p % columns) as f32 / (columns - 1) as f32, (p / columns) as f32 / (rows - 1) as f32);
+                let (u, v) = (u - 0.5 + 0.01 * random(1, p, 0), v - 0.5 + 0.01 * random(1, p, 1));
+                [u + reach * (t + v).sin(), 1.0 - v + 0.3 * reach * (1.3 * t + u).cos(), 0.4 * (t + 2.0 * u).sin()]
+            })
+            .collect()
+    };
+    let camera = |frame: u32| {
+        let t = f64::from(frame) * 0.2;
+        Camera {
+            eye: DVec3::new(0.3 * t.sin(), 1.0 + 0.1 * t.cos(), 4.0 - 0.2 * t.sin()),
+            target: DVec3::new(0.1 * t.cos(), 1.0, 0.0),
+            ..Camera::default()
+        }
+    };
+    Animation { poses: (0..frames).map(pose).collect(), cameras: (0..frames).map(camera).collect(), size }
+}

@@ -1,0 +1,257 @@
+//! The blur effect under validation, and everything that it makes read back.
+
+use ash::vk;
+use celfx::blur::params::{Control, Piece, Vertex};
+use celfx::blur::{
+    Background, Blur, Counts, Desc, Frame, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput, Settings,
+    TopologyInput, Trajectories, View, layout,
+};
+use celfx::error::Result;
+use celfx::gpu::image::{Image, ImageDesc};
+use celfx::gpu::profiler::Timing;
+use celfx::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
+use celfx::host::{HostBuffer, HostImage, ImageState};
+use celfx::offline::TARGET_FORMAT;
+use celfx::plan::BufferId;
+
+use super::{TestDevice, device};
+
+/// An effect of this picture size for this mesh, with every layer kept.
+pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
+    Desc {
+        size,
+        target_format: TARGET_FORMAT,
+        points: mesh.points() as u32,
+        triangles: mesh.triangles().len() as u32,
+        neighbours: mesh.neighbours().items.len() as u32,
+        most_triangles: MOST_TRIANGLES.min(100_000),
+        segments: Desc::segments_of(&settings),
+        frames_resident: 30,
+        seed: 1,
+        settings,
+        layers: true,
+        skipping: true,
+    }
+}
+
+/// What an output is made of.
+pub struct Shot<'a> {
+    /// Poses of frames that are new, from this number.
+    pub poses: Option<(u32, &'a [Vec<[f32; 3]>])>,
+    pub interval: Option<&'a Interval>,
+    /// Cameras of frames i - 1 to i + 2.
+    pub views: [View; 4],
+    /// The frames that trajectories go through; none: the interval's pieces.
+    pub knots: Option<&'a [Knot]>,
+}
+
+/// The effect on a device of its own.
+pub struct BlurRig {
+    device: TestDevice,
+    blur: Option<Blur>,
+    mesh: Mesh,
+    uploads: [Upload; 11],
+    images: Vec<Image>,
+    download: Download,
+    is_first: bool,
+}
+
+impl BlurRig {
+    /// None where there is no device and tests may do without.
+    pub fn new(desc: Desc, mesh: Mesh) -> Option<BlurRig> {
+        let mut device = device()?;
+        let (host, allocator) = device.parts();
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::TRANSFER_DST;
+        let image =
+            ImageDesc { name: "test", extent: desc.size, layers: 1, array_view: false, format: TARGET_FORMAT, usage };
+        // SAFETY: the handles are the device's own.
+        let (blur, images) = unsafe {
+            let blur = Blur::new(&host, allocator, desc).expect("the effect can be made");
+            (blur, (0..3).map(|_| Image::new(&host, allocator, &image).expect("an image")).collect())
+        };
+        let mut rig = BlurRig {
+            device,
+            blur: Some(blur),
+            mesh,
+            uploads: Default::default(),
+            images,
+            download: Download::default(),
+            is_first: true,
+        };
+        let pixels = (rig.desc().size[0] * rig.desc().size[1]) as usize;
+        for frame in 0..2 {
+            rig.set_image(frame, &vec![[0.0; 4]; pixels]);
+        }
+        Some(rig)
+    }
+
+    pub fn blur(&self) -> &Blur {
+        self.blur.as_ref().expect("an effect")
+    }
+
+    pub fn desc(&self) -> &Desc {
+        self.blur().desc()
+    }
+
+    /// The image of frame i (0) or i + 1 (1).
+    pub fn set_image(&mut self, frame: usize, pixels: &[[f32; 4]]) {
+        let size = self.desc().size;
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        let from = unsafe { self.uploads[0].write(&host, allocator, "test", bytemuck::cast_slice(pixels)) };
+        let (from, image) = (from.expect("an upload"), self.images[1 + frame].handle);
+        let recorded = self.device.one_time("image", |host, commands| {
+            // SAFETY: as above.
+            unsafe { record_picture(host, commands, &from, image, size) };
+            Ok(())
+        });
+        recorded.expect("it runs");
+    }
+
+    fn upload<T: bytemuck::NoUninit>(&mut self, place: usize, values: &[T]) -> HostBuffer {
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        let buffer = unsafe { self.uploads[place].write(&host, allocator, "test", bytemuck::cast_slice(values)) };
+        let buffer = buffer.expect("an upload");
+        HostBuffer { size: buffer.size.max(16), ..buffer }
+    }
+
+    fn host_image(&self, place: usize, state_in: ImageState) -> HostImage {
+        let Image { handle, view, .. } = self.images[place];
+        let extent = self.desc().size;
+        HostImage { image: handle, view, format: TARGET_FORMAT, extent, state_in, state_out: COPIED_FROM }
+    }
+
+    /// Makes an output.
+    pub fn frame(&mut self, shot: &Shot) -> Result<()> {
+        let rows = TopologyInput::triangle_rows(&self.mesh);
+        let (starts, items) = (self.mesh.neighbours().starts.clone(), self.mesh.neighbours().items.clone());
+        let mesh = self.is_first.then(|| TopologyInput {
+            triangles: self.upload(1, &rows),
+            neighbour_starts: self.upload(2, &starts),
+            neighbours: self.upload(3, &items),
+        });
+        let poses = shot.poses.map(|(first, poses)| {
+            let positions = self.upload(4, &poses.concat());
+            PoseInput { first, count: poses.len() as u32, positions }
+        });
+        let interval = shot.interval.map(|interval| {
+            let pieces = self.upload(10, &interval.pieces);
+            IntervalInput {
+                counts: Counts::of(interval, self.mesh.neighbours()),
+                segments: &interval.segments,
+                views: shot.views,
+                trajectories: shot.knots.map_or(Trajectories::Pieces(pieces), Trajectories::Poses),
+                motion: self.upload(5, &interval.motion),
+                labels: self.upload(6, &interval.labels),
+                clusters: self.upload(7, &interval.clusters),
+                hull: self.upload(8, &interval.hull),
+                seams: self.upload(9, &interval.seams),
+            }
+        });
+        let frame = Frame {
+            mesh,
+            poses,
+            interval,
+            images: [1, 2].map(|place| self.host_image(place, COPIED_FROM)),
+            target: self.host_image(0, ImageState::default()),
+            background: Background::Keep,
+        };
+        let blur = self.blur.as_mut().expect("an effect");
+        let done = self.device.one_time("frame", |host, commands| {
+            // SAFETY: everything is the test's own, in the declared states, and the frame is waited for.
+            unsafe { blur.record(host, commands, &frame, &mut Timing::None) }
+        });
+        self.is_first &= done.is_err();
+        done
+    }
+
+    /// Values of one of the effect's buffers.
+    pub fn read<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Vec<T> {
+        let (source, offset, size) = self.blur().buffer(id);
+        let bytes = (count * size_of::<T>()) as u64;
+        assert!(bytes <= size, "{id:?} is smaller");
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        unsafe { self.download.fit(&host, allocator, "test", bytes.max(16)).expect("memory") };
+        let to = self.download.buffer().expect("a buffer");
+        let read = self.device.one_time("read back", |host, commands| {
+            let ranges = [Copy { from: (source, offset, bytes), to: 0 }];
+            if bytes > 0 {
+                // SAFETY: as above.
+                unsafe { record_readback(host, commands, &[], &ranges, to) };
+            }
+            Ok(())
+        });
+        read.expect("it runs");
+        self.download.bytes()[..bytes as usize].chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+    }
+
+    /// The picture.
+    pub fn picture(&mut self) -> Vec<[f32; 4]> {
+        let size = self.desc().size;
+        let count = (size[0] * size[1]) as usize;
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        unsafe { self.download.fit(&host, allocator, "test", 16 * count as u64).expect("memory") };
+        let to = self.download.buffer().expect("a buffer");
+        let target = self.images[0].handle;
+        let read = self.device.one_time("read back", |host, commands| {
+            // SAFETY: as above.
+            unsafe { record_readback(host, commands, &[Copy { from: (target, size), to: 0 }], &[], to) };
+            Ok(())
+        });
+        read.expect("it runs");
+        self.download.bytes()[..16 * count].chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
+    }
+
+    pub fn control(&mut self) -> Control {
+        self.read::<Control>(layout::CONTROL, 1)[0]
+    }
+
+    /// The refined triangles: vertices, and the base triangle's word.
+    pub fn finished(&mut self) -> Vec<[u32; 4]> {
+        let count = self.control().refined[0];
+        self.read(layout::FINISHED, count as usize)
+    }
+
+    /// The mesh's points, and the vertices of the refinement after them.
+    pub fn vertices(&mut self) -> Vec<Vertex> {
+        let count = self.control().refined[1];
+        self.read(layout::VERTICES, count as usize)
+    }
+
+    /// Pieces of a segment of the mesh's points.
+    pub fn pieces(&mut self, segment: usize) -> Vec<Piece> {
+        let (points, segments) = (self.desc().points as usize, self.desc().segments as usize);
+        let room = self.blur().buffer(layout::SPLINES).2 as usize / (segments * size_of::<Piece>());
+        self.read(layout::SPLINES, segment * room + points).split_off(segment * room)
+    }
+
+    /// Names of the steps that ran, each once where it stands several times in a row.
+    pub fn steps(&self) -> Vec<&'static str> {
+        let blur = self.blur();
+        let name = |step: &celfx::plan::Step| blur.passes()[usize::from(step.pass.0)].name;
+        let mut names: Vec<_> = blur.plan().steps.iter().map(name).collect();
+        names.dedup();
+        names
+    }
+}
+
+impl Drop for BlurRig {
+    fn drop(&mut self) {
+        if self.device.is_stuck() {
+            return;
+        }
+        let (host, allocator) = self.device.parts();
+        // SAFETY: every submission has been waited for; nothing is used afterwards.
+        unsafe {
+            self.blur.iter_mut().for_each(|blur| blur.destroy(&host, allocator));
+            self.uploads.iter_mut().for_each(|upload| upload.destroy(&host, allocator));
+            self.images.iter_mut().for_each(|image| image.destroy(&host, allocator));
+            self.download.destroy(&host, allocator);
+        }
+    }
+}
