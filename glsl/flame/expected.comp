@@ -105,12 +105,20 @@ float cap_middle(float depth) {
     return -0.75 * share * share / (1.0 + share) * params.space.z;
 }
 
+// The middle of the part of a ball between two depths, in the same units: where a slanted ray meets most of what lies between them.
+float slab_middle(vec2 depths) {
+    vec2 squares = depths * depths;
+    float inner = 1.0 - 0.5 * (squares.x + squares.y) + 1e-6;
+    float volume = 1.0 - (squares.x + depths.x * depths.y + squares.y) / 3.0 + 1e-6;
+    return 0.5 * (depths.x + depths.y) * inner / volume * params.space.z;
+}
+
 // How much G rises between two depths, over what is left of 1 - G. `centre`: of the particle to the ray at the particle's depth;
 // `zeta`: metres behind the particle; `near`: where the near plane is.
 float rise(vec2 centre, vec2 slope, vec2 zeta, float near, int class_index) {
     float per_depth = 1.0 / max(params.space.z, 1e-12);
-    // The ray slants through the space: its offset from the centre halfway through the bin.
-    vec2 place = grid_place(centre + 0.5 * (zeta.x + zeta.y) * slope);
+    // The ray slants through the space: its offset from the centre in the middle of what the bin holds of it.
+    vec2 place = grid_place(centre + slab_middle(zeta * per_depth) * slope);
     vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
     vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
     // What passed before the bin did so at other offsets: on average at the middle of the cap before it.

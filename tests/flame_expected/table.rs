@@ -222,7 +222,10 @@ impl<'a> Model<'a> {
             let x = self.narrow(narrow, centre, [zeta[0], zeta[1], near]);
             return weighed.weight * -(-x).ln_1p();
         }
-        let place = self.place(centre + 0.5 * (zeta[0] + zeta[1]) * slope);
+        let [a, b] = zeta.map(|z| z / radius.max(1e-12));
+        let (inner, volume) = (1.0 - (a * a + b * b) / 2.0, 1.0 - (a * a + a * b + b * b) / 3.0);
+        let middle = 0.5 * (zeta[0] + zeta[1]) * (inner + 1e-6) / (volume + 1e-6);
+        let place = self.place(centre + middle * slope);
         let outside = place.min_element() < 0.0 || place.max_element() > LAST;
         if outside {
             return 0.0;
