@@ -385,7 +385,7 @@ pub enum Command {
         /// Its offset in bytes.
         offset: u64,
     },
-    /// So many vertices of one instance.
+    /// So many vertices of one instance: triangles, or one quad of four.
     Draw {
         /// Vertices.
         vertices: u32,

@@ -12,5 +12,7 @@ mod plan;
 mod refine;
 #[path = "blur/scenes.rs"]
 mod scenes;
+#[path = "blur/shade.rs"]
+mod shade;
 #[path = "blur/trajectory.rs"]
 mod trajectory;

@@ -17,14 +17,13 @@ layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, w
 #include "vertex.glsl"
 #include "block.glsl"
 
-// How far an edge is from where it should be, squared.
-float departure(uint a, uint b, uint where, vec2 straight) {
-    return distance2(vertex_between(a, b, where).drawn.xy, straight);
-}
-
-vec2 quarter_of(vec2 from, vec2 to) {
-    precise vec2 quarter = from + (to - from) * 0.25;
-    return quarter;
+// What is drawn of an edge at a quarter, half or three quarters of it.
+vec2 straight_at(vec2 from, vec2 to, uint where) {
+    precise vec2 half_way = (from + to) * 0.5;
+    vec2 near = where == 1u ? from : to;
+    vec2 far = where == 1u ? to : from;
+    precise vec2 quarter = near + (far - near) * 0.25;
+    return where == 2u ? half_way : quarter;
 }
 
 bool is_split(uint a, uint b) {
@@ -39,9 +38,12 @@ bool is_split(uint a, uint b) {
         return length2 > params.model.w * params.model.w;
     }
     precise float most = params.model.z * params.model.z;
-    precise vec2 half_way = (from + to) * 0.5;
-    return departure(a, b, 2u, half_way) > most || departure(a, b, 1u, quarter_of(from, to)) > most
-        || departure(a, b, 3u, quarter_of(to, from)) > most;
+    bool departs = false;
+    for (uint i = 0u; i < 3u && !departs; ++i) {
+        uint where = i == 0u ? 2u : i == 1u ? 1u : 3u;
+        departs = distance2(vertex_between(a, b, where).drawn.xy, straight_at(from, to, where)) > most;
+    }
+    return departs;
 }
 
 void main() {

@@ -58,14 +58,16 @@ void divide(uvec4 triangle, uint at, uint made) {
     uint b = corners.y;
     uint c = corners.z;
     uint ab = made;
-    add_vertex(ab, a, b, base);
+    uint ca = made + 1u;
+    uint bc = made + 2u;
+    for (uint i = 0u; i < bitCount(split); ++i) {
+        add_vertex(made + i, i == 0u ? a : i == 1u ? c : b, i == 0u ? b : i == 1u ? a : c, base);
+    }
     if (bitCount(split) == 1) {
         add(at, uvec3(a, ab, c), base, 3u);
         add(at, uvec3(ab, b, c), base, 5u);
         return;
     }
-    uint ca = made + 1u;
-    add_vertex(ca, c, a, base);
     add(at, uvec3(a, ab, ca), base, ALL_OPEN);
     if (bitCount(split) == 2) {
         vec2 first = vertices[ab].drawn.xy;
@@ -80,8 +82,6 @@ void divide(uvec4 triangle, uint at, uint made) {
         }
         return;
     }
-    uint bc = made + 2u;
-    add_vertex(bc, b, c, base);
     add(at, uvec3(ab, b, bc), base, ALL_OPEN);
     add(at, uvec3(ca, bc, c), base, ALL_OPEN);
     add(at, uvec3(ab, bc, ca), base, ALL_OPEN);

@@ -73,7 +73,12 @@ float farthest(Cluster cluster, vec2 d) {
 // (smallest, largest) product along d and across it.
 vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
     if (cluster.chain_end - cluster.hull_begin > FEW && cluster.hull_end - cluster.chain_end <= FEW_NEAR) {
-        vec4 found = vec4(farthest(cluster, -d), farthest(cluster, d), farthest(cluster, -u), farthest(cluster, u));
+        vec4 found = vec4(0.0);
+        // A loop, because compilers would copy the search to each of its calls.
+        for (uint i = 0u; i < 4u; ++i) {
+            vec2 way = i < 2u ? d : u;
+            found[i] = farthest(cluster, (i & 1u) == 0u ? -way : way);
+        }
         if (max(max(found.x, found.y), max(found.z, found.w)) < uintBitsToFloat(0x7f800000u)) {
             return vec4(-found.x, found.y, -found.z, found.w);
         }

@@ -10,7 +10,6 @@
 const uint BLOCK = 128u;           // triangles of a workgroup of the refinement
 const uint ROUNDS = 16u;           // rounds of it
 const float UNIT = 262144.0;        // 1 - k' is a multiple of 2^-18 while it is smoothed
-const uint PIECE_ROWS = 32u;       // rows of pieces that are made of poses
 const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
 const uint OPEN_SHIFT = 29u;       // which may be split in this round or later; where none may:
@@ -36,6 +35,7 @@ layout(binding = 0) uniform BlurParams {
     uvec4 pieces;       // segments, those of them that begin at 0 or later, vertices that there is room for, triangles that there may be
     vec4 model;         // strength, reference time, tolerance and longest edge in pixels
     vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; unused
+    vec4 background;    // colour where no frame shows anything but the mesh
     vec4 segments[32];  // begin and end of each segment in frames after frame i; unused
 } params;
 
@@ -54,7 +54,7 @@ struct Knot {
     vec4 down_turn_low;
     vec4 along_turn_low;
     uvec4 slot;       // where its pose is; 1 if its camera is not frame i's; the rest is unused
-    vec4 weights[8];  // share of its offset in each row of the pieces, four a segment
+    vec4 weights[12]; // share of its offset in each row of the pieces, four a segment
 };
 
 // Points that are smeared as one. Those from `chain_end` on are so near to the convex chain that rounding can make them

@@ -1,7 +1,10 @@
 // Repetitions of a tile's render particles. A tile owns its pixels: there are no atomics on them, and no render particle
-// ever reaches memory. Particles come in batches, front first; each invocation makes one sprite of a repetition and puts it into the queues
-// of the blocks that it touches; then invocations are columns of pixels, and a block's test its queue. Nearest wins, then the smaller id, then the
-// first row: nothing depends on the order in which lists and queues were filled. Sums are integers.
+// ever reaches memory. Particles come in batches, front first. In a round each invocation makes one sprite of a repetition and notes the blocks
+// that it touches; then invocations are columns of pixels, and test the sprites that touch their block. Nearest wins, then the smaller id, then
+// the first row: nothing depends on the order of the lists. Sums are integers.
+//
+// Loops are such as end at their bottom, and what a loop needs is read before it: on a device that runs invocations in step, a turn that
+// nobody takes still costs what it would have done.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -31,21 +34,24 @@ layout(push_constant) uniform AccumulateConstants {
 #include "sprite.glsl"
 #include "sums.glsl"
 
-const uint LANES = 32u;
+const uint LANES = 32u;  // particles of a batch, render particles of a round, columns of the tile's blocks
 const uint BLOCKS = 4u;
-const uint QUEUE = 64u;  // a round adds at most one sprite an invocation to each queue
 const int ROWS = int(BLOCK);
+const uint NEVER = 0xffffffffu;
 
-shared uvec2 lists[12];          // where each level's list begins, and its end among all entries of the tile
-shared vec4 batch_view[LANES];
-shared vec4 batch_centre[LANES];
-shared vec4 batch_slope[LANES];
-shared uvec4 batch_draw[LANES];  // key, id, row, unused
-shared uint batch_end[LANES];    // end of its render particles among those of the batch
-shared vec4 queue_place[BLOCKS][QUEUE];    // x, y, depth, texels a pixel
-shared uvec4 queue_sprite[BLOCKS][QUEUE];  // row + 1, id, texel, alpha
-shared uint queue_length[BLOCKS];
-shared uint farthest[BLOCKS];  // of what is nearest in a block's pixels
+shared uvec2 lists[12];           // where each level's list begins, and its end among all entries of the tile
+shared uint waiting;              // entries that are next in a batch
+shared uint waiting_rows[2u * LANES];
+shared uint batch_sums[LANES];    // render particles of a batch up to here, and particles that have any in the upper 8 bits
+shared vec4 batch_place[LANES];   // of those particles: x, y, depth, alpha
+shared vec4 batch_slope[LANES];   // slope and reach; or, near the camera, x and y in view space and -1
+shared uvec3 batch_draw[LANES];   // row + 1, id, hash of the id less the place of its first render particle in the batch
+shared uint starts;               // a bit for each sprite of the round that is its particle's first
+shared vec4 sprite_place[LANES];  // x, y, depth, texels a pixel
+shared uvec4 sprite_draw[LANES];  // row + 1, id, texel, alpha
+shared uvec4 touches;             // which of 8 sprites each touch: a byte for each block
+shared uvec4 column_farthest[LANES / 4u];  // of what is nearest in each column's pixels
+shared uvec4 farthest;                     // in each block's
 
 // A column of a block: what is nearest in each of its pixels. Rows count from 1; 0 is nobody.
 uint nearest_depth[ROWS];
@@ -84,77 +90,112 @@ uint entry_at(uint index) {
     return entries[lists[level].x + index - before];
 }
 
-// Loads a batch of particles; how many render particles they have. What all pixels have nearer is left out.
-uint load_batch(uint at, uint end) {
+// Looks for the entries of the next batch from `at` on; how many wait then. What all pixels have nearer is left out, unless nothing is known of
+// them yet: behind the front of a fire, most of a list is.
+uint find_batch(inout uint at, uint end, bool is_first) {
     uint lane = gl_LocalInvocationID.x;
+    uint most = is_first ? FAR_AWAY : max(max(farthest.x, farthest.y), max(farthest.z, farthest.w));
+    uint found;
+    do {
+        if (at + lane < end) {
+            uint row = entry_at(at + lane);
+            if (floatBitsToUint(max(nearest_of(particles[row].view.z), 0.0)) <= most) {
+                waiting_rows[atomicAdd(waiting, 1u)] = row;
+            }
+        }
+        at += LANES;
+        barrier();
+        found = waiting;
+        barrier();
+    } while (at < end && found < LANES);
+    return found;
+}
+
+struct Batch {
+    uint total;  // its render particles
+    uint start;  // the place among them where this invocation's particle begins
+};
+
+// Loads the first of those that wait; the others are at most as many.
+Batch load_batch(uint found, vec2 origin) {
+    uint lane = gl_LocalInvocationID.x;
+    uint row = waiting_rows[lane];
+    uint next = waiting_rows[LANES + lane];
     uint count = 0u;
-    if (at + lane < end) {
-        uint row = entry_at(at + lane);
+    if (lane < found) {
+        count = particles[row].draw.z;
+    }
+    uint sum = count + (count > 0u ? 1u << 24u : 0u);
+    batch_sums[lane] = sum;
+    [[unroll]] for (uint width = 1u; width < LANES; width *= 2u) {
+        barrier();
+        sum += lane >= width ? batch_sums[lane - width] : 0u;
+        barrier();
+        batch_sums[lane] = sum;
+    }
+    uint start = (sum & 0xffffffu) - count;
+    if (count > 0u) {
+        uint slot = (sum >> 24u) - 1u;
         vec4 view = particles[row].view;
         uvec4 draw = particles[row].draw;
-        batch_view[lane] = view;
-        batch_centre[lane] = particles[row].centre;
-        batch_slope[lane] = particles[row].slope;
-        batch_draw[lane] = uvec4(draw.xy, row + 1u, 0u);
-        uint nearest = floatBitsToUint(max(nearest_of(view.z), 0.0));
-        bool hidden = nearest > max(max(farthest[0], farthest[1]), max(farthest[2], farthest[3]));
-        count = hidden ? 0u : draw.z;
+        vec4 slope = particles[row].slope;
+        Source source = source_of(view, particles[row].centre, slope, origin);
+        batch_place[slot] = vec4(source.at, source.z, view.w);
+        batch_slope[slot] = slope.z == 1.0 ? vec4(source.from, -1.0, 0.0) : vec4(source.slope, slope.w, 0.0);
+        batch_draw[slot] = uvec3(row + 1u, draw.y, draw.x - start);
     }
-    batch_end[lane] = count;
-    for (uint width = 1u; width < LANES; width *= 2u) {
-        barrier();
-        uint other = lane >= width ? batch_end[lane - width] : 0u;
-        barrier();
-        batch_end[lane] += other;
+    waiting_rows[lane] = next;
+    if (lane == 0u) {
+        waiting = found - min(found, LANES);
     }
     barrier();
-    uint total = batch_end[LANES - 1u];
-    // The next batch may follow at once, where nothing of this one is left.
-    barrier();
-    return total;
+    return Batch(batch_sums[LANES - 1u] & 0xffffffu, count > 0u ? start : NEVER);
 }
 
-// Makes render particle `t` of the batch and queues it in the blocks that it touches.
-void queue_sprites(uint t, uint repetition, vec2 origin, uint level) {
-    uint slot = 0u;
-    [[unroll]] for (uint step = LANES / 2u; step > 0u; step /= 2u) {
-        slot += batch_end[slot + step - 1u] <= t ? step : 0u;
-    }
-    uint first = slot == 0u ? 0u : batch_end[slot - 1u];
-    uvec4 draw = batch_draw[slot];
-    vec4 view = batch_view[slot];
-    vec4 slope = batch_slope[slot];
-    Sprite sprite = make_sprite(view, batch_centre[slot], slope, draw.x, t - first, repetition, origin, level);
+// Makes render particle `t` of the batch, which is of the particle at `slot`, and notes which blocks it touches.
+void note_sprite(Optics optics, uint slot, uint t, uint repetition) {
+    uint lane = gl_LocalInvocationID.x;
+    vec4 place = batch_place[slot];
+    vec3 slope = batch_slope[slot].xyz;
+    uvec3 draw = batch_draw[slot];
+    bool has_slope = slope.z >= 0.0;
+    Source source = Source(place.xy, place.z, has_slope ? slope.xy : vec2(0.0), has_slope ? vec2(0.0) : slope.xy);
+    Sprite sprite = make_sprite(optics, source, pcg(t + draw.z), repetition);
     // Rounding: a thousandth of a pixel is more than it can be.
-    float reach = slope.w * 0.5 * float(MASK_SIDE >> level) / sprite.scale + 1e-3;
+    float reach = abs(slope.z) * optics.half_mask / sprite.scale + 1e-3;
     vec4 bounds = vec4(sprite.at - reach, sprite.at + reach);
     uint depth = floatBitsToUint(sprite.z);
+    uvec4 limits = farthest;
+    uint touched = 0u;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         vec2 corner = float(BLOCK) * vec2(block & 1u, block >> 1u);
-        bool touches = sprite.exists && depth <= farthest[block] && all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5)))
-            && all(greaterThanEqual(bounds.zw, corner + 0.5));
-        if (touches) {
-            uint place = atomicAdd(queue_length[block], 1u);
-            queue_place[block][place] = vec4(sprite.at, sprite.z, sprite.scale);
-            queue_sprite[block][place] = uvec4(draw.zy, sprite.texel, floatBitsToUint(view.w));
-        }
+        bool is_near = all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5))) && all(greaterThanEqual(bounds.zw, corner + 0.5));
+        touched |= is_near && depth <= limits[block] ? 1u << (8u * block) : 0u;
+    }
+    if (sprite.exists && touched != 0u) {
+        sprite_place[lane] = vec4(sprite.at, sprite.z, sprite.scale);
+        sprite_draw[lane] = uvec4(draw.xy, sprite.texel, floatBitsToUint(place.w));
+        atomicOr(touches[lane / 8u], touched << (lane % 8u));
     }
 }
 
-// Tests the sprites of a block's queue against a column of its pixels. `centre`: of its first pixel.
-void test_queue(uint block, vec2 centre, uint level) {
-    float middle = 0.5 * float(MASK_SIDE >> level);
-    uint length = queue_length[block];
-    for (uint i = 0u; i < length; ++i) {
-        vec4 place = queue_place[block][i];
-        uvec4 sprite = queue_sprite[block][i];
+// Tests the sprites that touch a block against a column of its pixels. `centre`: of its first pixel.
+void test_sprites(uint block, vec2 centre, uint level, float half_mask, float threshold) {
+    uvec4 bytes = touches >> (8u * block) & 0xffu;
+    uint left = bytes.x | bytes.y << 8u | bytes.z << 16u | bytes.w << 24u;
+    do {
+        bool is_one = left != 0u;
+        uint i = uint(findLSB(left)) & (LANES - 1u);
+        left &= left - 1u;
+        vec4 place = sprite_place[i];
+        uvec4 sprite = sprite_draw[i];
         uint depth = floatBitsToUint(place.z);
         float alpha = uintBitsToFloat(sprite.w);
-        vec2 t = (centre - place.xy) * place.w + middle;
+        vec2 t = (centre - place.xy) * place.w + half_mask;
         Look look = begin_look(t.x, sprite.z, level);
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
             float value = mask_value(look, t.y + float(y) * place.w);
-            bool passes = value > 0.0 && alpha * value >= params.model.y;
+            bool passes = is_one && value > 0.0 && alpha * value >= threshold;
             bool first = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
             bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first);
             bool wins = passes && nearer;
@@ -162,21 +203,26 @@ void test_queue(uint block, vec2 centre, uint level) {
             nearest_id[y] = wins ? sprite.y : nearest_id[y];
             nearest_row[y] = wins ? sprite.x : nearest_row[y];
         }
-    }
+    } while (left != 0u);
 }
 
-// What is nearest in a block's pixels can only come nearer: what is behind all of it need not be looked at.
-void note_farthest(uint block) {
-    if (gl_LocalInvocationID.x % BLOCK == 0u) {
-        farthest[block] = 0u;
-    }
-    barrier();
+// Begins a round: no sprite touches anything yet. What is nearest in a block's pixels can only come nearer: what is behind all of it need not be
+// looked at.
+void begin_round(uint block, bool skips) {
+    uint lane = gl_LocalInvocationID.x;
     uint own = 0u;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         own = max(own, nearest_depth[y]);
     }
-    atomicMax(farthest[block], params.flags.x == 1u ? own : FAR_AWAY);
+    column_farthest[lane / 4u][lane % 4u] = own;
     barrier();
+    if (lane % BLOCK == 0u) {
+        uvec4 both = max(column_farthest[lane / 4u], column_farthest[lane / 4u + 1u]);
+        farthest[block] = skips ? max(max(both.x, both.y), max(both.z, both.w)) : FAR_AWAY;
+    }
+    if (lane == 0u) {
+        touches = uvec4(0u);
+    }
 }
 
 void main() {
@@ -216,54 +262,71 @@ void main() {
             sum[y] = load_sum(at);
         }
     }
-    if (lane < BLOCKS) {
-        queue_length[lane] = 0u;
+    Optics optics = optics_of_frame(level);
+    float threshold = params.model.y;
+    bool skips = params.flags.x == 1u;
+    if (lane == 0u) {
+        starts = 0u;
+        waiting = 0u;
     }
-    for (uint repetition = first; repetition < last; ++repetition) {
-        [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            nearest_depth[y] = scene_depth[y];
-            nearest_id[y] = 0u;
-            nearest_row[y] = 0u;
-            if (segment > 0u && inside[y]) {
-                uvec4 winner = winners[column + uint(y) * params.image.x];
-                nearest_depth[y] = winner.x;
-                nearest_id[y] = winner.y;
-                nearest_row[y] = winner.z;
-            }
-        }
-        note_farthest(block);
-        for (uint at = first_entry; at < last_entry; at += LANES) {
-            uint total = load_batch(at, last_entry);
-            uint made = 0u;
-            while (made < total) {
-                bool has_room;
-                do {
-                    if (made + lane < total) {
-                        queue_sprites(made + lane, constants.before + repetition, origin, level);
+    barrier();
+    uint repetition = first;
+    uint at = first_entry;
+    do {
+        bool is_first_batch = at == first_entry;
+        uint found = find_batch(at, last_entry, is_first_batch);
+        bool is_last_batch = at >= last_entry && found <= LANES;
+        Batch batch = load_batch(found, origin);
+        // One batch that is all of the list serves all repetitions.
+        do {
+            if (is_first_batch) {
+                [[unroll]] for (int y = 0; y < ROWS; ++y) {
+                    nearest_depth[y] = scene_depth[y];
+                    nearest_id[y] = 0u;
+                    nearest_row[y] = 0u;
+                    if (segment > 0u && inside[y]) {
+                        uvec4 winner = winners[column + uint(y) * params.image.x];
+                        nearest_depth[y] = winner.x;
+                        nearest_id[y] = winner.y;
+                        nearest_row[y] = winner.z;
                     }
-                    made += LANES;
-                    barrier();
-                    uint longest = max(max(queue_length[0], queue_length[1]), max(queue_length[2], queue_length[3]));
-                    barrier();
-                    has_room = longest <= QUEUE - LANES;
-                } while (made < total && has_room);
-                test_queue(block, centre, level);
-                barrier();
-                if (lane < BLOCKS) {
-                    queue_length[lane] = 0u;
                 }
-                note_farthest(block);
             }
-        }
-        [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            if (inside[y] && !is_last_segment) {
-                winners[column + uint(y) * params.image.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
+            uint made = 0u;
+            uint particles_before = 0u;
+            do {
+                begin_round(block, skips);
+                if (batch.start - made < LANES) {
+                    atomicOr(starts, 1u << (batch.start - made));
+                }
+                barrier();
+                uint begun = starts;
+                uint slot = particles_before + uint(bitCount(begun & (NEVER >> (LANES - 1u - lane)))) - 1u;
+                particles_before += uint(bitCount(begun));
+                if (made + lane < batch.total) {
+                    note_sprite(optics, slot, made + lane, constants.before + repetition);
+                }
+                made += LANES;
+                barrier();
+                if (lane == 0u) {
+                    starts = 0u;
+                }
+                test_sprites(block, centre, level, optics.half_mask, threshold);
+            } while (made < batch.total);
+            if (is_last_batch) {
+                [[unroll]] for (int y = 0; y < ROWS; ++y) {
+                    if (inside[y] && !is_last_segment) {
+                        winners[column + uint(y) * params.image.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
+                    }
+                    if (is_last_segment && nearest_row[y] != 0u) {
+                        add_winner(sum[y], particles[nearest_row[y] - 1u].light, nearest_depth[y]);
+                    }
+                }
+                ++repetition;
             }
-            if (is_last_segment && nearest_row[y] != 0u) {
-                add_winner(sum[y], particles[nearest_row[y] - 1u].light, nearest_depth[y]);
-            }
-        }
-    }
+        } while (is_first_batch && is_last_batch && repetition < last);
+        at = is_last_batch ? first_entry : at;
+    } while (repetition < last);
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         uint at = column + uint(y) * params.image.x;
         if (inside[y] && is_last_segment) {

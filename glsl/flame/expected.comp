@@ -105,12 +105,14 @@ float cap_middle(float depth) {
     return -0.75 * share * share / (1.0 + share) * params.space.z;
 }
 
-// The middle of the part of a ball between two depths, in the same units: where a slanted ray meets most of what lies between them.
+// The middle of what lies between two depths (in radii): where a slanted ray meets most of it. Sprites much larger than the space lie there as
+// the ball's volume does, much smaller ones evenly.
 float slab_middle(vec2 depths) {
     vec2 squares = depths * depths;
     float inner = 1.0 - 0.5 * (squares.x + squares.y) + 1e-6;
     float volume = 1.0 - (squares.x + depths.x * depths.y + squares.y) / 3.0 + 1e-6;
-    return 0.5 * (depths.x + depths.y) * inner / volume * params.space.z;
+    float share = params.space.y / (params.space.y + params.space.z);
+    return 0.5 * (depths.x + depths.y) * mix(1.0, inner / volume, share) * params.space.z;
 }
 
 // How much G rises between two depths, over what is left of 1 - G. `centre`: of the particle to the ray at the particle's depth;

@@ -5,9 +5,10 @@
 layout(constant_id = 0) const uint CUBE = 0;
 #include "params.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; };
+layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; uint kernel_classes; };
 layout(std430, binding = 2) readonly buffer Shares { float shares[]; };
 layout(binding = 3, r32f) uniform writeonly image2D kernel;
+layout(std430, binding = 4) readonly buffer ControlBuffer { Control control; };
 #include "kernel.glsl"
 
 const float LEAST = -24.0;
@@ -34,7 +35,7 @@ vec2 chord(vec2 at, float radius) {
 void main() {
     uint place = gl_GlobalInvocationID.x % uint(PLACES * PLACES);
     uint class_index = gl_GlobalInvocationID.x / uint(PLACES * PLACES);
-    if (class_index >= uint(CLASSES)) {
+    if (class_index >= uint(CLASSES) || !has_class(control.new_classes, class_index)) {
         return;
     }
     ivec2 grid = ivec2(place % uint(PLACES), place / uint(PLACES));

@@ -1,8 +1,8 @@
 // The table of ln(1 - G): G is the probability that a render particle of a physical particle passes at a place, nearer than a depth.
 // Classes of the threshold; places across the ray's offset from the particle's centre; depths through the space of its render particles.
-const int CLASSES = 64;
-const int PLACES = 49;
-const int DEPTHS = 25;
+const int CLASSES = 32;  // bits of a word
+const int PLACES = 97;
+const int DEPTHS = 16;
 const uint SHARE_SIDE = 32u;  // texels of the pass shares along a side; the mask's own where its level has fewer
 
 // How far sprites reach across, in metres.
@@ -23,6 +23,11 @@ vec2 class_alphas() {
 float class_threshold(uint index) {
     vec2 range = class_alphas();
     return 1.0 / mix(range.x, range.y, float(index) / float(CLASSES - 1));
+}
+
+// Whether a class is in a set of them.
+bool has_class(uint set, uint index) {
+    return (set >> index & 1u) != 0u;
 }
 
 // The place of a threshold among the classes; a particle's own is never the first.

@@ -1,4 +1,6 @@
 // Alpha of the mask where a sprite meets a column of pixels.
+#include "mask_place.glsl"
+
 layout(constant_id = 3) const uint MAGNIFIED = 0;  // 1: level 0, look-ups are bilinear; 2: what the level asks for
 
 // What all pixels of a column have in common. Coordinates are texels of the mask's level from the sprite's corner.
@@ -6,19 +8,18 @@ struct Look {
     uint level;
     int last;      // texel of the level along a side
     ivec2 corner;  // of the sprite's values in `levels`
-    int column;    // of the texel that the column is in
+    int column;    // of the value there that the column has
     float x;
     bool inside;   // whether it is in one
 };
 
 Look begin_look(float x, uint texel, uint level) {
-    uint place = texel & 0xffffu;
     int column = int(floor(x));
     Look look;
     look.level = level;
     look.last = int(MASK_SIDE >> level) - 1;
-    look.corner = ivec2(level * MASK_SIDE + (place & ((1u << level) - 1u)), (texel >> 16u) * MASK_SIDE + (place >> level));
-    look.column = look.corner.x + ((column & look.last) << int(level));
+    look.corner = mask_place(level, uvec2(0u), texel >> 16u, texel & 0xffffu);
+    look.column = look.corner.x + (column & look.last);
     look.x = x;
     look.inside = uint(column) <= uint(look.last);
     return look;
@@ -42,6 +43,6 @@ float mask_value(Look look, float y) {
         return magnified(look, y);
     }
     int row = int(floor(y));
-    float alpha = imageLoad(levels, ivec2(look.column, look.corner.y + ((row & look.last) << int(look.level)))).r;
+    float alpha = imageLoad(levels, ivec2(look.column, look.corner.y + (row & look.last))).r;
     return look.inside && uint(row) <= uint(look.last) ? alpha : 0.0;
 }

@@ -7,11 +7,7 @@
 layout(local_size_x = 64) in;
 layout(binding = 1, r32f) uniform image2D levels;
 layout(push_constant) uniform MipsConstants { uint level; } constants;
-
-ivec2 place(uint level, uvec2 texel, uint variant, uint index) {
-    uint side = (1u << level) - 1u;
-    return ivec2(level * MASK_SIDE + (texel.x << level) + (index & side), variant * MASK_SIDE + (texel.y << level) + (index >> level));
-}
+#include "mask_place.glsl"
 
 // What a texel of the mask contributes: the mask within it, between texels as look-ups are, away from its centre by a pattern of 2 x 2, so
 // that shares of values are shares of area.
@@ -30,7 +26,7 @@ float mask_sample(uvec2 texel, uint variant) {
 }
 
 float value_below(uint level, uvec2 texel, uint variant, uint index) {
-    return level == 0u ? mask_sample(texel, variant) : imageLoad(levels, place(level, texel, variant, index)).r;
+    return level == 0u ? mask_sample(texel, variant) : imageLoad(levels, mask_place(level, texel, variant, index)).r;
 }
 
 void main() {
@@ -65,5 +61,5 @@ void main() {
             rank += low;
         }
     }
-    imageStore(levels, place(constants.level, texel, variant, rank), vec4(value));
+    imageStore(levels, mask_place(constants.level, texel, variant, rank), vec4(value));
 }

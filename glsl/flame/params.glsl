@@ -47,8 +47,8 @@ struct Control {
     uint segment_entries;  // entries of each
     uint part_repetitions; // repetitions of a dispatch
     uint listed;           // entries of the longest list that a tile can have
-    uint unused_a;
-    uint unused_b;
+    uint classes;          // of the kernel table: a bit for each that a particle needs
+    uint new_classes;      // those of them that the table does not have
     uvec4 tile_groups;     // dispatch over occupied tiles
     uvec4 active_groups;   // dispatch over tiles that need more repetitions
     uvec4 tile_draw;       // draw of occupied tiles

@@ -15,8 +15,8 @@ void main() {
     uvec2 entry = sprite_list[gl_InstanceIndex];
     Particle particle = particles[entry.x];
     uint level = mask_level();
-    Sprite s = make_sprite(particle.view, particle.centre, particle.slope, particle.draw.x, entry.y, constants.repetition,
-                           vec2(0.0), level);
+    Source source = source_of(particle.view, particle.centre, particle.slope, vec2(0.0));
+    Sprite s = make_sprite(optics_of_frame(level), source, pcg(entry.y + particle.draw.x), constants.repetition);
     place = vec4(s.at, s.z, s.scale);
     sprite = uvec4(entry.x + 1u, s.texel, floatBitsToUint(particle.view.w), level);
     float half_side = s.exists ? 0.5 * float(MASK_SIDE >> level) / s.scale : 0.0;

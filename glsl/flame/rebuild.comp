@@ -1,19 +1,22 @@
-// Whether the table that is on the device is not that of this frame: the mask's level has changed, or the host says so.
+// Which classes the table on the device lacks: all of them where the mask's level has changed, or the host says so.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 layout(local_size_x = 1) in;
 layout(std430, binding = 1) buffer ControlBuffer { Control control; };
-layout(std430, binding = 2) buffer KernelState { uint kernel_level; };
+layout(std430, binding = 2) buffer KernelState { uint kernel_level; uint kernel_classes; };
 layout(push_constant) uniform RebuildConstants { uint force; } constants;
 #include "mask_level.glsl"
 #include "kernel.glsl"
 
 void main() {
     uint level = max(mask_level(), 1u);
-    bool stale = constants.force != 0u || level != kernel_level;
+    uint known = constants.force != 0u || level != kernel_level ? 0u : kernel_classes;
+    uint wanted = control.classes & ~known;
     kernel_level = level;
+    kernel_classes = known | wanted;
+    control.new_classes = wanted;
     uint side = MASK_SIDE >> level;
-    control.share_groups = uvec4(stale ? (uint(CLASSES) * side * side + 63u) / 64u : 0u, 1u, 1u, 0u);
-    control.kernel_groups = uvec4(stale ? (uint(CLASSES * PLACES * PLACES) + 63u) / 64u : 0u, 1u, 1u, 0u);
+    control.share_groups = uvec4(wanted != 0u ? (uint(CLASSES) * side * side + 63u) / 64u : 0u, 1u, 1u, 0u);
+    control.kernel_groups = uvec4(wanted != 0u ? (uint(CLASSES * PLACES * PLACES) + 63u) / 64u : 0u, 1u, 1u, 0u);
 }

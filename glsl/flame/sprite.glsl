@@ -10,31 +10,62 @@ struct Sprite {
     bool exists;   // ahead of near, before far, and not lost below a pixel
 };
 
+// What all render particles of a frame have in common: read once, because a device may read a uniform anew in each turn of a loop.
+struct Optics {
+    vec3 right;       // rows of the view rotation
+    vec3 up;
+    vec3 forward;
+    float spread;
+    float near;
+    float far;
+    float focal;      // pixels of a slope of 1
+    float half_side;  // half a sprite, in metres or pixels
+    bool in_pixels;
+    uint variants;
+    float half_mask;  // texels of half the mask's level along a side
+    float places;     // alphas below one of its texels
+};
+
+Optics optics_of_frame(uint level) {
+    return Optics(params.right.xyz, params.up.xyz, params.forward.xyz, params.space.x, params.lens.z, params.lens.w, params.focal.x,
+        0.5 * params.space.y, (params.flags.w & 1u) != 0u, params.draw.y, 0.5 * float(MASK_SIDE >> level), float(1u << (2u * level)));
+}
+
+// What render particles need of their particle.
+struct Source {
+    vec2 at;     // its centre in pixels
+    float z;     // its view depth
+    vec2 slope;  // x / z and y / z
+    vec2 from;   // near the camera there is no slope: x and y, and `at` is the middle of the picture
+};
+
 // `origin`: the pixel that positions are relative to.
-Sprite make_sprite(vec4 view, vec4 centre, vec4 slope, uint key, uint k, uint repetition, vec2 origin, uint level) {
-    uint particle_word = pcg(k + key);
+Source source_of(vec4 view, vec4 centre, vec4 slope, vec2 origin) {
+    return Source((centre.xz - origin) + centre.yw, view.z, slope.xy, slope.z == 1.0 ? view.xy : vec2(0.0));
+}
+
+// `particle_word`: hash of the particle's id and the sample.
+Sprite make_sprite(Optics optics, Source source, uint particle_word, uint repetition) {
     uint word = draw_word(particle_word, repetition);
-    vec3 offset = params.space.x * draw_offset(word, particle_word, repetition);
-    vec3 in_view = vec3(dot(params.right.xyz, offset), dot(params.up.xyz, offset), dot(params.forward.xyz, offset));
-    // Near the camera there is no slope, and all of the position is an offset.
-    vec3 from = in_view + (slope.z == 1.0 ? view.xyz : vec3(0.0));
-    float z = view.z + in_view.z;
-    Sprite sprite;
-    sprite.z = z;
-    sprite.exists = z >= params.lens.z && z <= params.lens.w;
-    float per_metre = params.focal.x / max(z, params.lens.z);
-    vec2 across = vec2(from.x - slope.x * in_view.z, slope.y * in_view.z - from.y);
-    sprite.at = (centre.xz - origin) + centre.yw + per_metre * across;
-    float half_side = 0.5 * params.space.y * ((params.flags.w & 1u) != 0u ? 1.0 : per_metre);
+    vec3 offset = optics.spread * draw_offset(word, particle_word, repetition);
+    vec3 in_view = vec3(dot(optics.right, offset), dot(optics.up, offset), dot(optics.forward, offset));
+    vec2 from = in_view.xy + source.from;
+    float z = source.z + in_view.z;
+    float per_metre = optics.focal / max(z, optics.near);
+    vec2 across = vec2(from.x - source.slope.x * in_view.z, source.slope.y * in_view.z - from.y);
+    float half_side = optics.half_side * (optics.in_pixels ? 1.0 : per_metre);
     // A sprite below a pixel is a pixel that passes as often as it would have covered the centre.
     float side = min(2.0 * half_side, 1.0);
     float fill = side * side;
-    sprite.scale = float(MASK_SIDE >> level) * 0.5 / max(half_side, 0.5);
     uint mask_word = pcg(word + 3u);
-    uint variant = ((mask_word >> 16u) * params.draw.y) >> 16u;
+    uint variant = ((mask_word >> 16u) * optics.variants) >> 16u;
     float share = float(mask_word & 0xffffu) * 1.52587890625e-5;
-    sprite.exists = sprite.exists && share < fill;
-    uint place = uint(min(share / max(fill, 1e-30), 0.99999994) * float(1u << (2u * level)));
+    uint place = uint(min(share / max(fill, 1e-30), 0.99999994) * optics.places);
+    Sprite sprite;
+    sprite.at = source.at + per_metre * across;
+    sprite.z = z;
+    sprite.scale = optics.half_mask / max(half_side, 0.5);
     sprite.texel = variant << 16u | place;
+    sprite.exists = z >= optics.near && z <= optics.far && share < fill;
     return sprite;
 }

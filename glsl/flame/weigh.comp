@@ -5,6 +5,7 @@
 #include "params.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) buffer Particles { Particle particles[]; };
+layout(std430, binding = 3) buffer ControlBuffer { Control control; };
 layout(binding = 2, r32f) uniform readonly image2D levels;
 #include "kernel.glsl"
 #include "pass_count.glsl"
@@ -32,6 +33,9 @@ void main() {
     float all = float(params.draw.y * MASK_SIDE * MASK_SIDE);
     float side = min(params.space.y / max(pixel, 1e-30), 1.0);
     bool narrow = is_narrow(pixel);
+    if (!narrow) {
+        atomicOr(control.classes, 1u << class_index);
+    }
     particles[row].draw.w = class_index;
     particles[row].light.z = floatBitsToUint(narrow ? float(particles[row].draw.z) : weight);
     particles[row].light.w = floatBitsToUint(side * side * passing(threshold) / all);

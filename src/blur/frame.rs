@@ -45,9 +45,9 @@ pub struct Desc {
 }
 
 impl Desc {
-    /// Pieces that splines need: one, and one for each frame that the smear reaches back over.
+    /// Pieces that splines need: one, and one for each frame that the effect reaches back over.
     pub fn segments_of(settings: &Settings) -> u32 {
-        1 + (settings.strength - 1.0).max(0.0).ceil() as u32
+        1 + settings.reach().ceil() as u32
     }
 }
 
@@ -107,7 +107,7 @@ pub struct Knot {
 /// Where trajectories come from.
 #[derive(Clone, Copy, Debug)]
 pub enum Trajectories<'a> {
-    /// Made on the device, through these frames; at most 8 segments.
+    /// Made on the device, through these frames; at most 12 segments.
     Poses(&'a [Knot]),
     /// Given: [`Interval::pieces`]. Usage: `TRANSFER_SRC`.
     Pieces(HostBuffer),

@@ -45,6 +45,12 @@ buffers! {
     PREVIOUS_NAMES = "PreviousNames",
     NEXT_NAMES = "NextNames",
     DISTORTED_NAMES = "DistortedNames",
+    PICTURE = "Picture",
+    COLOUR_LAYER = "ColourLayer",
+    PREVIOUS_LAYER = "PreviousLayer",
+    NEXT_LAYER = "NextLayer",
+    SUBFRAME_LAYER = "SubframeLayer",
+    MASK_LAYER = "MaskLayer",
 }
 
 /// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
@@ -78,8 +84,10 @@ pub const DISTORTED_DEPTH: ImageId = ImageId(5);
 pub const SAMPLED: ImageId = ImageId(6);
 /// Their depth.
 pub const SAMPLED_DEPTH: ImageId = ImageId(7);
+/// The host's images of frames i and i + 1, as shaders see them.
+pub const FRAMES: [ImageId; 2] = [ImageId(8), ImageId(9)];
 /// Own images.
-pub const IMAGES: u16 = 8;
+pub const IMAGES: u16 = 10;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(IMAGES);
 /// The host's images of frames i and i + 1.
@@ -93,6 +101,11 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "seen_previous" => Some(SEEN[0]),
         "seen_next" => Some(SEEN[1]),
         "distorted" => Some(DISTORTED),
+        "sampled" => Some(SAMPLED),
+        "depth_previous" => Some(SEEN_DEPTH[0]),
+        "depth_next" => Some(SEEN_DEPTH[1]),
+        "frame_previous" => Some(FRAMES[0]),
+        "frame_next" => Some(FRAMES[1]),
         _ => None,
     };
     let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
@@ -160,15 +173,21 @@ impl Layout {
         self.set(NEXT, triangles * 16);
         self.set(FINISHED, triangles * 16);
         let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
-        for id in NAME_LAYERS {
-            self.set(id, if desc.layers { 4 * pixels } else { 0 });
+        let kept = |bytes: u64| if desc.layers { bytes * pixels } else { 0 };
+        for id in NAME_LAYERS.into_iter().chain([SUBFRAME_LAYER, MASK_LAYER]) {
+            self.set(id, kept(4));
         }
+        for id in [COLOUR_LAYER, PREVIOUS_LAYER, NEXT_LAYER] {
+            self.set(id, kept(16));
+        }
+        self.set(PICTURE, 16 * pixels);
         self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
     }
 
     fn check(&self, desc: &Desc, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
             POSES => "keep fewer frames on the device",
+            id if id >= PREVIOUS_NAMES => "render a smaller picture",
             _ => "use a smaller mesh",
         };
         self.sizes.check(limit, &NAMES, advice)?;
@@ -201,6 +220,12 @@ impl Layout {
             (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED);
         let depth = ImageDesc { name: "blur seen depth", format, usage, ..seen };
         let extent = desc.size.map(|side| 2 * side);
+        let frame = ImageDesc {
+            name: "blur earlier frame",
+            format: desc.target_format,
+            usage: vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::SAMPLED,
+            ..seen
+        };
         [
             seen,
             seen,
@@ -210,6 +235,8 @@ impl Layout {
             ImageDesc { name: "blur distorted depth", ..depth },
             ImageDesc { name: "blur samples", extent, ..seen },
             ImageDesc { name: "blur sample depth", extent, ..depth },
+            frame,
+            ImageDesc { name: "blur later frame", ..frame },
         ]
     }
 
@@ -218,7 +245,9 @@ impl Layout {
         let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
-            memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * 4;
+            // The host's format may take up to 16 bytes.
+            let texel = if image.format == desc.target_format { 16 } else { 4 };
+            memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;
         }
         memory
     }

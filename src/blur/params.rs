@@ -23,7 +23,7 @@ pub const CULLED: u32 = 1 << 26;
 /// The most segments of a trajectory.
 pub const MOST_SEGMENTS: usize = 32;
 /// The most that are made of poses.
-pub const PIECE_SEGMENTS: usize = 8;
+pub const PIECE_SEGMENTS: usize = 12;
 /// The most frames that they go through.
 pub const MOST_KNOTS: usize = 64;
 /// The least length of an edge that is divided, in pixels.
@@ -54,6 +54,7 @@ pub struct BlurParams {
     pub pieces: [u32; 4],
     pub model: [f32; 4],
     pub lens: [f32; 4],
+    pub background: [f32; 4],
     pub segments: [[f32; 4]; MOST_SEGMENTS],
 }
 
@@ -209,7 +210,7 @@ impl Knot {
 
 impl BlurParams {
     /// What an output's kernels are told.
-    pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput) -> BlurParams {
+    pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput, background: [f32; 4]) -> BlurParams {
         let settings = &desc.settings;
         let [width, height] = desc.size;
         let mut params = BlurParams::zeroed();
@@ -228,6 +229,7 @@ impl BlurParams {
         // Each product of two sums of two products is off by less than 2^-22 of this.
         let margin = interval.counts.farthest * 6e-7;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
+        params.background = background;
         for (to, segment) in params.segments.iter_mut().zip(segments) {
             *to = [segment.begin, segment.end, 0.0, 0.0];
         }

@@ -39,6 +39,9 @@ pub struct Passes {
     /// At pixel centres, and at four samples a pixel.
     pub(super) distort: [PassId; 2],
     pub(super) layers: PassId,
+    pub(super) frames: PassId,
+    pub(super) shade: PassId,
+    pub(super) composite: PassId,
 }
 
 impl Passes {
@@ -90,6 +93,13 @@ impl Passes {
                 d.add(drawing("blur.distort", &glsl::distort_vertex::SHADER, image, depth, extent))
             }),
             layers: d.compute("blur.layers", &glsl::layers::SHADER),
+            frames: {
+                let from = HOST_FRAMES.map(|image| (image.into(), Usage::COPY_SOURCE));
+                let to = FRAMES.map(|image| (image.into(), Usage::COPY_TARGET));
+                d.transfer("blur.frames", &[from, to].concat())
+            },
+            shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([u32::from(desc.layers)])),
+            composite: d.add(composite(desc)),
             list: d.list,
         }
     }
@@ -120,4 +130,18 @@ fn drawing(name: &'static str, vertex: &'static Shader, image: ImageId, depth: I
         extent,
     };
     Pass::raster(name, raster)
+}
+
+/// The picture over what the target has of frame i + 1.
+fn composite(desc: &Desc) -> Pass {
+    let (format, blend) = (desc.target_format, Blend::Replace);
+    let raster = Raster {
+        topology: Topology::Quads,
+        vertex: &glsl::composite_vertex::SHADER,
+        fragment: &glsl::composite_fragment::SHADER,
+        colour: Some(ColourAttachment { image: TARGET, format, clear: None, blend }),
+        depth: None,
+        extent: desc.size,
+    };
+    Pass::raster("blur.composite", raster)
 }

@@ -2,17 +2,18 @@
 
 use std::mem::offset_of;
 
-use crate::blur::frame::{Desc, Frame, IntervalInput, PoseInput, TopologyInput, Trajectories};
+use crate::blur::frame::{Desc, Frame, IntervalInput, PoseInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
     self, BlurParams, Control, Knot, MOST_KNOTS, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants,
     VisibilityConstants,
 };
 use crate::blur::passes::Passes;
+use crate::host::Background;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 9] = [
+const MOTION_STEPS: [&str; 12] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -22,6 +23,9 @@ const MOTION_STEPS: [&str; 9] = [
     "blur.visibility",
     "blur.distort",
     "blur.layers",
+    "blur.frames",
+    "blur.shade",
+    "blur.composite",
 ];
 
 /// Fills a frame's plan.
@@ -54,7 +58,7 @@ impl Steps<'_> {
         let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
         self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
         match &frame.mesh {
-            Some(mesh) => self.mesh(mesh),
+            Some(_) => self.mesh(),
             None => self.plan.skip("blur.mesh", "unchanged"),
         }
         match &frame.poses {
@@ -66,7 +70,11 @@ impl Steps<'_> {
             let reason = still.unwrap_or_default();
             return MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
         };
-        let params = BlurParams::new(self.desc, self.layout, interval);
+        let background = match frame.background {
+            Background::Clear(colour) => colour,
+            _ => [0.0; 4],
+        };
+        let params = BlurParams::new(self.desc, self.layout, interval, background);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -75,12 +83,12 @@ impl Steps<'_> {
         self.extent(interval);
         self.refine();
         self.draw();
+        self.shade();
     }
 
-    fn mesh(&mut self, mesh: &TopologyInput) {
+    fn mesh(&mut self) {
         let Desc { points, triangles, neighbours, .. } = *self.desc;
         let sizes = [16 * u64::from(triangles), 4 * (u64::from(points) + 1), 4 * u64::from(neighbours)];
-        let _ = mesh;
         let to = [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
         for ((from, to), bytes) in HOST_TOPOLOGY.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
             self.plan.step(self.passes.mesh, Command::CopyBuffer { from, to, bytes });
@@ -191,6 +199,15 @@ impl Steps<'_> {
         }
         let [width, height] = self.desc.size;
         self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
+    }
+
+    fn shade(&mut self) {
+        let [width, height] = self.desc.size;
+        for (from, to) in HOST_FRAMES.into_iter().zip(FRAMES) {
+            self.plan.step(self.passes.frames, Command::CopyImage { from, to, extent: self.desc.size });
+        }
+        self.plan.step(self.passes.shade, Command::Dispatch { threads: [width, height, 1] });
+        self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
     }
 }
 

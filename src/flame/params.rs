@@ -21,12 +21,12 @@ pub const MASK_SIDE: u32 = 64;
 pub const MASK_LEVELS: u32 = 7;
 /// Levels that the cells of the screen can have.
 pub const MAX_LEVELS: usize = 12;
-/// Classes of the kernel table, by threshold.
-pub const KERNEL_CLASSES: u32 = 64;
+/// Classes of the kernel table, by threshold: bits of a word.
+pub const KERNEL_CLASSES: u32 = 32;
 /// Its places along x and along y.
-pub const KERNEL_PLACES: u32 = 49;
+pub const KERNEL_PLACES: u32 = 97;
 /// Its depths.
-pub const KERNEL_DEPTHS: u32 = 25;
+pub const KERNEL_DEPTHS: u32 = 16;
 /// Most texels of pass shares along a side.
 pub const SHARE_SIDE: u32 = 32;
 /// Depth buckets of the stochastic mode.
@@ -72,8 +72,8 @@ pub struct Control {
     pub segment_entries: u32,
     pub part_repetitions: u32,
     pub listed: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
+    pub classes: u32,
+    pub new_classes: u32,
     pub tile_groups: [u32; 4],
     pub active_groups: [u32; 4],
     pub tile_draw: [u32; 4],

@@ -368,9 +368,20 @@ impl Walk<'_> {
                         .src_subresource(layers)
                         .dst_subresource(layers)
                         .extent(vk::Extent3D { width, height, depth: 1 })];
-                    let layouts = (self.layout(from, &Usage::COPY_SOURCE), self.layout(to, &Usage::COPY_TARGET));
-                    let (from, to) = (self.resources.image(from), self.resources.image(to));
-                    device.cmd_copy_image(self.commands, from, layouts.0, to, layouts.1, &regions);
+                    let source = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
+                    let target = (self.resources.image(to), vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+                    let is_own = matches!(self.resources.images[usize::from(to.0)], ImageSlot::Own(_));
+                    // An own image leaves its layout for the copy: the copy is all that touches it at its stage.
+                    let state = |layout| ImageState { layout, ..used(&Usage::COPY_TARGET) };
+                    let (general, copied) = (state(vk::ImageLayout::GENERAL), state(target.1));
+                    let turn = |from, to| {
+                        if is_own {
+                            transition(self.host, self.commands, target.0, vk::ImageAspectFlags::COLOR, from, to);
+                        }
+                    };
+                    turn(general, copied);
+                    device.cmd_copy_image(self.commands, source.0, source.1, target.0, target.1, &regions);
+                    turn(copied, general);
                 }
                 Command::CopyDepth { from, to, extent: [width, height] } => {
                     let layers = vk::ImageSubresourceLayers {

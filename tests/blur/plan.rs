@@ -13,7 +13,7 @@ use celfx::blur::{
 };
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
-use celfx::plan::{Command, Kernel, Plan, Resource, Usage};
+use celfx::plan::{Command, Kernel, Plan, Resource, SlotKind, Topology, Usage};
 use celfx::view::Camera;
 
 use crate::common::allocations::allocated;
@@ -122,7 +122,7 @@ impl Effect {
 
 /// Descriptions that reach every pass, and frames of both kinds.
 fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
-    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 8] }; 26];
+    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
     for (space, refine, strength, layers) in [
         (Space::Homogeneous, Refine::Error, 1.0, true),
         (Space::Screen, Refine::Length, 2.5, false),
@@ -143,7 +143,7 @@ fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
 #[test]
 fn the_steps_of_a_frame_in_order() {
     let mut effect = Effect::new(desc(Settings::default()));
-    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 8] }; 26];
+    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
     let mut frame = frame(&effect.desc.clone(), Trajectories::Poses(&knots), 5);
     effect.fill(&frame);
     let expected = [
@@ -159,6 +159,10 @@ fn the_steps_of_a_frame_in_order() {
         "blur.refine",
         "blur.visibility",
         "blur.distort",
+        "blur.layers",
+        "blur.frames",
+        "blur.shade",
+        "blur.composite",
     ];
     assert!(effect.names().starts_with(&expected), "{:?}", effect.names());
     // Where nothing moves, a copy is left.
@@ -211,7 +215,7 @@ fn every_slot_is_bound_and_every_step_fits() {
                 };
                 assert!(own, "{}: {} is bound to {resource:?}", pass.name, slot.name);
             }
-            let storage = pass.bindings.iter().filter(|(slot, _)| slot.name != "BlurParams").count();
+            let storage = pass.bindings.iter().filter(|(slot, _)| slot.kind == SlotKind::StorageBuffer).count();
             assert!(storage <= 12, "{}: {storage} storage buffers", pass.name);
         }
         let (steps, bytes) = steps::capacity(&effect.desc);
@@ -227,7 +231,10 @@ fn every_slot_is_bound_and_every_step_fits() {
                 }
                 (Kernel::Compute(_), Command::DispatchIndirect { arguments, offset }) => offset + 12 <= size(arguments),
                 (Kernel::Raster(_), Command::DrawIndirect { arguments, offset }) => offset + 16 <= size(arguments),
-                (Kernel::Raster(_), Command::Draw { vertices }) => vertices % 3 == 0,
+                (Kernel::Raster(raster), Command::Draw { vertices }) => match raster.topology {
+                    Topology::Triangles => vertices % 3 == 0,
+                    Topology::Quads => vertices == 4,
+                },
                 (Kernel::Transfer, Command::Update { buffer, bytes, .. }) => {
                     bytes as u64 <= size(buffer) && bytes <= 65_536 && bytes % 4 == 0
                 }

@@ -62,7 +62,7 @@ impl Animation {
         (0..count)
             .map(|k| {
                 let (values, bends) = (unit(k), natural(&unit(k)));
-                let mut weights = [[0.0; 4]; 8];
+                let mut weights = [[0.0; 4]; 12];
                 for (s, row) in weights.iter_mut().enumerate().take(segments) {
                     let (a, b) = (i - s, i - s + 1);
                     let origin = if s == 0 { 0.0 } else { values[a].x };

@@ -1,5 +1,6 @@
 //! Splines through resident poses against f64: 1e-4 pixels for what is off from frame i.
 
+use celfx::blur::motion::{Motion, Pose, Window};
 use celfx::blur::params::Piece;
 use celfx::blur::settings::Space;
 use celfx::blur::{Desc, Settings};
@@ -97,5 +98,58 @@ fn offsets_are_exact_far_from_the_picture() {
         let Some(worst) = worst(&animation, [9, 7], i, Space::Homogeneous) else { return };
         eprintln!("far, frame {i}: {worst:.2e} px");
         assert!(worst < 1e-4, "frame {i}: {worst}");
+    }
+}
+
+/// The device's pieces are the CPU's, over held frames and up to a cut.
+#[test]
+fn poses_make_the_pieces_of_the_interval() {
+    let sides = [9, 7];
+    for (strength, space, held, cut) in [
+        (1.0, Space::Homogeneous, 0..0, None),
+        (3.0, Space::Homogeneous, 4..7, None),
+        (2.0, Space::Screen, 10..11, Some(13)),
+        (3.0, Space::Homogeneous, 0..0, Some(7)),
+    ] {
+        let (mesh, mut animation) = (grid(sides), swing(sides, 16, [960, 540], 0.3));
+        for frame in held {
+            animation.poses[frame] = animation.poses[frame - 1].clone();
+            animation.cameras[frame] = animation.cameras[frame - 1];
+        }
+        let settings = Settings { strength, space, ..Settings::default() };
+        let pose = |frame: usize| Pose {
+            positions: &animation.poses[frame],
+            camera: &animation.cameras[frame],
+            cut: cut == Some(frame),
+        };
+        let poses: Vec<Pose> = (0..16).map(pose).collect();
+        let i = 8;
+        let window = Window { frame: i as u32, poses: &poses, current: i, between: &[] };
+        let motion = Motion::new(&settings, animation.size).expect("settings");
+        let interval = motion.interval(&mesh, &window, 1).expect("an interval");
+        let knots = motion.knots(&window).expect("knots");
+        let desc = desc(animation.size, &mesh, settings);
+        let Some(mut rig) = BlurRig::new(desc, mesh) else { return };
+        let shot = Shot {
+            poses: Some((0, &animation.poses)),
+            interval: Some(&interval),
+            views: animation.views(i),
+            knots: Some(&knots),
+        };
+        rig.frame(&shot).expect("a frame");
+        let (points, screen) = (animation.poses[0].len(), space == Space::Screen);
+        let mut worst = 0.0_f32;
+        for s in 0..interval.segments.len() {
+            for (point, piece) in rig.pieces(s).iter().enumerate() {
+                let expected = &interval.pieces[s * points + point];
+                let start = interval.pieces[point].origin;
+                for u in [0.0, 0.3, 0.5, 1.0] {
+                    let [found, expected] = [piece, expected].map(|p| offset(start, p, s == 0, screen, u));
+                    worst = worst.max((found[0] - expected[0]).hypot(found[1] - expected[1]));
+                }
+            }
+        }
+        eprintln!("strength {strength}, {space:?}: {} segments, {worst:.1e} px", interval.segments.len());
+        assert!(worst < 1e-4, "strength {strength}, {space:?}: {worst}");
     }
 }

@@ -230,6 +230,12 @@ impl BlurRig {
         self.read(layout::SPLINES, segment * room + points).split_off(segment * room)
     }
 
+    /// A layer of one value a pixel.
+    pub fn layer<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId) -> Vec<T> {
+        let [width, height] = self.desc().size;
+        self.read(id, (width * height) as usize)
+    }
+
     /// Names of the steps that ran, each once where it stands several times in a row.
     pub fn steps(&self) -> Vec<&'static str> {
         let blur = self.blur();

@@ -101,9 +101,9 @@ fn exact(case: &Case, count: Option<usize>) -> Option<(FlameRig, Expected)> {
 /// What the table leaves of the exact kernel, with the same bins.
 #[test]
 fn the_table_is_close_to_the_exact_kernel() {
-    // What is measured, and a tenth. The specified 3e-4 is reached with places half as far apart and a class of its own
-    // for each particle: places are a sixteenth of the spread apart, and dense fire multiplies what each particle lacks.
-    for (case, bound) in [(plain(), 5.3e-4), (parallel(), 1.4e-3)] {
+    // What is measured, and a tenth. The specified 3e-4 takes four times the table: more places, and a class of its own
+    // for each particle; dense fire multiplies what each particle lacks.
+    for (case, bound) in [(plain(), 4.9e-4), (parallel(), 8e-4)] {
         let Some((mut rig, image)) = exact(&case, None) else { return };
         let [rms, most] = apart(&rig.mean(), &image.mean);
         println!("{}: {rms:.2e} RMS, {most:.1e} at most of the exact kernel", case.name);
@@ -115,7 +115,7 @@ fn the_table_is_close_to_the_exact_kernel() {
 #[test]
 fn the_image_is_close_to_the_integral() {
     // Bounds are a quarter more than what is measured.
-    for (case, bound) in [(plain(), 7e-4), (wide(), 1.8e-3), (near(), 2e-3), (usual(), 2.7e-3)] {
+    for (case, bound) in [(plain(), 5.5e-4), (wide(), 1.9e-3), (near(), 2e-3), (usual(), 1.3e-3)] {
         let Some((mut rig, image)) = exact(&case, Some(128)) else { return };
         let [rms, most] = apart(&rig.mean(), &image.mean);
         println!("{}: {rms:.2e} RMS, {most:.1e} at most of the integral", case.name);
@@ -125,9 +125,7 @@ fn the_image_is_close_to_the_integral() {
 
 #[test]
 fn bins_converge_to_second_order() {
-    // The specified bound; the other is so dense, of particles as deep as a quarter of it, that a bin is a part of what
-    // is seen at all: a tenth more than what is measured.
-    for (case, bound) in [(plain(), 5e-4), (parallel(), 1.3e-3)] {
+    for case in [plain(), parallel()] {
         let Some(mut many) = case.with(|s| s.bins = 1024).render() else { return };
         let truth = rgb(&many.mean());
         let error = |bins| {
@@ -136,9 +134,10 @@ fn bins_converge_to_second_order() {
         };
         let Some(errors) = [16, 32, 64].map(error).into_iter().collect::<Option<Vec<f64>>>() else { return };
         println!("{}: {errors:.6?} RMS with 16, 32, 64 bins", case.name);
-        assert!(errors[1] < bound, "{}: {errors:?}", case.name);
-        // A second order is a factor of 4 each time, which scatters by what particles lie on borders of bins; a first
-        // order would be 4 in all.
-        assert!(errors[0] / errors[2] > 9.0, "{}: {errors:?}", case.name);
+        // The specified bound.
+        assert!(errors[1] < 5e-4, "{}: {errors:?}", case.name);
+        // A second order is a factor of 4, which scatters by what particles lie on borders of bins; a first order would be
+        // 2. With 64 bins, borders lie closer than the table's depths, between which it is linear: less is gained.
+        assert!(errors[0] / errors[1] > 2.8 && errors[0] / errors[2] > 5.5, "{}: {errors:?}", case.name);
     }
 }

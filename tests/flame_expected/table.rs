@@ -224,7 +224,8 @@ impl<'a> Model<'a> {
         }
         let [a, b] = zeta.map(|z| z / radius.max(1e-12));
         let (inner, volume) = (1.0 - (a * a + b * b) / 2.0, 1.0 - (a * a + a * b + b * b) / 3.0);
-        let middle = 0.5 * (zeta[0] + zeta[1]) * (inner + 1e-6) / (volume + 1e-6);
+        let share = self.space.sprite / (self.space.sprite + radius);
+        let middle = 0.5 * (zeta[0] + zeta[1]) * (1.0 - share + share * (inner + 1e-6) / (volume + 1e-6));
         let place = self.place(centre + middle * slope);
         let outside = place.min_element() < 0.0 || place.max_element() > LAST;
         if outside {

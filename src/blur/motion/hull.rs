@@ -151,6 +151,10 @@ mod tests {
         assert!(side([0.0, 0.0], [1e30, 0.0], [-1e30, tiny]) > 0.0);
         assert!(side([0.0, 0.0], [1e30, 0.0], [-1e30, -tiny]) < 0.0);
         assert_eq!(side([-1e30, tiny], [1e30, tiny], [0.1, tiny]), 0.0);
+        // What differences in f64 lose: c is 2^-60 of a pixel above the line y = x.
+        let (far, near) = (1_073_741_824.0_f32, 2.0_f32.powi(-40));
+        assert!(side([far; 2], [far.next_up(); 2], [near, near.next_up()]) > 0.0);
+        assert!(side([far; 2], [far.next_up(); 2], [near, near.next_down()]) < 0.0);
         // Against integers: coordinates are multiples of 2^-10.
         for i in 0..20_000_u32 {
             let p: [[i64; 2]; 3] = std::array::from_fn(|k| {

@@ -4,6 +4,7 @@
 mod clusters;
 mod direction;
 mod hull;
+mod knots;
 mod ldf;
 mod projection;
 mod seams;

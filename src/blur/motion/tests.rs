@@ -564,13 +564,6 @@ fn coordinates_far_outside_of_the_picture_are_worked_on() {
     });
     let interval = shot.interval(&Settings::default(), 2);
     assert_eq!(interval.clusters.len(), 1);
-    check_trajectories_far(&shot, &interval);
-    // Numbers that no pixel has stay numbers.
-    let huge = Shot::new(mesh(3, &[[0, 1, 2]], None), 5, |p, f| [1e37 * (p as f32 + 1.0), 3e38, f as f32]);
-    assert!(huge.interval(&Settings::default(), 2).motion.iter().flatten().all(|c| c.is_finite()));
-}
-
-fn check_trajectories_far(shot: &Shot, interval: &Interval) {
     for point in 0..9 {
         let exact = shot.exact(point, 2.5, false);
         let [x, y, vx, vy] = interval.motion[point].map(f64::from);
@@ -578,4 +571,29 @@ fn check_trajectories_far(shot: &Shot, interval: &Interval) {
         assert!((DVec2::new(x, y) - exact.position).abs().max_element() < 0.016);
         assert!((DVec2::new(vx, vy) - exact.velocity).abs().max_element() < 1e-4);
     }
+    // Numbers that no pixel has stay numbers.
+    let huge = Shot::new(mesh(3, &[[0, 1, 2]], None), 5, |p, f| [1e37 * (p as f32 + 1.0), 3e38, f as f32]);
+    assert!(huge.interval(&Settings::default(), 2).motion.iter().flatten().all(|c| c.is_finite()));
+}
+
+#[test]
+fn offsets_are_exact_where_coordinates_are_large() {
+    // 10,000 pixels from the corner, while depth changes by a twentieth in a frame: that alone is 500 pixels.
+    let shot = Shot::new(mesh(9, &grid(3, 3), None), 30, |p, f| {
+        let [x, y, _] = at_pixel(1e4 - 40.0 * p as f64, 9e3 - 7.0 * f as f64 + p as f64);
+        [x + 0.2 * f as f32, y, 0.7 * (f as f32 * 0.9).sin()]
+    });
+    let interval = shot.interval(&Settings::default(), 14);
+    let mut worst = 0.0_f64;
+    for point in 0..9 {
+        let (pieces, on_screen) = path_of(&interval, point, false);
+        let path = path::Path { segments: &interval.segments, pieces: &pieces, on_screen };
+        for k in 0..=32_u8 {
+            let time = f32::from(k) / 32.0;
+            let moved = DVec2::from_array(path.moved(time).map(f64::from));
+            let exact = shot.exact(point, 14.0 + f64::from(time), false).position;
+            worst = worst.max((moved - (exact - shot.exact(point, 14.0, false).position)).abs().max_element());
+        }
+    }
+    assert!(worst < 1e-4, "{worst}");
 }

@@ -162,8 +162,8 @@ mod tests {
     fn teeth_are_linear_between_their_random_numbers() {
         let numbers: Vec<f32> = (0..5).map(|q| unit(hash(7, 3, q, 2))).collect();
         let at = |l| tooth(7, 2, &cluster(5), l);
-        for q in 0..5 {
-            assert_eq!(at(q as f32 * 0.25), numbers[q]);
+        for (l, number) in [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().zip(&numbers) {
+            assert_eq!(at(l), *number);
         }
         assert_eq!(at(0.125), numbers[0] + 0.5 * (numbers[1] - numbers[0]));
         assert_eq!(tooth(7, 2, &cluster(1), 0.7), numbers[0]);
@@ -190,6 +190,9 @@ mod tests {
         let times = [1.0, 1.0, 0.25, 0.25, -0.5];
         assert_eq!(smooth(&mesh, &[1, 2], &times, 1), [(1, -0.25), (2, 0.25)]);
         assert_eq!(smooth(&mesh, &[1, 2], &times, 0), [(1, 0.0), (2, 0.0)]);
+        // Two units among three points: the nearest whole number of units is one.
+        let little = [1.0, 1.0, 1.0 - 2.0 / UNIT, 1.0, 1.0];
+        assert_eq!(smooth(&mesh, &[1], &little, 1), [(1, -1.0 / UNIT)]);
         let far: Vec<f32> = smooth(&mesh, &[1, 2, 3], &times, 64).iter().map(|(_, offset)| *offset).collect();
         // Between fixed ends the limit is a straight line: 1, 0.625, 0.25, -0.125, -0.5.
         for (found, limit) in far.iter().zip([-0.375, 0.0, -0.375]) {

@@ -12,6 +12,20 @@ pub const ROUNDS: u32 = 16;
 /// Squared length in pixels^2 below which an edge is not split: 0.25 pixels.
 const SHORTEST: f32 = 0.0625;
 
+/// Label of a vertex between two clusters, with [`Seams::Mean`].
+pub const BETWEEN: u32 = u32::MAX;
+
+/// What a new vertex between two clusters is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Seams {
+    /// It belongs to the cluster with the larger label. k' then jumps beside the other cluster's vertices, and what
+    /// crosses the jump is split to the last round: hundreds of triangles for each one at a seam.
+    #[default]
+    Larger,
+    /// It belongs to none, nor do those between it and others: k, l and k' are the mean of its parents'. k' is continuous.
+    Mean,
+}
+
 /// What decides.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules<'a> {
@@ -25,6 +39,8 @@ pub struct Rules<'a> {
     pub seed: u32,
     /// The most triangles.
     pub budget: usize,
+    /// What is between clusters.
+    pub seams: Seams,
 }
 
 /// A vertex of the refined mesh.
@@ -115,19 +131,27 @@ impl Rules<'_> {
         let ([x, y], [vx, vy]) = (state.position, state.velocity);
         let seen = [state.depth, path.at(0.0).depth, path.at(1.0).depth].iter().all(|depth| *depth > 0.0);
         let usable = seen && [x, y, vx, vy].iter().all(|c| c.is_finite());
-        let (motion, label) = if usable { ([x, y, vx, vy], a.label.max(b.label)) } else { ([0.0; 4], 0) };
-        let extent = match self.interval.cluster(label) {
-            None => Extent::NONE,
-            Some(cluster) => {
-                let [k, l] = extent(motion, self.interval.hull_of(cluster));
-                let offset = (a.extent.offset + b.extent.offset) * 0.5;
-                let strength = self.settings.strength;
-                let raw = time(strength, k, tooth(self.seed, self.interval.generation, cluster, l));
-                Extent { k, l, offset, time: shifted(strength, raw, offset) }
-            }
+        let of_parents = match self.seams {
+            Seams::Mean if a.label != b.label => BETWEEN,
+            _ => a.label.max(b.label),
         };
+        let (motion, label) = if usable { ([x, y, vx, vy], of_parents) } else { ([0.0; 4], 0) };
+        let extent = self.extent(a, b, motion, label);
         let drawn = path.at(extent.time).position;
         Vertex { pieces, motion, extent, label, drawn }
+    }
+
+    /// The extent of the vertex between two.
+    fn extent(&self, a: &Vertex, b: &Vertex, motion: [f32; 4], label: u32) -> Extent {
+        let half = |of: fn(&Extent) -> f32| (of(&a.extent) + of(&b.extent)) * 0.5;
+        let offset = half(|extent| extent.offset);
+        if label == BETWEEN {
+            return Extent { k: half(|extent| extent.k), l: half(|extent| extent.l), offset, time: half(|e| e.time) };
+        }
+        let Some(cluster) = self.interval.cluster(label) else { return Extent::NONE };
+        let [k, l] = extent(motion, self.interval.hull_of(cluster));
+        let raw = time(self.settings.strength, k, tooth(self.seed, self.interval.generation, cluster, l));
+        Extent { k, l, offset, time: shifted(self.settings.strength, raw, offset) }
     }
 
     /// Whether the edge between two vertices is to be split: the same for both orders.

@@ -40,7 +40,7 @@ fn sphere() -> (Mesh, Vec<Vec3>) {
 }
 
 /// The interval of a sphere that turns, and whose upper half goes another way than its lower half.
-fn turning(settings: &Settings) -> (Mesh, Interval) {
+fn turning(settings: &Settings, size: [u32; 2]) -> (Mesh, Interval) {
     let (mesh, points) = sphere();
     assert!(mesh.objects()[0].closed);
     let pose = |f: usize| -> Vec<[f32; 3]> {
@@ -56,14 +56,18 @@ fn turning(settings: &Settings) -> (Mesh, Interval) {
     let camera = Camera { eye: DVec3::new(0.0, 1.2, 5.0), ..Camera::default() };
     let poses: Vec<Pose> = poses.iter().map(|p| Pose { positions: p, camera: &camera, cut: false }).collect();
     let window = Window { frame: 5, poses: &poses, current: 5, between: &[] };
-    let interval = Motion::new(settings, SIZE).unwrap().interval(&mesh, &window, 1).unwrap();
+    let interval = Motion::new(settings, size).unwrap().interval(&mesh, &window, 1).unwrap();
     (mesh, interval)
 }
 
-fn refined(settings: &Settings, budget: usize) -> (Mesh, Interval, Refined) {
-    let (mesh, interval) = turning(settings);
+fn rules<'a>(interval: &'a Interval, settings: &'a Settings) -> Rules<'a> {
+    Rules { interval, settings, height: SIZE[1], seed: 3, budget: 1_000_000, seams: Seams::Larger }
+}
+
+fn refined(settings: &Settings, seams: Seams) -> (Mesh, Interval, Refined) {
+    let (mesh, interval) = turning(settings, SIZE);
     let extents = extents(&mesh, &interval, 3, settings.strength, settings.seam_smoothing);
-    let refined = refine(&mesh, &extents, &Rules { interval: &interval, settings, height: SIZE[1], seed: 3, budget });
+    let refined = refine(&mesh, &extents, &Rules { seams, ..rules(&interval, settings) });
     (mesh, interval, refined)
 }
 
@@ -95,12 +99,12 @@ fn is_within_a_cluster(mesh: &Mesh, interval: &Interval, base: u32) -> bool {
 }
 
 /// 99th percentile, by area of the mesh's triangles, and maximum of the distance between triangles and what they stand
-/// for, at a random place in each.
+/// for, at three random places in each.
 fn departure(mesh: &Mesh, interval: &Interval, settings: &Settings, refined: &Refined) -> [f64; 2] {
-    let rules = Rules { interval, settings, height: SIZE[1], seed: 3, budget: 0 };
+    let rules = rules(interval, settings);
     let base = extents(mesh, interval, 3, settings.strength, settings.seam_smoothing);
     let mut errors = Vec::new();
-    for (i, triangle) in refined.triangles.iter().enumerate() {
+    for (i, triangle) in refined.triangles.iter().chain(&refined.triangles).chain(&refined.triangles).enumerate() {
         let corners = triangle.corners.map(|corner| &refined.vertices[corner as usize]);
         let points = mesh.triangles()[triangle.base as usize];
         if !is_within_a_cluster(mesh, interval, triangle.base) {
@@ -139,7 +143,7 @@ fn departure(mesh: &Mesh, interval: &Interval, settings: &Settings, refined: &Re
     }
     errors.sort_by(|a, b| a.0.total_cmp(&b.0));
     let whole: f64 = errors.iter().map(|(_, area)| area).sum();
-    assert!(whole > 300.0, "{whole}");
+    assert!(whole > 900.0, "{whole}");
     let mut below = 0.0;
     let percentile = errors.iter().find(|(_, area)| {
         below += area;
@@ -151,29 +155,35 @@ fn departure(mesh: &Mesh, interval: &Interval, settings: &Settings, refined: &Re
 #[test]
 fn the_distorted_mesh_is_within_tolerance_and_has_no_crack() {
     let coarse = Settings { tolerance: 1e4, ..Settings::default() };
-    let (mesh, interval, whole) = refined(&coarse, 1_000_000);
+    let (mesh, interval, whole) = refined(&coarse, Seams::Larger);
     assert_eq!((whole.rounds, whole.triangles.len()), (0, mesh.triangles().len()));
     assert!(departure(&mesh, &interval, &coarse, &whole)[0] > 8.0);
-    for tolerance in [4.0, 1.0] {
+    for (tolerance, seams) in [(4.0, Seams::Larger), (1.0, Seams::Mean), (0.5, Seams::Mean)] {
         let settings = Settings { tolerance, ..Settings::default() };
-        let (mesh, interval, refined) = refined(&settings, 1_000_000);
+        let (mesh, interval, refined) = refined(&settings, seams);
         assert!(interval.clusters.len() > 1 && !interval.seams.is_empty());
         assert!(!refined.over_budget && refined.triangles.len() > 2 * mesh.triangles().len());
         check_watertight(&refined);
-        let [p99, most] = departure(&mesh, &interval, &settings, &refined);
-        println!(
-            "tolerance {tolerance}: {} triangles, {} rounds, p99 {p99}, max {most}",
-            refined.triangles.len(),
-            refined.rounds
-        );
+        let [p99, _] = departure(&mesh, &interval, &settings, &refined);
         assert!(p99 < f64::from(tolerance), "{tolerance}: {p99}");
     }
 }
 
 #[test]
+fn the_mean_at_seams_takes_few_triangles() {
+    let settings = Settings { tolerance: 4.0, ..Settings::default() };
+    let at_seams = |seams| {
+        let (mesh, interval, refined) = refined(&settings, seams);
+        refined.triangles.iter().filter(|t| !is_within_a_cluster(&mesh, &interval, t.base)).count()
+    };
+    let [larger, mean] = [Seams::Larger, Seams::Mean].map(at_seams);
+    assert!(larger > 30 * mean, "{larger} {mean}");
+}
+
+#[test]
 fn length_splits_until_no_edge_is_longer() {
     let settings = Settings { refine: Refine::Length, ..Settings::default() };
-    let (mesh, interval, refined) = refined(&settings, 1_000_000);
+    let (mesh, interval, refined) = refined(&settings, Seams::Larger);
     check_watertight(&refined);
     for triangle in refined.triangles.iter().filter(|t| is_within_a_cluster(&mesh, &interval, t.base)) {
         let [a, b, c] = triangle.corners.map(|corner| &refined.vertices[corner as usize]);
@@ -187,11 +197,13 @@ fn length_splits_until_no_edge_is_longer() {
 #[test]
 fn a_tolerance_of_nothing_ends_by_length_or_budget_and_says_so() {
     let settings = Settings { tolerance: 0.0, ..Settings::default() };
-    let (_, _, refined_short) = refined(&settings, 20_000);
-    assert!(refined_short.over_budget && refined_short.triangles.len() <= 20_000 && refined_short.rounds > 0);
-    check_watertight(&refined_short);
-    // One triangle to the end.
-    let (mesh, interval) = turning(&settings);
+    let (mesh, interval) = turning(&settings, SIZE);
+    let whole = extents(&mesh, &interval, 3, 1.0, 8);
+    let short = refine(&mesh, &whole, &Rules { budget: 20_000, ..rules(&interval, &settings) });
+    assert!(short.over_budget && short.triangles.len() <= 20_000 && short.rounds > 0);
+    check_watertight(&short);
+    // One small triangle to the end.
+    let (mesh, interval) = turning(&settings, [192, 108]);
     let one = MeshInput {
         vertices: mesh.points(),
         triangles: &mesh.triangles()[200..201],
@@ -201,16 +213,15 @@ fn a_tolerance_of_nothing_ends_by_length_or_budget_and_says_so() {
     };
     let one = Mesh::new(&one).unwrap();
     let extents = extents(&one, &interval, 3, 1.0, 0);
-    let rules = Rules { interval: &interval, settings: &settings, height: SIZE[1], seed: 3, budget: 10_000_000 };
-    let end = refine(&one, &extents, &rules);
-    assert!(!end.over_budget && end.rounds <= ROUNDS, "{}", end.rounds);
+    let end = refine(&one, &extents, &rules(&interval, &settings));
+    assert!(!end.over_budget && end.rounds > 0 && end.rounds <= ROUNDS, "{}", end.rounds);
 }
 
 #[test]
 fn an_edge_splits_alike_from_both_ends() {
     let settings = Settings { clusters: Clusters::Ldf, strength: 2.0, ..Settings::default() };
-    let (mesh, interval, refined) = refined(&settings, 1_000_000);
-    let rules = Rules { interval: &interval, settings: &settings, height: SIZE[1], seed: 3, budget: 0 };
+    let (mesh, interval, refined) = refined(&settings, Seams::Larger);
+    let rules = rules(&interval, &settings);
     for [a, b, _] in mesh.triangles() {
         let (a, b) = (&refined.vertices[*a as usize], &refined.vertices[*b as usize]);
         assert_eq!(rules.splits(a, b), rules.splits(b, a));
@@ -221,7 +232,7 @@ fn an_edge_splits_alike_from_both_ends() {
 
 #[test]
 fn parts_cover_their_triangle() {
-    let (mesh, _, refined) = refined(&Settings::default(), 1_000_000);
+    let (mesh, _, refined) = refined(&Settings::default(), Seams::Larger);
     let mut areas = vec![0.0; mesh.triangles().len()];
     for triangle in &refined.triangles {
         areas[triangle.base as usize] += area(triangle);

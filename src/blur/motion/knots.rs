@@ -1,0 +1,50 @@
+//! What the device needs to make trajectories of the poses that it holds.
+
+use super::projection::Projection;
+use super::spline::{Spline, timeline};
+use super::{Motion, Pose, Window, cuts};
+use crate::blur::frame::{Knot, View};
+use crate::blur::params::{MOST_KNOTS, PIECE_SEGMENTS};
+
+impl Motion {
+    /// The frames that the trajectories of [`Motion::interval`] go through, and the weights that solve their splines, for
+    /// [`crate::blur::Trajectories::Poses`]. None where the device can't make the trajectories, or nothing moves: with
+    /// poses between frames, or more of them than it takes. The window is the one that the interval was found in.
+    pub fn knots(&self, window: &Window) -> Option<Vec<Knot>> {
+        let window = &self.nearby(window);
+        let project = |pose: &Pose| Projection::new(pose.camera, self.size);
+        let cuts = cuts(window.poses, f64::from(self.settings.jump) * f64::from(self.size[1]), project);
+        let after = window.current + 1;
+        if after >= window.poses.len() || cuts.contains(&after) || !window.between.is_empty() {
+            return None;
+        }
+        let timeline = timeline(window, &cuts, self.settings.reach().ceil() as usize, project);
+        let fits = timeline.knots.len() <= MOST_KNOTS && timeline.spans.len() <= PIECE_SEGMENTS;
+        if !fits || timeline.ends[0] == timeline.ends[1] {
+            return None;
+        }
+        let times: Vec<f64> = timeline.knots.iter().map(|knot| knot.time).collect();
+        let spline = Spline::new(&times);
+        let mut weights = vec![[[0.0; 4]; PIECE_SEGMENTS]; times.len()];
+        for (place, span) in timeline.spans.iter().enumerate() {
+            let [a, b] = span.knots;
+            let squared = (times[b] - times[a]).powi(2);
+            weights[b][place][1] += 1.0;
+            weights[a][place][1] -= 1.0;
+            // Frame i's own place is given as it is.
+            weights[a][place][0] = if place == 0 { 0.0 } else { 1.0 };
+            for (row, knot) in [(2, a), (3, b)] {
+                let bend = spline.weights(knot);
+                weights.iter_mut().zip(bend).for_each(|(all, weight)| all[place][row] = (squared * weight) as f32);
+            }
+        }
+        let first = i64::from(window.frame) - window.current as i64;
+        let knots = timeline.knots.iter().zip(weights).map(|(knot, weights)| {
+            let same = |pose: &Pose| std::ptr::eq(pose.positions, knot.positions) && project(pose) == knot.projection;
+            let place = window.poses.iter().position(same)?;
+            let view = View { frame: u32::try_from(first + place as i64).ok()?, camera: *window.poses[place].camera };
+            Some(Knot { view, weights })
+        });
+        knots.collect()
+    }
+}
