@@ -197,8 +197,8 @@ impl Table {
                 continue;
             };
             let means = [shown[pair.bins[0]], other[pair.bins[1]]];
-            for i in 0..3 {
-                let [d, e] = [0, 1].map(|k| i64::from(pair.colours[k][i]) - i64::from(means[k][i]));
+            let apart = |k: usize, i: usize| i64::from(pair.colours[k][i]) - i64::from(means[k][i]);
+            for [d, e] in [0, 1, 2].map(|i| [apart(0, i), apart(1, i)]) {
                 learnt.products[0] += d * e;
                 learnt.products[1] += e * e;
             }

@@ -162,6 +162,15 @@ fn the_gradient_of_a_ramp_is_found() {
     // Neighbours that the other frame shows teach nothing.
     let sides: Vec<_> = (0..12).map(|x| [(x < 6).then(|| grey(0.5)), (x >= 6).then(|| grey(0.25))]).collect();
     assert_eq!(filled(&sides), (0..12).map(|x| if x < 6 { grey(0.5) } else { grey(0.25) }).collect::<Vec<_>>());
+    // Nor do those that have a colour, and are known from the other frame only or from frames around.
+    let mut shaded = row(&[[Some(grey(0.5)), None], [None, Some(grey(0.25))]]);
+    for mask in [2, 0] {
+        shaded[1].mask = mask;
+        let mut colours = [None, Some(grey(0.9))];
+        gradient::fill([2, 1], [&frame, &frame], &shaded, &mut colours);
+        assert_eq!(colours[0], Some(grey(0.5)), "{mask}");
+        shaded[1].sides[0] = Some(grey(0.7));
+    }
 }
 
 const TALL: [f64; 4] = [0.0, 0.0, 3.0, 8.0];
@@ -225,9 +234,33 @@ fn texture_is_carried_over_where_it_has_been_seen_to_stay() {
     // Nothing in common: the mean. The outer strips have two columns that teach, the inner ones three.
     let found = with([0.3, 0.1, 0.1, 0.3]);
     assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.18), 1e-4), "{found:?}");
+    // More than all of it, or the opposite: all, or none.
+    let found = with([0.05, 0.35, 0.65, 0.95]);
+    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.8), 1e-3), "{found:?}");
+    let found = with([0.7, 0.5, 0.3, 0.1]);
+    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.4), 1e-3), "{found:?}");
     // Half of it stays.
     let found = with([0.35, 0.45, 0.55, 0.65]);
     assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.65), 1e-3), "{found:?}");
+}
+
+#[test]
+fn a_prediction_is_a_colour() {
+    // Dark in the frame that hides it, and far darker than its normal's kind: not below 0.
+    let up = [0.0, 1.0, 0.1];
+    let strips = [strip(0, up, [0.0, 0.0]), strip(1, up, [0.9, 0.5]), strip(2, up, [0.5, 0.1])];
+    let found = predicted(&strips, Completion::Surface);
+    assert!(found[0] == 0.0 && found[3] == 1.0, "{found:?}");
+}
+
+#[test]
+fn each_frame_has_its_own_normals() {
+    let (up, side) = ([0.0, 1.0, 0.1], [1.0, 0.0, 0.1]);
+    let turning = Square { normals: [up, side], ..strip(0, up, [0.8, 0.0]) };
+    let strips =
+        [turning, strip(2, up, [0.7, 0.1]), strip(4, side, [0.2, 0.3]), strip(6, [-1.0, 0.0, 0.1], [0.1, 0.2])];
+    let found = predicted(&strips, Completion::Surface);
+    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.3), 1e-3), "{found:?}");
 }
 
 #[test]

@@ -155,3 +155,43 @@ fn what_no_image_shows_is_the_background() {
 fn draw_nothing() -> Drawing {
     crate::blur::reference::distort::draw(&[], &[], SIZE, rig::NEAR, 1)
 }
+
+#[test]
+fn what_lets_light_through_is_over_what_would_be_seen_without_it() {
+    let long = Square::new(2, 2.0, [[2.0, 2.0, 20.0, 6.0], [3.0, 2.0, 21.0, 6.0]], [BLUE; 2]);
+    let rig = Rig::new(&[long], SKY);
+    let frames = [rig.frame(0), rig.frame(1)];
+    let frames = [&frames[0], &frames[1]];
+    let drawing = rig.draw(0.0, 1);
+    let shaded = shade(&rig.surface(), &drawing, frames, [None; 2]);
+    let image = compose(&rig.surface(), &drawing, frames, &shaded, &vec![[0.5, 0.0, 0.0, 0.75]; 24 * 8], [8.0; 4]);
+    assert_eq!(image[4 * 24 + 10], [2.5, 2.0, 2.0, 2.75], "over the background");
+    assert_eq!(image[4 * 24 + 2], [0.53125, 0.0625, 0.125, 1.0], "over the next image");
+    assert_eq!(image[4 * 24 + 20], wide(SKY), "nothing, over the previous image");
+}
+
+#[test]
+fn what_is_before_the_near_plane_is_unknown() {
+    // At depths from 0.12 to 0.08, the near plane at 0.1.
+    let wall = Square { depth: [0.12, 0.08], ..Square::new(1, 1.0, [ALL; 2], [RED; 2]) };
+    let rig = Rig::new(&[wall], SKY);
+    let look = |share: f64| rig.frame(0).look_up(&rig.surface(), 0, [1.0 - share, 0.0, share]);
+    assert!(look(0.1).weight > 0.99 && look(0.499).weight > 0.0);
+    assert_eq!([look(0.501).weight, look(0.9).weight], [0.0; 2]);
+}
+
+#[test]
+fn an_open_surface_has_a_normal_on_both_sides() {
+    let corners =
+        [[[0.0, 0.0, 1.0], [0.0, 8.0, 1.0], [24.0, 8.0, 1.0]], [[0.0, 0.0, 1.0], [24.0, 8.0, 1.0], [0.0, 8.0, 1.0]]];
+    let normals = [[[1.0, 2.0, 3.0]; 3], [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [1.0, 0.0, 0.0]]];
+    let image = vec![SKY; 24 * 8];
+    let frame = Frame::new(&corners, &normals, &image, SIZE, rig::NEAR);
+    let normal = |closed: bool, base: u32, weights: [f64; 3]| {
+        let surface = Surface { objects: &[0; 2], closed: &[closed; 2], still: &[false; 2], near: rig::NEAR };
+        frame.normal(&surface, base, weights)
+    };
+    assert_eq!(normal(false, 0, [0.25, 0.5, 0.25]), [1.0, 2.0, 3.0], "towards the camera");
+    assert_eq!(normal(false, 1, [0.0, 1.0, 0.0]), [-4.0, -5.0, -6.0]);
+    assert_eq!(normal(true, 1, [0.0, 0.5, 0.5]), [2.5, 2.5, 3.0]);
+}
