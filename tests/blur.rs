@@ -4,6 +4,8 @@
 
 mod common;
 
+#[path = "blur/complete.rs"]
+mod complete;
 #[path = "blur/extent.rs"]
 mod extent;
 #[path = "blur/plan.rs"]

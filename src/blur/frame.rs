@@ -5,7 +5,7 @@ use ash::vk;
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
-use crate::blur::settings::Settings;
+use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostImage, check_image};
 use crate::view::Camera;
@@ -26,6 +26,14 @@ pub struct Desc {
     pub triangles: u32,
     /// Entries of its lists of neighbours.
     pub neighbours: u32,
+    /// Its objects.
+    pub objects: u32,
+    /// Its normal groups, and the entries of the lists of their triangles; not looked at unless `completion = "surface"`.
+    pub groups: u32,
+    /// As `groups`.
+    pub group_triangles: u32,
+    /// Whether frames may bring images of frames i - 1 and i + 2.
+    pub outer: bool,
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
     pub most_triangles: u32,
@@ -60,6 +68,32 @@ pub struct TopologyInput {
     pub neighbour_starts: HostBuffer,
     /// The lists.
     pub neighbours: HostBuffer,
+    /// The normal groups; not needed unless `completion = "surface"`.
+    pub groups: Option<GroupInput>,
+}
+
+/// Which corners of triangles share a normal. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupInput {
+    /// Four `u32` a triangle: the groups of its corners, and 0.
+    pub corners: HostBuffer,
+    /// A `u32` a group and one more: where its list of triangles begins, and the end of the last.
+    pub starts: HostBuffer,
+    /// The lists.
+    pub triangles: HostBuffer,
+}
+
+impl GroupInput {
+    /// The rows of [`GroupInput::corners`] of a mesh.
+    pub fn corner_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
+        mesh.normal_groups().iter().map(|[a, b, c]| [*a, *b, *c, 0]).collect()
+    }
+
+    fn validate(&self, desc: &Desc) -> Result<()> {
+        holds("the mesh's normal groups", &self.corners, 16 * u64::from(desc.triangles))?;
+        holds("the mesh's lists of normal groups", &self.starts, 4 * (u64::from(desc.groups) + 1))?;
+        holds("the mesh's triangles of normal groups", &self.triangles, 4 * u64::from(desc.group_triangles))
+    }
 }
 
 impl TopologyInput {
@@ -183,6 +217,9 @@ pub struct Frame<'a> {
     /// Images of frames i and i + 1: linear light (or a format that is read as such), premultiplied, of the target's size
     /// and format. Usage: `TRANSFER_SRC`.
     pub images: [HostImage; 2],
+    /// Images of frames i - 1 and i + 2, as these: they show places that neither of these does. Without: what follows
+    /// from colours elsewhere. They need [`Desc::outer`].
+    pub outer: [Option<HostImage>; 2],
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
     /// What is where no image shows anything but the mesh: [`Background::Keep`] is nothing at all, an image is not
@@ -205,7 +242,13 @@ impl TopologyInput {
     fn validate(&self, desc: &Desc) -> Result<()> {
         holds("the mesh's triangles", &self.triangles, 16 * u64::from(desc.triangles))?;
         holds("the mesh's lists of neighbours", &self.neighbour_starts, 4 * (u64::from(desc.points) + 1))?;
-        holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))
+        holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))?;
+        match &self.groups {
+            None if desc.settings.completion == Completion::Surface => {
+                refuse("the mesh's normal groups", "completion = \"surface\" needs them".to_owned())
+            }
+            groups => groups.iter().try_for_each(|groups| groups.validate(desc)),
+        }
     }
 }
 
@@ -318,6 +361,14 @@ impl Frame<'_> {
         check_image("target", &self.target, desc.size, desc.target_format)?;
         check_image("the image of frame i", &self.images[0], desc.size, desc.target_format)?;
         check_image("the image of frame i + 1", &self.images[1], desc.size, desc.target_format)?;
+        for (name, image) in ["the image of frame i - 1", "the image of frame i + 2"].into_iter().zip(&self.outer) {
+            if let Some(image) = image {
+                check_image(name, image, desc.size, desc.target_format)?;
+                if !desc.outer {
+                    return refuse(name, "the effect was made for none".to_owned());
+                }
+            }
+        }
         match self.background {
             Background::Copy(_) => refuse("background", "an image; expected a colour or none".to_owned()),
             _ => Ok(()),

@@ -19,7 +19,7 @@ use gpu_allocator::vulkan::Allocator;
 
 pub use crate::host::Background;
 pub use frame::{
-    Counts, Desc, Frame, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, TopologyInput, Trajectories, View,
+    Counts, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, TopologyInput, Trajectories, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -152,6 +152,11 @@ impl Blur {
         for (place, id) in layout::HOST_TOPOLOGY.into_iter().enumerate() {
             resources.set_host_buffer(id, topology.map(|buffers| buffers[place]));
         }
+        let groups = frame.mesh.and_then(|mesh| mesh.groups);
+        let groups = groups.map(|groups| [groups.corners, groups.starts, groups.triangles]);
+        for (place, id) in layout::HOST_GROUPS.into_iter().enumerate() {
+            resources.set_host_buffer(id, groups.map(|buffers| buffers[place]));
+        }
         resources.set_host_buffer(layout::HOST_POSES, frame.poses.map(|poses| poses.positions));
         let interval = frame.interval.as_ref().filter(|_| steps::still(&self.desc, frame).is_none());
         let buffers = interval.map(|interval| {
@@ -171,6 +176,9 @@ impl Blur {
         for (id, image) in layout::HOST_FRAMES.into_iter().zip(frame.images) {
             resources.set_host_image(id, Some(image));
         }
+        for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
+            resources.set_host_image(id, image);
+        }
     }
 
     /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none
@@ -183,7 +191,9 @@ impl Blur {
     /// As for [`Blur::record`].
     #[cfg(feature = "cli")]
     pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-        let images = [layout::TARGET, layout::HOST_FRAMES[0], layout::HOST_FRAMES[1]];
+        let [previous, next] = layout::HOST_FRAMES;
+        let [before, after] = layout::HOST_OUTER;
+        let images = [layout::TARGET, previous, next, before, after];
         // SAFETY: the caller's.
         unsafe { self.on_device.replay(host, commands, plan, &images) }
     }

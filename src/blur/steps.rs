@@ -9,11 +9,12 @@ use crate::blur::params::{
     VisibilityConstants,
 };
 use crate::blur::passes::Passes;
+use crate::blur::settings::Completion;
 use crate::host::Background;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 12] = [
+const MOTION_STEPS: [&str; 17] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -24,9 +25,22 @@ const MOTION_STEPS: [&str; 12] = [
     "blur.distort",
     "blur.layers",
     "blur.frames",
+    "blur.cover",
+    "blur.normals",
+    "blur.learn",
     "blur.shade",
+    "blur.complete",
+    "blur.compose",
     "blur.composite",
 ];
+
+/// Lanes of a workgroup of `fill`, of which there is one a table.
+const FILL_LANES: u32 = 256;
+/// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
+/// stays as it is.
+const GRADIENT_DISPATCHES: u32 = 16;
+/// As [`GRADIENT_DISPATCHES`], where neither frame shows anything.
+const MEAN_DISPATCHES: u32 = 4;
 
 /// Fills a frame's plan.
 pub struct Steps<'a> {
@@ -58,7 +72,10 @@ impl Steps<'_> {
         let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
         self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
         match &frame.mesh {
-            Some(_) => self.mesh(),
+            Some(_) => {
+                self.mesh();
+                self.groups();
+            }
             None => self.plan.skip("blur.mesh", "unchanged"),
         }
         match &frame.poses {
@@ -74,7 +91,8 @@ impl Steps<'_> {
             Background::Clear(colour) => colour,
             _ => [0.0; 4],
         };
-        let params = BlurParams::new(self.desc, self.layout, interval, background);
+        let outer = frame.outer.map(|image| image.is_some());
+        let params = BlurParams::new(self.desc, self.layout, interval, background, outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -82,7 +100,9 @@ impl Steps<'_> {
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
-        self.draw();
+        self.draw(outer);
+        self.frames(outer);
+        self.learn();
         self.shade();
     }
 
@@ -92,6 +112,18 @@ impl Steps<'_> {
         let to = [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
         for ((from, to), bytes) in HOST_TOPOLOGY.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
             self.plan.step(self.passes.mesh, Command::CopyBuffer { from, to, bytes });
+        }
+    }
+
+    fn groups(&mut self) {
+        if self.layout.tables == 0 {
+            return;
+        }
+        let Desc { triangles, groups, group_triangles, .. } = *self.desc;
+        let sizes = [16 * u64::from(triangles), 4 * (u64::from(groups) + 1), 4 * u64::from(group_triangles)];
+        let to = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
+        for ((from, to), bytes) in HOST_GROUPS.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
+            self.plan.step(self.passes.groups, Command::CopyBuffer { from, to, bytes });
         }
     }
 
@@ -185,8 +217,10 @@ impl Steps<'_> {
         }
     }
 
-    fn draw(&mut self) {
-        for (pass, frame) in self.passes.visibility.into_iter().zip([1, 2]) {
+    fn draw(&mut self, outer: [bool; 2]) {
+        let inner = self.passes.visibility.into_iter().zip([1, 2]);
+        let outer = self.passes.outer_visibility.into_iter().zip([0, 3]).zip(outer).filter(|(_, is_there)| *is_there);
+        for (pass, frame) in inner.chain(outer.map(|(pass, _)| pass)) {
             let command = Command::Draw { vertices: 3 * self.desc.triangles };
             self.plan.step_with(pass, command, &VisibilityConstants { frame });
         }
@@ -201,19 +235,66 @@ impl Steps<'_> {
         self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
     }
 
-    fn shade(&mut self) {
-        let [width, height] = self.desc.size;
+    fn frames(&mut self, outer: [bool; 2]) {
         for (from, to) in HOST_FRAMES.into_iter().zip(FRAMES) {
             self.plan.step(self.passes.frames, Command::CopyImage { from, to, extent: self.desc.size });
         }
-        self.plan.step(self.passes.shade, Command::Dispatch { threads: [width, height, 1] });
+        for i in [0, 1].into_iter().filter(|i| outer[*i]) {
+            let command = Command::CopyImage { from: HOST_OUTER[i], to: OUTER_FRAMES[i], extent: self.desc.size };
+            self.plan.step(self.passes.outer_frames[i], command);
+        }
+    }
+
+    fn learn(&mut self) {
+        let [width, height] = self.desc.size;
+        self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
+        self.plan.update_slice(self.passes.completing, COMPLETING, &params::completing(self.desc));
+        self.plan.step(self.passes.cover, Command::Dispatch { threads: [width, height, 1] });
+        if self.layout.tables == 0 {
+            let reason = "completion does not follow from the surface";
+            return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
+        }
+        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
+        let pixels = Command::Dispatch { threads: [width, height, 2] };
+        self.plan.step(self.passes.learn[0], pixels);
+        self.plan.step(self.passes.fill, Command::Dispatch { threads: [FILL_LANES * 4 * self.layout.tables, 1, 1] });
+        self.plan.step(self.passes.learn[1], pixels);
+    }
+
+    /// Samples that get their colour from neighbours: no group runs where there are none.
+    fn inward(&mut self, gradient: usize, dispatches: u32) {
+        let at = |word: usize| Command::DispatchIndirect { arguments: COMPLETING, offset: 4 * word as u64 };
+        self.plan.step(self.passes.border[gradient], at(4 * gradient));
+        for _ in 0..dispatches {
+            self.plan.step(self.passes.inward[gradient], at(8 + 4 * gradient));
+        }
+    }
+
+    fn shade(&mut self) {
+        let [width, height] = self.desc.size;
+        self.plan.step(self.passes.shade, Command::Dispatch { threads: [2 * width, 2 * height, 1] });
+        if self.desc.layers {
+            self.plan.step(self.passes.sides, Command::Dispatch { threads: [width, height, 1] });
+        }
+        if self.desc.settings.completion == Completion::Gradient {
+            self.inward(1, GRADIENT_DISPATCHES);
+        }
+        self.inward(0, MEAN_DISPATCHES);
+        self.plan.step(self.passes.compose, Command::Dispatch { threads: [width, height, 1] });
         self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
     }
 }
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 32 + 2 + desc.segments as usize + desc.settings.seam_smoothing as usize + 3 * (ROUNDS as usize + 1);
+    let steps = 48
+        + GRADIENT_DISPATCHES as usize
+        + MEAN_DISPATCHES as usize
+        + 2
+        + desc.segments as usize
+        + desc.settings.seam_smoothing as usize
+        + 3 * (ROUNDS as usize + 1);
     let bytes = size_of::<BlurParams>() + size_of::<Control>() + MOST_KNOTS * size_of::<Knot>();
-    (steps, bytes + (ROUNDS as usize + 1) * size_of::<Round>())
+    (steps, 4 * COMPLETING_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
 }

@@ -6,10 +6,11 @@ use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::layout::{self, Layout};
 use celfx::blur::passes::Passes;
-use celfx::blur::settings::{Refine, Space};
+use celfx::blur::settings::{Completion, Refine, Space};
 use celfx::blur::steps::{self, Steps};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, IntervalInput, Knot, PoseInput, Settings, TopologyInput, Trajectories, View,
+    Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, TopologyInput,
+    Trajectories, View,
 };
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
@@ -43,6 +44,10 @@ fn desc(settings: Settings) -> Desc {
         points: 1000,
         triangles: 1900,
         neighbours: 5800,
+        objects: 3,
+        groups: 1100,
+        group_triangles: 5700,
+        outer: true,
         most_triangles: 1_000_000,
         segments: Desc::segments_of(&settings),
         frames_resident: 26,
@@ -73,7 +78,12 @@ fn image(desc: &Desc) -> HostImage {
 fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'a> {
     let counts = Counts { clusters: 3, hull: 100, largest_hull: 50, seams, farthest: 500.0, ..Counts::default() };
     Frame {
-        mesh: Some(TopologyInput { triangles: buffer(), neighbour_starts: buffer(), neighbours: buffer() }),
+        mesh: Some(TopologyInput {
+            triangles: buffer(),
+            neighbour_starts: buffer(),
+            neighbours: buffer(),
+            groups: Some(GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() }),
+        }),
         poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
         interval: Some(IntervalInput {
             counts,
@@ -87,6 +97,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             seams: buffer(),
         }),
         images: [image(desc); 2],
+        outer: [Some(image(desc)); 2],
         target: image(desc),
         background: Background::Keep,
     }
@@ -123,12 +134,12 @@ impl Effect {
 /// Descriptions that reach every pass, and frames of both kinds.
 fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
     let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
-    for (space, refine, strength, layers) in [
-        (Space::Homogeneous, Refine::Error, 1.0, true),
-        (Space::Screen, Refine::Length, 2.5, false),
-        (Space::Homogeneous, Refine::Error, 0.3, false),
+    for (space, refine, strength, layers, completion) in [
+        (Space::Homogeneous, Refine::Error, 1.0, true, Completion::Surface),
+        (Space::Screen, Refine::Length, 2.5, false, Completion::Gradient),
+        (Space::Homogeneous, Refine::Error, 0.3, false, Completion::None),
     ] {
-        let settings = Settings { space, refine, strength, ..Settings::default() };
+        let settings = Settings { space, refine, strength, completion, ..Settings::default() };
         let mut effect = Effect::new(Desc { layers, ..desc(settings) });
         for trajectories in [Trajectories::Poses(&knots), Trajectories::Pieces(buffer())] {
             for seams in [0, 77] {
@@ -161,7 +172,14 @@ fn the_steps_of_a_frame_in_order() {
         "blur.distort",
         "blur.layers",
         "blur.frames",
+        "blur.params",
+        "blur.cover",
+        "blur.normals",
+        "blur.learn",
         "blur.shade",
+        "blur.layers",
+        "blur.complete",
+        "blur.compose",
         "blur.composite",
     ];
     assert!(effect.names().starts_with(&expected), "{:?}", effect.names());
@@ -171,6 +189,29 @@ fn the_steps_of_a_frame_in_order() {
     assert_eq!(effect.names(), ["blur.background"]);
     assert!(effect.plan.skipped.iter().all(|(_, reason)| !reason.is_empty()));
     assert!(effect.plan.skipped.contains(&("blur.refine", "nothing moves")));
+}
+
+/// What completion does not need is left out, and says why.
+#[test]
+fn completion_is_skipped_by_name() {
+    for completion in [Completion::None, Completion::Gradient] {
+        let mut effect = Effect::new(desc(Settings { completion, ..Settings::default() }));
+        let mut frame = frame(&effect.desc.clone(), Trajectories::Pieces(buffer()), 5);
+        frame.outer = [None; 2];
+        effect.fill(&frame);
+        let names = effect.names();
+        assert!(!names.contains(&"blur.normals") && !names.contains(&"blur.learn"));
+        let skipped: Vec<_> = effect.plan.skipped.iter().map(|(name, _)| *name).collect();
+        assert!(skipped.contains(&"blur.normals") && skipped.contains(&"blur.learn"), "{skipped:?}");
+        assert_eq!(effect.layout.tables, 0);
+        // Where neither frame shows anything, colours come from neighbours, if there is such a sample.
+        let inward = effect
+            .plan
+            .steps
+            .iter()
+            .filter(|step| effect.passes.list[usize::from(step.pass.0)].name == "blur.complete");
+        assert!(inward.into_iter().all(|step| matches!(step.command, Command::DispatchIndirect { .. })));
+    }
 }
 
 #[test]
@@ -240,12 +281,12 @@ fn every_slot_is_bound_and_every_step_fits() {
                 }
                 (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= size(to),
                 (Kernel::Transfer, Command::CopyRange { to, bytes, .. }) => to.1 + bytes <= size(to.0),
-                (Kernel::Transfer, Command::CopyImage { .. }) => true,
+                (Kernel::Transfer, Command::CopyImage { .. } | Command::Fill { .. }) => true,
                 _ => false,
             };
             assert!(fits, "{}: {:?}", pass.name, step.command);
             let touched: Vec<Resource> = match step.command {
-                Command::Update { buffer, .. } => vec![buffer.into()],
+                Command::Update { buffer, .. } | Command::Fill { buffer, .. } => vec![buffer.into()],
                 Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
                 Command::CopyRange { from, to, .. } => vec![from.0.into(), to.0.into()],
                 Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],

@@ -3,8 +3,8 @@
 use ash::vk;
 use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput, Settings,
-    TopologyInput, Trajectories, View, layout,
+    Background, Blur, Counts, Desc, Frame, GroupInput, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput,
+    Settings, TopologyInput, Trajectories, View, layout,
 };
 use celfx::error::Result;
 use celfx::gpu::image::{Image, ImageDesc};
@@ -24,6 +24,10 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         points: mesh.points() as u32,
         triangles: mesh.triangles().len() as u32,
         neighbours: mesh.neighbours().items.len() as u32,
+        objects: mesh.objects().len() as u32,
+        groups: mesh.group_triangles().starts.len() as u32 - 1,
+        group_triangles: mesh.group_triangles().items.len() as u32,
+        outer: true,
         most_triangles: MOST_TRIANGLES.min(100_000),
         segments: Desc::segments_of(&settings),
         frames_resident: 30,
@@ -50,10 +54,12 @@ pub struct BlurRig {
     device: TestDevice,
     blur: Option<Blur>,
     mesh: Mesh,
-    uploads: [Upload; 11],
+    uploads: [Upload; 14],
     images: Vec<Image>,
     download: Download,
     is_first: bool,
+    /// Whether frames i - 1 and i + 2 have images.
+    outer: [bool; 2],
 }
 
 impl BlurRig {
@@ -69,7 +75,7 @@ impl BlurRig {
         // SAFETY: the handles are the device's own.
         let (blur, images) = unsafe {
             let blur = Blur::new(&host, allocator, desc).expect("the effect can be made");
-            (blur, (0..3).map(|_| Image::new(&host, allocator, &image).expect("an image")).collect())
+            (blur, (0..5).map(|_| Image::new(&host, allocator, &image).expect("an image")).collect())
         };
         let mut rig = BlurRig {
             device,
@@ -79,6 +85,7 @@ impl BlurRig {
             images,
             download: Download::default(),
             is_first: true,
+            outer: [false; 2],
         };
         let pixels = (rig.desc().size[0] * rig.desc().size[1]) as usize;
         for frame in 0..2 {
@@ -93,6 +100,12 @@ impl BlurRig {
 
     pub fn desc(&self) -> &Desc {
         self.blur().desc()
+    }
+
+    /// The image of frame i - 1 (0) or i + 2 (1).
+    pub fn set_outer(&mut self, side: usize, pixels: &[[f32; 4]]) {
+        self.set_image(2 + side, pixels);
+        self.outer[side] = true;
     }
 
     /// The image of frame i (0) or i + 1 (1).
@@ -128,10 +141,18 @@ impl BlurRig {
     pub fn frame(&mut self, shot: &Shot) -> Result<()> {
         let rows = TopologyInput::triangle_rows(&self.mesh);
         let (starts, items) = (self.mesh.neighbours().starts.clone(), self.mesh.neighbours().items.clone());
+        let corners = GroupInput::corner_rows(&self.mesh);
+        let groups = self.mesh.group_triangles();
+        let (group_starts, group_items) = (groups.starts.clone(), groups.items.clone());
         let mesh = self.is_first.then(|| TopologyInput {
             triangles: self.upload(1, &rows),
             neighbour_starts: self.upload(2, &starts),
             neighbours: self.upload(3, &items),
+            groups: Some(GroupInput {
+                corners: self.upload(11, &corners),
+                starts: self.upload(12, &group_starts),
+                triangles: self.upload(13, &group_items),
+            }),
         });
         let poses = shot.poses.map(|(first, poses)| {
             let positions = self.upload(4, &poses.concat());
@@ -156,6 +177,7 @@ impl BlurRig {
             poses,
             interval,
             images: [1, 2].map(|place| self.host_image(place, COPIED_FROM)),
+            outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
             target: self.host_image(0, ImageState::default()),
             background: Background::Keep,
         };
