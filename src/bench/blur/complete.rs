@@ -1,6 +1,6 @@
 //! Pass `complete`: what replaces colours that one of two frames hides, against the colours that are there: two bars pass
 //! each other, and the truth is the rear one without the one before it. The light turns, or nothing would change that
-//! could be guessed wrongly.
+//! could be guessed wrongly. The time of all variants has that of looking colours up, which `none` does, too.
 
 use glam::{DQuat, DVec3};
 
@@ -63,8 +63,8 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
             session.next(&format!("blur complete {NAME}: {variant}"))?;
             let (effect, layers) = render(&mut session.rig, &scene, *completion)?;
             differences.extend(compare(&layers, &truth, scene.size));
-            let steps = |name: &str| matches!(name, "blur.learn" | "blur.normals" | "blur.shade" | "blur.complete");
-            runs.push((effect, session.rig.steps(effect, |pass| steps(pass.name))));
+            let names = ["blur.params", "blur.normals", "blur.learn", "blur.shade", "blur.complete"];
+            runs.push((effect, session.rig.steps(effect, |pass| names.contains(&pass.name))));
         }
     }
     let (rig, quick) = (&mut session.rig, session.quick);
@@ -162,6 +162,6 @@ mod tests {
         };
         let found = compare(&layers(1.0), &layers(0.0), [5, 5]);
         assert_eq!(found.len(), 1, "6 is beside the front bar");
-        assert!((found[0] - 68.0).abs() < 0.1, "{found:?}");
+        assert!((found[0] - 67.9).abs() < 0.1, "{found:?}");
     }
 }

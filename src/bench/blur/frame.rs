@@ -13,33 +13,41 @@ use crate::bench::rig::{EffectId, Measured, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::CONTROL;
 use crate::blur::params::Control;
-use crate::blur::settings::{Clusters, Refine};
+use crate::blur::settings::{Clusters, Completion, Refine};
 use crate::blur::{MOST_TRIANGLES, Settings};
 use crate::error::Result;
 use crate::simulate::mesh::Builtin;
 
 const PASS: &str = "frame";
 type Change = fn(Settings) -> Settings;
-const VARIANTS: [(&str, Change); 7] = [
+const VARIANTS: [(&str, Change); 8] = [
     ("default", |settings| settings),
     ("strength 0.5", |settings| Settings { strength: 0.5, ..settings }),
     ("tolerance 4", |settings| Settings { tolerance: 4.0, ..settings }),
     ("tolerance 0.5", |settings| Settings { tolerance: 0.5, ..settings }),
     ("length 15", |settings| Settings { refine: Refine::Length, ..settings }),
+    ("no completion", |settings| Settings { completion: Completion::None, ..settings }),
     ("ldf", |settings| Settings { clusters: Clusters::Ldf, ..settings }),
     ("no smoothing", |settings| Settings { seam_smoothing: 0, ..settings }),
 ];
-const WORKLOADS: [(&str, [u32; 2]); 2] = [("paper", [512, 512]), ("1920x1080", FULL_HD)];
+/// Name, pixels, and what `--quick` divides the sides by.
+const WORKLOADS: [(&str, [u32; 2], u32); 2] = [("paper", [512, 512], 1), ("1920x1080", FULL_HD, 2)];
 const VERTICES: u32 = 10_000;
 /// Of the picture that others are compared with, in pixels.
 const FINE: f32 = 0.1;
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
-    for (name, size) in WORKLOADS {
-        let variants = session.wanted(PASS, name, &VARIANTS);
+    for (name, size, cut) in WORKLOADS {
+        let cut = if session.quick { cut } else { 1 };
+        let size = size.map(|side| side / cut);
+        let name = match cut {
+            1 => name.to_owned(),
+            _ => format!("{name} (cut to {}x{})", size[0], size[1]),
+        };
+        let variants = session.wanted(PASS, &name, &VARIANTS);
         if !variants.is_empty() {
             session.next(&format!("blur frame {name}"))?;
-            measure_workload(session, name, size, &variants)?;
+            measure_workload(session, &name, size, &variants)?;
             session.rig.clear();
         }
     }
@@ -112,7 +120,7 @@ mod tests {
 
     #[test]
     fn every_documented_name_is_there() {
-        assert_eq!((VARIANTS[0].0, WORKLOADS.map(|(name, _)| name)), ("default", ["paper", "1920x1080"]));
+        assert_eq!((VARIANTS[0].0, WORKLOADS.map(|(name, ..)| name)), ("default", ["paper", "1920x1080"]));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::Settings;
 use crate::blur::layout::{CONTROL, FINISHED, VERTICES};
-use crate::blur::params::{BASE_MASK, Control, Piece, Vertex};
+use crate::blur::params::{BASE_MASK, CULLED, Control, Piece, Vertex};
 use crate::blur::reference::extent;
 use crate::blur::reference::path::Path;
 use crate::blur::settings::Refine;
@@ -34,6 +34,8 @@ const WORKLOADS: [(&str, u32); 2] = [("fox-like", 330), ("run", 10_000)];
 const MOST_TRIANGLES: u32 = 2_000_000;
 /// Random places on the surface.
 const PLACES: u32 = 20_000;
+/// What the device says if there was no room for more triangles.
+const BUDGET: u32 = 1;
 /// The error at which triangles are compared, in pixels.
 const COMPARED: f64 = 0.5;
 
@@ -68,7 +70,7 @@ fn measure_workload(session: &mut Session, name: &str, vertices: u32, variants: 
         rig.frame(effect, &shot())?;
         let surface = Surface::read(rig, effect, &scene, &prepared, &settings)?;
         if surface.is_cut_short {
-            session.notes.push(format!("blur refine {name}: {variant} ended at the most triangles or rounds"));
+            session.notes.push(format!("blur refine {name}: {variant} had no room for more triangles"));
         }
         made.push(Made { triangles: surface.triangles.len() as u64, accuracy: surface.accuracy() });
         runs.push((effect, rig.steps(effect, |pass| matches!(pass.name, "blur.params" | "blur.refine"))));
@@ -111,9 +113,10 @@ struct Surface<'a> {
     prepared: &'a Prepared,
     settings: &'a Settings,
     vertices: Vec<Vertex>,
-    /// Three vertices, and the triangle of the mesh.
+    /// Those that are not turned away in both frames: three vertices, and the triangle of the mesh. The others are left
+    /// as they are.
     triangles: Vec<[u32; 4]>,
-    /// Whether it would have gone on.
+    /// Whether there was no room for more.
     is_cut_short: bool,
 }
 
@@ -127,13 +130,15 @@ impl Surface<'_> {
     ) -> Result<Surface<'a>> {
         let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
         let [triangles, vertices, ended, _] = control.first().map_or([0; 4], |control| control.refined);
+        let mut drawn: Vec<[u32; 4]> = rig.read(effect, FINISHED, triangles as usize)?;
+        drawn.retain(|triangle| triangle[3] & CULLED == 0);
         Ok(Surface {
             scene,
             prepared,
             settings,
             vertices: rig.read(effect, VERTICES, vertices as usize)?,
-            triangles: rig.read(effect, FINISHED, triangles as usize)?,
-            is_cut_short: ended != 0,
+            triangles: drawn,
+            is_cut_short: ended == BUDGET,
         })
     }
 

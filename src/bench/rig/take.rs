@@ -7,8 +7,8 @@ use super::FORMAT;
 use super::effect::{Input, Made};
 use crate::blur::motion::Segment;
 use crate::blur::{
-    Background, Blur, Counts, Desc, Frame, Interval, IntervalInput, Knot, Mesh, PoseInput, TopologyInput, Trajectories,
-    View,
+    Background, Blur, Counts, Desc, Frame, GroupInput, Interval, IntervalInput, Knot, Mesh, PoseInput, TopologyInput,
+    Trajectories, View,
 };
 use crate::error::Result;
 use crate::gpu::image::{Image, ImageDesc};
@@ -57,7 +57,10 @@ const HULL: usize = 7;
 const SEAMS: usize = 8;
 const PIECES: usize = 9;
 const PICTURES: [usize; 2] = [10, 11];
-const BUFFERS: usize = 12;
+const CORNERS: usize = 12;
+const GROUP_STARTS: usize = 13;
+const GROUP_TRIANGLES: usize = 14;
+const BUFFERS: usize = 15;
 
 impl Input for Take<'_> {
     type Desc = Desc;
@@ -98,6 +101,7 @@ impl TakeUpload {
     /// As [`Upload::write`].
     unsafe fn fill(&mut self, host: &Host, allocator: &mut Allocator, take: &Take) -> Result<()> {
         let (rows, poses) = (TopologyInput::triangle_rows(take.mesh), take.poses.concat());
+        let (corners, groups) = (GroupInput::corner_rows(take.mesh), take.mesh.group_triangles());
         let (neighbours, interval) = (take.mesh.neighbours(), take.interval);
         let empty = vec![[0.0_f32; 4]; self.size[0] as usize * self.size[1] as usize];
         let picture = |frame: usize| take.images.map_or(&empty, |images| &images[frame]);
@@ -115,6 +119,9 @@ impl TakeUpload {
             bytemuck::cast_slice(pieces),
             bytemuck::cast_slice(picture(0)),
             bytemuck::cast_slice(picture(1)),
+            bytemuck::cast_slice(&corners),
+            bytemuck::cast_slice(&groups.starts),
+            bytemuck::cast_slice(&groups.items),
         ];
         for (upload, bytes) in self.uploads.iter_mut().zip(contents) {
             let bytes = if bytes.is_empty() { &[0; 16] } else { bytes };
@@ -168,6 +175,11 @@ impl TakeUpload {
                 triangles: buffer(TRIANGLES),
                 neighbour_starts: buffer(NEIGHBOUR_STARTS),
                 neighbours: buffer(NEIGHBOURS),
+                groups: Some(GroupInput {
+                    corners: buffer(CORNERS),
+                    starts: buffer(GROUP_STARTS),
+                    triangles: buffer(GROUP_TRIANGLES),
+                }),
             }),
             poses: self.is_first.then(|| PoseInput {
                 first: self.poses[0],
@@ -186,6 +198,7 @@ impl TakeUpload {
                 seams: buffer(SEAMS),
             }),
             images: [image(&self.images[0]), image(&self.images[1])],
+            outer: [None; 2],
             target,
             background,
         };
