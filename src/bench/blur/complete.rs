@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 
 use super::EFFECT;
 use super::draw::LIGHT;
-use super::scene::{FULL_HD, Scene, shot};
+use super::scene::{Scene, shot};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
 use crate::bench::rig::{EffectId, Rig};
@@ -26,6 +26,7 @@ const VARIANTS: [(&str, Completion); 3] =
 const VERTICES: u32 = 4_000;
 /// The earlier frames of the outputs: the rear bar disappears behind the other, and comes out.
 const FRAMES: [usize; 2] = [21, 26];
+const SIZE: [u32; 2] = [1280, 720];
 /// Degrees by which the light turns in a frame.
 const TURN: f64 = 15.0;
 /// The bar before the other.
@@ -55,13 +56,14 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
     let mut runs: Vec<(EffectId, Plan)> = Vec::new();
     let mut differences: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
     for current in FRAMES {
-        let scene = Scene { current, ..Scene::builtin(Builtin::Crossing, VERTICES, FULL_HD)? };
+        let scene = Scene { current, ..Scene::builtin(Builtin::Crossing, VERTICES, SIZE)? };
         let open = scene.without(FRONT)?;
-        let truth = render(&mut session.rig, &open, Completion::None)?.1;
+        let (images, open_images) = (images(&scene), images(&open));
+        let truth = render(&mut session.rig, &open, &open_images, Completion::None)?.1;
         runs.clear();
         for ((variant, completion), differences) in variants.iter().zip(&mut differences) {
             session.next(&format!("blur complete {NAME}: {variant}"))?;
-            let (effect, layers) = render(&mut session.rig, &scene, *completion)?;
+            let (effect, layers) = render(&mut session.rig, &scene, &images, *completion)?;
             differences.extend(compare(&layers, &truth, scene.size));
             let names = ["blur.params", "blur.normals", "blur.learn", "blur.shade", "blur.complete"];
             runs.push((effect, session.rig.steps(effect, |pass| names.contains(&pass.name))));
@@ -82,13 +84,22 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
     Ok(())
 }
 
-fn render(rig: &mut Rig, scene: &Scene, completion: Completion) -> Result<(EffectId, Layers)> {
+/// Frames under a light that turns.
+fn images(scene: &Scene) -> [Vec<[f32; 4]>; 2] {
+    let light = |frames: f64| DQuat::from_rotation_y((frames * TURN).to_radians()) * LIGHT;
+    scene.images([light(-0.5), light(0.5)])
+}
+
+fn render(
+    rig: &mut Rig,
+    scene: &Scene,
+    images: &[Vec<[f32; 4]>; 2],
+    completion: Completion,
+) -> Result<(EffectId, Layers)> {
     let settings = Settings { completion, ..Settings::default() };
     let prepared = scene.prepare(&settings)?;
-    let light = |frames: f64| DQuat::from_rotation_y((frames * TURN).to_radians()) * LIGHT;
-    let images = scene.images([light(-0.5), light(0.5)]);
     let desc = Desc { layers: true, ..scene.desc(&settings, MOST_TRIANGLES) };
-    let effect = rig.effect(desc, &scene.take(&prepared, Some(&images)))?;
+    let effect = rig.effect(desc, &scene.take(&prepared, Some(images)))?;
     rig.frame(effect, &shot())?;
     let pixels = scene.size[0] as usize * scene.size[1] as usize;
     let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
