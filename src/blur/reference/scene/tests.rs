@@ -6,7 +6,7 @@ use crate::blur::motion::{Interval, Motion, Pose, Projection, Window};
 use crate::blur::reference::complete::complete;
 use crate::blur::reference::distort::{Drawing, draw, hidden};
 use crate::blur::reference::extent::extents;
-use crate::blur::reference::refine::{Rules, Seams, refine};
+use crate::blur::reference::refine::{Rules, refine};
 use crate::blur::reference::visible::{Colour, Frame, Surface, compose, mix, shade};
 use crate::blur::settings::{Completion, Settings};
 
@@ -114,7 +114,6 @@ impl Scene {
             height: SIZE[1],
             seed: 3,
             budget: 1_000_000,
-            seams: Seams::Larger,
         };
         let refined = refine(&self.mesh, &extents, &rules);
         let triangles = triangles(&refined, &self.interval.segments, false);
