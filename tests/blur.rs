@@ -14,5 +14,7 @@ mod refine;
 mod scenes;
 #[path = "blur/shade.rs"]
 mod shade;
+#[path = "blur/toon.rs"]
+mod toon;
 #[path = "blur/trajectory.rs"]
 mod trajectory;

@@ -4,8 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::layout::*;
-use crate::blur::params::PIECE_SEGMENTS;
-use crate::blur::settings::{Refine, Space};
+use crate::blur::params::{PIECE_SEGMENTS, ink_reach};
+use crate::blur::settings::{Operator, Refine, Space};
 use crate::plan::{
     Blend, ColourAttachment, Declare, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage,
 };
@@ -42,6 +42,16 @@ pub struct Passes {
     pub(super) frames: PassId,
     pub(super) shade: PassId,
     pub(super) composite: PassId,
+    pub(super) surface: PassId,
+    pub(super) normals: PassId,
+    pub(super) toon_params: PassId,
+    pub(super) toon_project: PassId,
+    pub(super) toon_see: PassId,
+    pub(super) toon_lines: PassId,
+    /// Into each place.
+    pub(super) toon: [PassId; TOON.len()],
+    pub(super) toon_background: PassId,
+    pub(super) toon_frames: PassId,
 }
 
 impl Passes {
@@ -100,6 +110,21 @@ impl Passes {
             },
             shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([u32::from(desc.layers)])),
             composite: d.add(composite(desc)),
+            surface: d.transfer("blur.mesh", &copies(HOST_SURFACE, [CORNERS, GROUP_STARTS, GROUP_TRIANGLES])),
+            normals: d.compute("blur.normals", &glsl::normals::SHADER),
+            toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
+            toon_project: d.compute("blur.toon", &glsl::project::SHADER),
+            toon_see: {
+                let extent = desc.size.map(|side| 2 * side);
+                d.add(drawing("blur.toon", &glsl::visibility_vertex::SHADER, SAMPLED, SAMPLED_DEPTH, extent))
+            },
+            toon_lines: {
+                let second = u32::from(desc.settings.toon.outline.operator == Operator::Second);
+                d.add(Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]))
+            },
+            toon: TOON.map(|image| d.add(toon(desc, image))),
+            toon_background: d.transfer("blur.background", &from_toon(&[TARGET])),
+            toon_frames: d.transfer("blur.frames", &from_toon(&FRAMES)),
             list: d.list,
         }
     }
@@ -144,4 +169,26 @@ fn composite(desc: &Desc) -> Pass {
         extent: desc.size,
     };
     Pass::raster("blur.composite", raster)
+}
+
+/// Copies of drawn frames.
+fn from_toon(to: &[ImageId]) -> Vec<(Resource, Usage)> {
+    let to = to.iter().map(|image| ((*image).into(), Usage::COPY_TARGET));
+    TOON.iter().map(|image| ((*image).into(), Usage::COPY_SOURCE)).chain(to).collect()
+}
+
+/// A frame from what its samples see.
+fn toon(desc: &Desc, image: ImageId) -> Pass {
+    let (format, blend) = (desc.target_format, Blend::Replace);
+    let raster = Raster {
+        topology: Topology::Quads,
+        vertex: &glsl::composite_vertex::SHADER,
+        fragment: &glsl::toon_fragment::SHADER,
+        colour: Some(ColourAttachment { image, format, clear: None, blend }),
+        depth: None,
+        extent: desc.size,
+    };
+    let toon = &desc.settings.toon;
+    let inked = u32::from(toon.outline.strength > 0.0);
+    Pass::raster("blur.toon", raster).specialise([inked, ink_reach(toon)])
 }
