@@ -8,7 +8,7 @@ mod input;
 
 use ash::vk;
 
-use crate::blur::{self as blur_effect, Blur};
+use crate::blur::{self as blur_effect, Blur, ToonInput};
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame, SceneDepth};
 use crate::gpu::headless::Headless;
@@ -64,7 +64,7 @@ pub struct BlurScene<'a> {
     /// The mesh's motion.
     pub frame: &'a BlurFrame,
     /// Pictures of frames i and i + 1 ([`BlurFrame::images`]): linear RGBA, premultiplied, rows from the top. One that the
-    /// frame before had need not be given.
+    /// frame before had need not be given. Not looked at if the effect was made to draw frames.
     pub images: [Option<&'a [[f32; 4]]>; 2],
 }
 
@@ -300,19 +300,11 @@ impl Offline {
     /// Uploads what of the pictures and of the motion is not on the device. Without a picture that is needed and not
     /// there, an error.
     fn blur_frame<'a>(&mut self, scene: &Scene<'a>, target: HostImage) -> Result<Option<blur_effect::Frame<'a>>> {
-        let missing = |what: String| Error::HostResource { name: "blur", why: format!("{what}: expected one") };
-        let Some(BlurScene { frame, images }) = scene.blur else { return Err(missing("no motion".to_owned())) };
-        let numbers = frame.images();
-        for (number, picture) in numbers.into_iter().zip(images) {
-            self.show(number, picture)?;
-        }
-        let shown = |number: u32| {
-            let (_, image) = self.parts.shown[number as usize % 2].as_ref().filter(|(shown, _)| *shown == number)?;
-            Some(self.host_image(image, COPIED_FROM))
+        let Some(BlurScene { frame, images }) = scene.blur else {
+            return Err(Error::HostResource { name: "blur", why: "no motion: expected some".to_owned() });
         };
-        let [Some(before), Some(after)] = numbers.map(shown) else {
-            return Err(missing(format!("no image of frame {} or {}", numbers[0], numbers[1])));
-        };
+        let is_drawn = self.parts.blur.as_ref().is_some_and(|blur| blur.desc().toon);
+        let images = if is_drawn { None } else { Some(self.images(frame.images(), images)?) };
         let background = self.background.map_or(Background::Keep, Background::Clear);
         let (host, allocator) = self.device.parts();
         let Parts { blur, blur_input, .. } = &mut self.parts;
@@ -320,8 +312,28 @@ impl Offline {
         // SAFETY: the device is this host's own, and every submission has been waited for.
         let uploaded = unsafe { blur_input.write(&host, allocator, frame, blur.desc())? };
         let input::UploadedBlur { mesh, poses, interval } = uploaded;
-        let images = [before, after];
-        Ok(Some(blur_effect::Frame { mesh, poses, interval: Some(interval), images, target, background }))
+        let toon = is_drawn.then(|| ToonInput { view: interval.views[2], light: scene.light });
+        // In front of the first frame there is no interval.
+        let interval = (interval.views[1].frame != interval.views[2].frame).then_some(interval);
+        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, target, background }))
+    }
+
+    /// The images of two frames on the device: the pictures that are given, and those that are there.
+    fn images(&mut self, numbers: [u32; 2], pictures: [Option<&[[f32; 4]]>; 2]) -> Result<[HostImage; 2]> {
+        for (number, picture) in numbers.into_iter().zip(pictures) {
+            self.show(number, picture)?;
+        }
+        let shown = |number: u32| {
+            let (_, image) = self.parts.shown[number as usize % 2].as_ref().filter(|(shown, _)| *shown == number)?;
+            Some(self.host_image(image, COPIED_FROM))
+        };
+        match numbers.map(shown) {
+            [Some(before), Some(after)] => Ok([before, after]),
+            _ => {
+                let why = format!("no image of frame {} or {}: expected one", numbers[0], numbers[1]);
+                Err(Error::HostResource { name: "blur", why })
+            }
+        }
     }
 
     /// Puts the picture of a frame where it belongs, unless it is there.

@@ -288,16 +288,12 @@ fn check_light(shot: &Shot) -> Result<(), Failure> {
     }
 }
 
-/// A blur has its frames' images, and nothing but a colour behind them.
+/// Behind a blur there is nothing but a colour.
 fn check_blur(shot: &Shot) -> Result<(), Failure> {
     match (&shot.blur, &shot.background) {
-        (Some(blur), _) if blur.images.is_none() => {
-            let allowed = "a pattern of image files, one a frame (drawing frames is not built yet)";
-            Err(Failure::usage(format!("{}: blur.images: allowed: {allowed}", shot.name)))
-        }
         (Some(_), Background::Image(path)) => {
             let (name, path) = (&shot.name, path.display());
-            let allowed = "a colour or \"none\" in a shot with [blur], whose images have their own";
+            let allowed = "a colour or \"none\" in a shot with [blur]";
             Err(Failure::usage(format!("{name}: background = \"{path}\": allowed: {allowed}")))
         }
         _ => Ok(()),

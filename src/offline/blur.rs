@@ -7,7 +7,9 @@ use std::sync::Arc;
 use crate::blur::motion::WINDOW;
 use crate::blur::params::MOST_SEGMENTS;
 use crate::blur::settings::{Settings, Trajectory};
-use crate::blur::{self, Counts, Interval, Knot, MOST_TRIANGLES, Mesh, MeshInput, Motion, Pose, View, Window};
+use crate::blur::{
+    self, Counts, Interval, Knot, MOST_TRIANGLES, Mesh, MeshInput, Motion, Pose, SurfaceInput, View, Window,
+};
 use crate::error::Error;
 use crate::io::ReadError;
 use crate::io::scene::{AnimatedMesh, shading_groups};
@@ -42,6 +44,7 @@ pub struct BlurInput {
     frames: [u32; 2],
     settings: Settings,
     mesh: Arc<Mesh>,
+    corners: Arc<Vec<[u32; 4]>>,
     motion: Motion,
     poses: BTreeMap<u32, Positions>,
     threads: usize,
@@ -58,6 +61,8 @@ impl fmt::Debug for BlurInput {
 pub struct BlurFrame {
     /// The mesh: that of the whole shot.
     pub mesh: Arc<Mesh>,
+    /// What its surface looks like: [`SurfaceInput::corner_rows`] of the shot's mesh.
+    pub corners: Arc<Vec<[u32; 4]>>,
     /// What moves from frame i to frame i + 1. Nothing in the shot's first frame, which has none before it.
     pub interval: Interval,
     /// How much of it there is.
@@ -108,7 +113,9 @@ impl BlurInput {
             normals: Some(&normals),
         })?;
         let motion = Motion::new(settings, size)?;
+        let corners = SurfaceInput::corner_rows(&mesh, Some((&topology.triangles, &topology.colour)));
         Ok(BlurInput {
+            corners: Arc::new(corners),
             camera: Box::new(camera),
             frames,
             settings: settings.clone(),
@@ -126,8 +133,9 @@ impl BlurInput {
     }
 
     /// What an effect is made for that blurs this mesh in pictures of `size` pixels, with every frame's pose on the
-    /// device: [`crate::offline::Offline`] keeps fewer of them where they take too much of its memory.
-    pub fn desc(&self, size: [u32; 2], seed: u32, layers: bool) -> blur::Desc {
+    /// device: [`crate::offline::Offline`] keeps fewer of them where they take too much of its memory. `toon`: frames are
+    /// drawn, because there are no images of them.
+    pub fn desc(&self, size: [u32; 2], seed: u32, toon: bool, layers: bool) -> blur::Desc {
         let settings = &self.settings;
         let inner = if settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
         let triangles = self.mesh.triangles().len() as u32;
@@ -138,6 +146,9 @@ impl BlurInput {
             points: self.mesh.points() as u32,
             triangles,
             neighbours: self.mesh.neighbours().items.len() as u32,
+            groups: self.mesh.group_triangles().starts.len() as u32 - 1,
+            group_triangles: self.mesh.group_triangles().items.len() as u32,
+            toon,
             most_triangles: MOST_TRIANGLES.max(triangles.saturating_mul(4)).min(crate::blur::params::BASE_MASK),
             segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
             frames_resident: (last - first + 1).max(4),
@@ -180,7 +191,8 @@ impl BlurInput {
         };
         let views = [-1, 0, 1, 2].map(|offset| view(i64::from(current) + offset));
         let counts = Counts::of(&interval, self.mesh.neighbours());
-        Ok(BlurFrame { mesh: self.mesh.clone(), interval, counts, views, knots, first: begin, poses: positions })
+        let (mesh, corners) = (self.mesh.clone(), self.corners.clone());
+        Ok(BlurFrame { mesh, corners, interval, counts, views, knots, first: begin, poses: positions })
     }
 
     /// Reads poses from a frame on, each followed by `next`, until enough of them differ; the last one that was read.

@@ -201,6 +201,21 @@ fn a_refinement_that_is_cut_short_is_said() {
 }
 
 #[test]
+fn frames_without_images_are_drawn() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    let small = ["--set", "size=[64, 64]", "--frames", "2-3", "-q"];
+    succeeds(&folder, &[&["render", "builtin:blur", "-o", "a.####.png", run::validate()], &small[..]].concat());
+    let [two, three] = ["a.0002.png", "a.0003.png"].map(|name| picture::read(&folder.0.join(name)).expect(name).pixels);
+    assert!(two.iter().any(|pixel| *pixel != two[0]) && two != three, "something is seen, and moves");
+    let alone = ["--frames", "3", "-o", "b.png"];
+    succeeds(&folder, &[&["render", "builtin:blur", "-q", "--set", "size=[64, 64]"], &alone[..]].concat());
+    assert!(fs::read(folder.0.join("b.png")).expect("alone") == fs::read(folder.0.join("a.0003.png")).expect("three"));
+}
+
+#[test]
 fn a_shot_of_it_can_be_printed_and_inspected() {
     let folder = Folder::new();
     let text = succeeds(&folder, &["shot", "builtin:blur"]);

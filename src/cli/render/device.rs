@@ -10,6 +10,7 @@ use crate::gpu::headless::{Headless, Messages, Options};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{BlurScene, EffectBuffer, Effects, Offline, Scene};
+use crate::plan::Plan;
 use crate::profile::FrameTimes;
 use crate::smoke::Sequence;
 
@@ -88,10 +89,14 @@ impl<'a> Renderer<'a> {
         })?;
         check(&self.messages)?;
         *particles = step.particles.as_ref().map_or(*particles, |particles| particles.position.len());
+        let is_still = offline.blur().is_some_and(|blur| is_skipped(blur.plan(), "blur.refine"));
         *warning = step.blur.as_ref().and_then(|_| ended(offline, effects, number));
         let frame = rendered.then(|| {
+            let is_alone = effects.smoke.is_none() && effects.flame.is_none();
+            let picture = offline.picture();
             let motion = step.blur.as_ref().map(|blur| &blur.frame);
-            let layers = layers::decode(effects, &offline.layers(), *particles, motion);
+            let blurred = motion.map(|motion| layers::Blurred { motion, picture, is_alone, is_still });
+            let layers = layers::decode(effects, &offline.layers(), *particles, blurred.as_ref());
             Frame { number, pixels: offline.picture().to_vec(), layers }
         });
         Ok((frame, offline.times()))
@@ -109,11 +114,14 @@ impl<'a> Renderer<'a> {
     }
 }
 
+fn is_skipped(plan: &Plan, name: &str) -> bool {
+    plan.skipped.iter().any(|(skipped, _)| *skipped == name)
+}
+
 /// Says it where a frame's refinement did not come to its own end.
 fn ended(offline: &mut Offline, effects: &Effects, number: u32) -> Option<String> {
     let desc = effects.blur.as_ref()?;
-    let plan = offline.blur()?.plan();
-    if plan.skipped.iter().any(|(name, _)| *name == "blur.refine") {
+    if is_skipped(offline.blur()?.plan(), "blur.refine") {
         return None;
     }
     let layers = offline.layers();

@@ -134,7 +134,7 @@ impl Inputs {
                 skipping: true,
             });
         }
-        effects.blur = self.blur.as_ref().map(|blur| blur.desc(shot.size, shot.seed, layers));
+        effects.blur = self.blur.as_ref().map(|blur| blur.desc(shot.size, shot.seed, self.images.is_none(), layers));
         Ok(effects)
     }
 

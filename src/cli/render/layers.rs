@@ -24,8 +24,20 @@ pub(super) fn buffers(effects: &Effects) -> Vec<EffectBuffer> {
     smoke.chain(flame).chain(effects.blur.iter().flat_map(|_| blur::BUFFERS.map(EffectBuffer::Blur))).collect()
 }
 
+/// A blurred frame, as far as it is not in the effect's buffers.
+pub(super) struct Blurred<'a> {
+    /// The motion.
+    pub(super) motion: &'a BlurFrame,
+    /// The picture, with all effects.
+    pub(super) picture: &'a [[f32; 4]],
+    /// Whether the blur is the only effect.
+    pub(super) is_alone: bool,
+    /// Whether nothing moved, so that buffers hold what an earlier frame left.
+    pub(super) is_still: bool,
+}
+
 /// Makes the layers of a frame of `particles` particles, and of a mesh's motion. Without bytes there are none.
-pub(super) fn decode(effects: &Effects, bytes: &[&[u8]], particles: usize, motion: Option<&BlurFrame>) -> Vec<Layer> {
+pub(super) fn decode(effects: &Effects, bytes: &[&[u8]], particles: usize, blurred: Option<&Blurred>) -> Vec<Layer> {
     let mut layers = Vec::new();
     let mut bytes = bytes;
     if let (Some(desc), Some((taken, rest))) = (&effects.smoke, bytes.split_first_chunk()) {
@@ -36,8 +48,11 @@ pub(super) fn decode(effects: &Effects, bytes: &[&[u8]], particles: usize, motio
         layers.extend(flame::decode(*taken, pixels(desc.size), particles, desc.settings.variants));
         bytes = rest;
     }
-    if let (Some(desc), Some(motion), Some((taken, _))) = (&effects.blur, motion, bytes.split_first_chunk()) {
-        layers.extend(blur::decode(*taken, pixels(desc.size), &motion.mesh));
+    if let (Some(desc), Some(blurred), Some((taken, _))) = (&effects.blur, blurred, bytes.split_first_chunk()) {
+        layers.extend(match blurred.is_still {
+            true => blur::still(blurred),
+            false => blur::decode(*taken, pixels(desc.size), blurred),
+        });
     }
     layers
 }

@@ -1,6 +1,6 @@
 //! The layers of the blur effect.
 
-use super::{LayerName, read};
+use super::{Blurred, LayerName, read};
 use crate::blur::Mesh;
 use crate::blur::layout;
 use crate::blur::params::{Control, Vertex};
@@ -36,9 +36,12 @@ pub(super) const BUFFERS: [BufferId; 9] = [
 const COLUMNS: u64 = 8;
 /// Values of each corner in `blur.triangles`: x, y, view depth, k'.
 const CORNER: u64 = 4;
+/// In `blur.mask`: frame i + 1 alone shows it.
+const NEXT: f32 = 2.0;
 
 /// Makes the layers of a picture of `pixels` pixels.
-pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, mesh: &Mesh) -> Vec<Layer> {
+pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, blurred: &Blurred) -> Vec<Layer> {
+    let mesh = &blurred.motion.mesh;
     let [control, vertices, finished, previous, next, subframe, mask, colour, picture] = bytes;
     let control: Vec<Control> = read(control, 1);
     let [triangles, count, ..] = control.first().map_or([0; 4], |control| control.refined);
@@ -55,8 +58,37 @@ pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, mesh: &Mesh) 
         LayerData::Value(read(subframe, pixels)),
         LayerData::Value(mask.into_iter().map(|mask| mask as f32).collect()),
         LayerData::Colour(read(colour, pixels)),
-        LayerData::Colour(read(picture, pixels).into_iter().map(whole).collect()),
+        LayerData::Colour(match blurred.is_alone {
+            true => blurred.picture.to_vec(),
+            false => read(picture, pixels).into_iter().map(whole).collect(),
+        }),
     ];
+    named(data)
+}
+
+/// The layers of a frame that is frame i + 1, because nothing moves or the strength is 0: all of it is at k' = 1, and
+/// no triangle has been drawn.
+pub(super) fn still(Blurred { motion, picture, .. }: &Blurred) -> Vec<Layer> {
+    let count = picture.len();
+    let (mesh, interval) = (&motion.mesh, &motion.interval);
+    let row = |point: &u32| {
+        let point = *point as usize;
+        let [x, y, vx, vy] = interval.motion.get(point).copied().unwrap_or_default();
+        [x, y, vx, vy, interval.labels.get(point).copied().unwrap_or_default() as f32, 1.0, 0.0, 1.0]
+    };
+    named([
+        LayerData::table(COLUMNS, mesh.file_to_point().iter().flat_map(row).collect()),
+        LayerData::Array { shape: vec![0, 3, CORNER], values: Vec::new() },
+        LayerData::Colour(vec![[0.0; 4]; count]),
+        LayerData::Colour(picture.to_vec()),
+        LayerData::Value(vec![1.0; count]),
+        LayerData::Value(vec![NEXT; count]),
+        LayerData::Colour(vec![[0.0; 4]; count]),
+        LayerData::Colour(picture.to_vec()),
+    ])
+}
+
+fn named(data: [LayerData; LAYERS.len()]) -> Vec<Layer> {
     LAYERS.into_iter().zip(data).map(|((name, _), data)| Layer { name, data }).collect()
 }
 
