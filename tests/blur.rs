@@ -4,6 +4,8 @@
 
 mod common;
 
+#[path = "blur/behind.rs"]
+mod behind;
 #[path = "blur/extent.rs"]
 mod extent;
 #[path = "blur/plan.rs"]

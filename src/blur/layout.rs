@@ -4,7 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams, Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams,
+    Vertex,
 };
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
@@ -47,6 +48,7 @@ buffers! {
     GROUP_TRIANGLES = "GroupTriangles",
     NORMALS = "Normals",
     TOON_PARAMS = "ToonBuffer",
+    TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
     NEXT_NAMES = "NextNames",
     DISTORTED_NAMES = "DistortedNames",
@@ -96,8 +98,14 @@ pub const SAMPLED_DEPTH: ImageId = ImageId(7);
 pub const FRAMES: [ImageId; 2] = [ImageId(8), ImageId(9)];
 /// Frames that are drawn because the host has no images of them: frame f stands in place f modulo their number.
 pub const TOON: [ImageId; 2] = [ImageId(10), ImageId(11)];
+/// An after-image, at four samples a pixel.
+pub const GHOST: ImageId = ImageId(12);
+/// Its format.
+pub const GHOST_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+/// Its depth.
+pub const GHOST_DEPTH: ImageId = ImageId(13);
 /// Own images.
-pub const IMAGES: u16 = 12;
+pub const IMAGES: u16 = 14;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(IMAGES);
 /// The host's images of frames i and i + 1.
@@ -112,6 +120,8 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "seen_next" => Some(SEEN[1]),
         "distorted" => Some(DISTORTED),
         "sampled" => Some(SAMPLED),
+        "ghost" => Some(GHOST),
+        "ghost_depth" => Some(GHOST_DEPTH),
         "sampled_depth" => Some(SAMPLED_DEPTH),
         "depth_previous" => Some(SEEN_DEPTH[0]),
         "depth_next" => Some(SEEN_DEPTH[1]),
@@ -197,6 +207,7 @@ impl Layout {
         self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
         self.set(NORMALS, 4 * 16 * u64::from(desc.groups));
         self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
+        self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });
         // Four samples a pixel.
         self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
         self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
@@ -251,6 +262,13 @@ impl Layout {
             usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
             ..frame
         };
+        let ghost = ImageDesc {
+            name: "blur ghost",
+            extent: if desc.settings.ghosts.count > 0 { extent } else { [1; 2] },
+            format: GHOST_FORMAT,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            ..seen
+        };
         [
             seen,
             seen,
@@ -264,6 +282,8 @@ impl Layout {
             ImageDesc { name: "blur later frame", ..frame },
             drawn,
             drawn,
+            ghost,
+            ImageDesc { name: "blur ghost depth", extent: ghost.extent, ..depth },
         ]
     }
 
@@ -273,7 +293,11 @@ impl Layout {
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             // The host's format may take up to 16 bytes.
-            let texel = if image.format == desc.target_format { 16 } else { 4 };
+            let texel = match image.format {
+                format if format == desc.target_format => 16,
+                GHOST_FORMAT => 8,
+                _ => 4,
+            };
             memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;
         }
         memory

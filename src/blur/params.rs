@@ -26,6 +26,10 @@ pub const MOST_SEGMENTS: usize = 32;
 pub const PIECE_SEGMENTS: usize = 12;
 /// The most frames that they go through.
 pub const MOST_KNOTS: usize = 64;
+/// The most speed lines of a picture.
+pub const MOST_LINES: u32 = 16_384;
+/// Vertices of a speed line: two triangles for each of 16 parts.
+pub const LINE_VERTICES: u32 = 96;
 /// The most tones of a frame that is drawn.
 pub const MOST_TONES: usize = 256;
 /// The least length of an edge that is divided, in pixels.
@@ -119,6 +123,12 @@ pub struct ToonParams {
 }
 
 push_constants! {
+    /// Of `lines_choose`.
+    ChooseConstants { round: u32, strips: u32 }
+    /// Of `speed_lines`.
+    SpeedConstants { colour: [f32; 4], length_of: f32, width: f32 }
+    /// Of `ghost` and `ghost_blend`.
+    GhostConstants { back: f32, opacity: f32 }
     /// Of `normals`.
     NormalConstants { frame: u32, groups: u32 }
     /// Of `seams`.

@@ -5,14 +5,16 @@ use std::mem::offset_of;
 use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, Control, Knot, MOST_KNOTS, NormalConstants, ROUNDS, Round, RoundConstants, SeamConstants,
-    SettleConstants, ToonParams, VisibilityConstants,
+    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES,
+    NormalConstants, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams,
+    VisibilityConstants,
 };
 use crate::blur::passes::Passes;
+use crate::blur::settings::Settings;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 12] = [
+const MOTION_STEPS: [&str; 14] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -25,6 +27,8 @@ const MOTION_STEPS: [&str; 12] = [
     "blur.frames",
     "blur.shade",
     "blur.composite",
+    "blur.ghosts",
+    "blur.lines",
 ];
 
 /// Fills a frame's plan.
@@ -46,10 +50,15 @@ pub fn still(desc: &Desc, frame: &Frame) -> Option<&'static str> {
     match &frame.interval {
         None => Some("nothing moves"),
         Some(interval) if interval.counts.clusters == 0 => Some("nothing moves"),
-        Some(_) if desc.settings.strength == 0.0 => Some("strength is 0"),
+        Some(_) if desc.settings.strength == 0.0 && !draws_behind(desc) => Some("strength is 0"),
         Some(_) if desc.triangles == 0 => Some("the mesh has no triangles"),
         Some(_) => None,
     }
+}
+
+/// Whether there are speed lines or after-images.
+fn draws_behind(desc: &Desc) -> bool {
+    desc.settings.lines.count > 0 || desc.settings.ghosts.count > 0
 }
 
 /// Frames i and i + 1 where an output needs them and the host has no images of them.
@@ -93,6 +102,49 @@ impl Steps<'_> {
         self.refine();
         self.draw();
         self.shade(frame);
+        self.ghosts();
+        self.lines(interval);
+    }
+
+    /// After-images, the earliest first.
+    fn ghosts(&mut self) {
+        let ghosts = self.desc.settings.ghosts;
+        if ghosts.count == 0 {
+            return self.plan.skip("blur.ghosts", "none are asked for");
+        }
+        for ghost in (1..=ghosts.count).rev() {
+            let share = (ghosts.count + 1 - ghost) as f32 / ghosts.count as f32;
+            let constants = GhostConstants { back: ghost as f32 * ghosts.step, opacity: ghosts.opacity * share };
+            let draw = Command::DrawIndirect { arguments: CONTROL, offset: offset_of!(Control, draw) as u64 };
+            self.plan.step_with(self.passes.ghost, draw, &constants);
+            self.plan.step_with(self.passes.ghost_blend, Command::Draw { vertices: 4 }, &constants);
+        }
+    }
+
+    /// Speed lines.
+    fn lines(&mut self, interval: &IntervalInput) {
+        let lines = self.desc.settings.lines;
+        if lines.count == 0 {
+            return self.plan.skip("blur.lines", "none are asked for");
+        }
+        let clusters = interval.counts.clusters;
+        let strips = lines.count.min(MOST_LINES / clusters);
+        if strips == 0 {
+            return self.plan.skip("blur.lines", "there are too many clusters");
+        }
+        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: u32::MAX });
+        for round in 0..3 {
+            let constants = ChooseConstants { round, strips };
+            self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
+        }
+        let [r, g, b] = lines.colour;
+        let constants = SpeedConstants {
+            colour: [r, g, b, lines.opacity],
+            length_of: lines.length,
+            width: Settings::scaled(lines.width, self.desc.size[1]),
+        };
+        let vertices = LINE_VERTICES * clusters * strips;
+        self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
     }
 
     /// Draws what the host has no images of, and begins the target with it. `projected`: the parameters and clip
@@ -272,6 +324,11 @@ impl Steps<'_> {
             };
             self.plan.step(pass, Command::CopyImage { from, to, extent: self.desc.size });
         }
+        if self.desc.settings.strength == 0.0 {
+            // The target has frame i + 1, and only what is behind the mesh is missing.
+            let skip = |name: &&'static str| self.plan.skip(name, "strength is 0");
+            return ["blur.shade", "blur.composite"].iter().for_each(skip);
+        }
         self.plan.step(self.passes.shade, Command::Dispatch { threads: [width, height, 1] });
         self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
     }
@@ -279,8 +336,14 @@ impl Steps<'_> {
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps =
-        32 + 2 + 16 + desc.segments as usize + desc.settings.seam_smoothing as usize + 3 * (ROUNDS as usize + 1);
+    let steps = 32
+        + 2
+        + 16
+        + 5
+        + 2 * desc.settings.ghosts.count as usize
+        + desc.segments as usize
+        + desc.settings.seam_smoothing as usize
+        + 3 * (ROUNDS as usize + 1);
     let bytes = TOON.len() * size_of::<ToonParams>()
         + size_of::<BlurParams>()
         + size_of::<Control>()

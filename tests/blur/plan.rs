@@ -6,7 +6,7 @@ use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::layout::{self, Layout};
 use celfx::blur::passes::Passes;
-use celfx::blur::settings::{Refine, Space};
+use celfx::blur::settings::{Ghosts, Lines, Refine, Space};
 use celfx::blur::steps::{self, Steps};
 use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, IntervalInput, Knot, PoseInput, Settings, SurfaceInput, ToonInput,
@@ -146,7 +146,11 @@ fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
         (Space::Screen, Refine::Length, 2.5, false),
         (Space::Homogeneous, Refine::Error, 0.3, false),
     ] {
-        let settings = Settings { space, refine, strength, ..Settings::default() };
+        let mut settings = Settings { space, refine, strength, ..Settings::default() };
+        if layers {
+            settings.lines = Lines { count: 3, length: 0.4, ..Lines::default() };
+            settings.ghosts = Ghosts { count: 2, step: 0.2, ..Ghosts::default() };
+        }
         let mut effect = Effect::new(Desc { layers, ..desc(settings) });
         for trajectories in [Trajectories::Poses(&knots), Trajectories::Pieces(buffer())] {
             for seams in [0, 77] {
@@ -290,12 +294,13 @@ fn every_slot_is_bound_and_every_step_fits() {
                 }
                 (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= size(to),
                 (Kernel::Transfer, Command::CopyRange { to, bytes, .. }) => to.1 + bytes <= size(to.0),
+                (Kernel::Transfer, Command::Fill { buffer, .. }) => size(buffer) % 4 == 0,
                 (Kernel::Transfer, Command::CopyImage { .. }) => true,
                 _ => false,
             };
             assert!(fits, "{}: {:?}", pass.name, step.command);
             let touched: Vec<Resource> = match step.command {
-                Command::Update { buffer, .. } => vec![buffer.into()],
+                Command::Update { buffer, .. } | Command::Fill { buffer, .. } => vec![buffer.into()],
                 Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
                 Command::CopyRange { from, to, .. } => vec![from.0.into(), to.0.into()],
                 Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],
