@@ -85,13 +85,16 @@ pub struct SurfaceInput {
     pub largest_group: u32,
 }
 
+/// Vertices of triangles, and the colours of vertices.
+type VertexColours<'a> = (&'a [[u32; 3]], &'a [[f32; 3]]);
+
 impl SurfaceInput {
     /// The rows of [`SurfaceInput::corners`] of a mesh. `colours`: base colours of its vertices, and the vertices of its
     /// triangles, as they were before they were welded; none: white.
-    pub fn corner_rows(mesh: &Mesh, colours: Option<(&[[u32; 3]], &[[f32; 3]])>) -> Vec<[u32; 4]> {
+    pub fn corner_rows(mesh: &Mesh, colours: Option<VertexColours>) -> Vec<[u32; 4]> {
         let rows = mesh.normal_groups().iter().enumerate().flat_map(|(triangle, groups)| {
             (0..3).map(move |corner| {
-                let vertex = |(triangles, _): &(&[[u32; 3]], _)| triangles.get(triangle).map(|t| t[corner] as usize);
+                let vertex = |(triangles, _): &VertexColours| triangles.get(triangle).map(|t| t[corner] as usize);
                 let colour = colours.and_then(|given| given.1.get(vertex(&given)?).copied());
                 let [r, g, b] = colour.unwrap_or([1.0; 3]).map(f32::to_bits);
                 [groups[corner], r, g, b]

@@ -49,6 +49,9 @@ pub struct Shot<'a> {
     pub knots: Option<&'a [Knot]>,
 }
 
+/// Vertices of triangles, and the colours of vertices.
+type VertexColours = (Vec<[u32; 3]>, Vec<[f32; 3]>);
+
 /// The effect on a device of its own.
 pub struct BlurRig {
     device: TestDevice,
@@ -61,7 +64,7 @@ pub struct BlurRig {
     /// What frames are drawn with and over, if they are.
     pub toon: Option<(Light, Background)>,
     /// Base colours: vertices of the triangles, and a colour of each.
-    pub colours: Option<(Vec<[u32; 3]>, Vec<[f32; 3]>)>,
+    pub colours: Option<VertexColours>,
 }
 
 impl BlurRig {
