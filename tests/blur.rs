@@ -4,6 +4,8 @@
 
 mod common;
 
+#[path = "blur/behind.rs"]
+mod behind;
 #[path = "blur/extent.rs"]
 mod extent;
 #[path = "blur/plan.rs"]
@@ -14,5 +16,7 @@ mod refine;
 mod scenes;
 #[path = "blur/shade.rs"]
 mod shade;
+#[path = "blur/toon.rs"]
+mod toon;
 #[path = "blur/trajectory.rs"]
 mod trajectory;

@@ -31,7 +31,7 @@ bool is_split(uint a, uint b) {
     vec2 to = vertices[b].drawn.xy;
     float length2 = distance2(from, to);
     bool is_long = length2 >= params.lens.y * params.lens.y && length2 < uintBitsToFloat(0x7f800000u);
-    if (!is_long || vertices[a].place.x + vertices[b].place.x == 0u) {
+    if (!is_long || max(vertices[a].place.x, vertices[b].place.x) == 0u) {
         return false;
     }
     if (BY_LENGTH == 1u) {

@@ -14,6 +14,7 @@ const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
 const uint OPEN_SHIFT = 29u;       // which may be split in this round or later; where none may:
 const uint CULLED = 1u << 26u;     // never seen, because the object is closed
+const uint BETWEEN = 0xffffffffu;  // the cluster of what is between clusters
 
 // A frame's camera: rows that make X, Y and W of a point, and the eye, each as a sum of two floats.
 struct View {
@@ -81,7 +82,7 @@ struct Vertex {
     vec4 motion;      // x, y in pixels and velocity in pixels a frame, at the reference time
     vec4 extent;      // k, l, what smoothing adds to k', k'
     vec4 drawn;       // x and y in pixels and view depth where it is drawn, k'
-    uvec4 place;      // cluster from 1, 0: unmoved; 1 if it is of the mesh; barycentric coordinates in its base triangle, of the second and the third corner, as bits
+    uvec4 place;      // cluster from 1, 0: unmoved, BETWEEN; 1 if it is of the mesh; barycentric coordinates in its base triangle, of the second and the third corner, as bits
 };
 
 // A round of the refinement.

@@ -2,13 +2,15 @@
 
 use ash::vk;
 
+use crate::blur::layout::TOON;
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::Settings;
 use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostImage, check_image};
-use crate::view::Camera;
+use crate::layout::LOOP_BUDGET;
+use crate::view::{Camera, Light};
 
 /// Triangles that refinement may make, unless a host says otherwise.
 pub const MOST_TRIANGLES: u32 = 1_000_000;
@@ -26,6 +28,12 @@ pub struct Desc {
     pub triangles: u32,
     /// Entries of its lists of neighbours.
     pub neighbours: u32,
+    /// Its normal groups; 0: none are given, and nothing can be drawn that needs normals.
+    pub groups: u32,
+    /// Entries of their lists of triangles.
+    pub group_triangles: u32,
+    /// Whether there may be outputs without images, whose frames are drawn; needs normal groups.
+    pub toon: bool,
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
     pub most_triangles: u32,
@@ -60,6 +68,57 @@ pub struct TopologyInput {
     pub neighbour_starts: HostBuffer,
     /// The lists.
     pub neighbours: HostBuffer,
+    /// Normals and colours; given if the effect was made for normal groups.
+    pub surface: Option<SurfaceInput>,
+}
+
+/// What the surface of the mesh looks like. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceInput {
+    /// Four words a corner of a triangle: its normal group (`u32`), and its base colour (`f32`, linear RGB, not negative).
+    pub corners: HostBuffer,
+    /// A `u32` a normal group and one more: where its list of triangles begins, and the end of the last.
+    pub group_starts: HostBuffer,
+    /// The lists.
+    pub group_triangles: HostBuffer,
+    /// Length of the longest list, at most 24,000.
+    pub largest_group: u32,
+}
+
+/// Vertices of triangles, and the colours of vertices.
+type VertexColours<'a> = (&'a [[u32; 3]], &'a [[f32; 3]]);
+
+impl SurfaceInput {
+    /// The rows of [`SurfaceInput::corners`] of a mesh. `colours`: base colours of its vertices, and the vertices of its
+    /// triangles, as they were before they were welded; none: white.
+    pub fn corner_rows(mesh: &Mesh, colours: Option<VertexColours>) -> Vec<[u32; 4]> {
+        let rows = mesh.normal_groups().iter().enumerate().flat_map(|(triangle, groups)| {
+            (0..3).map(move |corner| {
+                let vertex = |(triangles, _): &VertexColours| triangles.get(triangle).map(|t| t[corner] as usize);
+                let colour = colours.and_then(|given| given.1.get(vertex(&given)?).copied());
+                let [r, g, b] = colour.unwrap_or([1.0; 3]).map(f32::to_bits);
+                [groups[corner], r, g, b]
+            })
+        });
+        rows.collect()
+    }
+
+    /// [`SurfaceInput::largest_group`] of a mesh.
+    pub fn largest_group(mesh: &Mesh) -> u32 {
+        mesh.group_triangles().starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0)
+    }
+
+    fn validate(&self, desc: &Desc) -> Result<()> {
+        // They are gone through twice.
+        if self.largest_group > LOOP_BUDGET / 2 {
+            let (needed, limit) = (self.largest_group.into(), u64::from(LOOP_BUDGET / 2));
+            let advice = "use a mesh with fewer triangles at a point";
+            return Err(Error::Limit { what: "triangles that share a normal", needed, limit, advice });
+        }
+        holds("the mesh's corners", &self.corners, 48 * u64::from(desc.triangles))?;
+        holds("the mesh's normal groups", &self.group_starts, 4 * (u64::from(desc.groups) + 1))?;
+        holds("the triangles of the mesh's normal groups", &self.group_triangles, 4 * u64::from(desc.group_triangles))
+    }
 }
 
 impl TopologyInput {
@@ -171,6 +230,40 @@ impl Counts {
     }
 }
 
+/// How frames are drawn that the host has no images of, with [`Settings::toon`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToonInput {
+    /// Frame i + 1, as the interval has it if there is one.
+    pub view: View,
+    /// What lights them.
+    pub light: Light,
+}
+
+/// A frame that has been drawn, and all that it was drawn from that can change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    view: View,
+    light: Light,
+    background: [f32; 4],
+}
+
+impl Drawn {
+    /// Where its image is among [`crate::blur::layout::TOON`].
+    pub(super) fn place(&self) -> usize {
+        self.view.frame as usize % TOON.len()
+    }
+
+    /// Its number.
+    pub(super) fn frame(&self) -> u32 {
+        self.view.frame
+    }
+
+    /// What sees it.
+    pub(super) fn camera(&self) -> &Camera {
+        &self.view.camera
+    }
+}
+
 /// One output, i + 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
@@ -181,8 +274,10 @@ pub struct Frame<'a> {
     /// What moves; none: nothing, and the output is the image of frame i + 1.
     pub interval: Option<IntervalInput<'a>>,
     /// Images of frames i and i + 1: linear light (or a format that is read as such), premultiplied, of the target's size
-    /// and format. Usage: `TRANSFER_SRC`.
-    pub images: [HostImage; 2],
+    /// and format. Usage: `TRANSFER_SRC`. None: they are drawn.
+    pub images: Option<[HostImage; 2]>,
+    /// How they are drawn; needed where there are no images.
+    pub toon: Option<ToonInput>,
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
     /// What is where no image shows anything but the mesh: [`Background::Keep`] is nothing at all, an image is not
@@ -205,7 +300,12 @@ impl TopologyInput {
     fn validate(&self, desc: &Desc) -> Result<()> {
         holds("the mesh's triangles", &self.triangles, 16 * u64::from(desc.triangles))?;
         holds("the mesh's lists of neighbours", &self.neighbour_starts, 4 * (u64::from(desc.points) + 1))?;
-        holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))
+        holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))?;
+        match &self.surface {
+            Some(surface) if desc.groups > 0 => surface.validate(desc),
+            None if desc.groups > 0 => refuse("the mesh's surface", "none; the effect was made for normals".to_owned()),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -302,25 +402,69 @@ impl Frame<'_> {
         }
         if let Some(interval) = &self.interval {
             interval.validate(desc)?;
-            let fresh = |frame: u32| self.poses.is_some_and(|p| (p.first..p.first + p.count).contains(&frame));
-            let place = |frame: u32| resident.get((frame % desc.frames_resident) as usize).copied().flatten();
-            // What a new pose takes the place of is gone.
-            let is_covered = |frame: u32| {
-                self.poses.is_some_and(|p| {
-                    (p.first..p.first + p.count).any(|new| new % desc.frames_resident == frame % desc.frames_resident)
-                })
-            };
-            let is_there = |frame: &u32| fresh(*frame) || (place(*frame) == Some(*frame) && !is_covered(*frame));
-            if let Some(frame) = interval.frames().find(|frame| !is_there(frame)) {
-                return refuse("poses", format!("that of frame {frame} is needed and not on the device"));
-            }
+            interval.frames().try_for_each(|frame| self.needs(frame, desc, resident))?;
         }
         check_image("target", &self.target, desc.size, desc.target_format)?;
-        check_image("the image of frame i", &self.images[0], desc.size, desc.target_format)?;
-        check_image("the image of frame i + 1", &self.images[1], desc.size, desc.target_format)?;
+        match &self.images {
+            Some([previous, next]) => {
+                check_image("the image of frame i", previous, desc.size, desc.target_format)?;
+                check_image("the image of frame i + 1", next, desc.size, desc.target_format)?;
+            }
+            None => self.validate_toon(desc, resident)?,
+        }
         match self.background {
             Background::Copy(_) => refuse("background", "an image; expected a colour or none".to_owned()),
             _ => Ok(()),
         }
+    }
+
+    /// Whether this output brings the pose of a frame.
+    pub(super) fn brings(&self, frame: u32) -> bool {
+        self.poses.is_some_and(|p| (p.first..p.first + p.count).contains(&frame))
+    }
+
+    fn needs(&self, frame: u32, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
+        let place = |frame: u32| frame % desc.frames_resident;
+        let is_resident = resident.get(place(frame) as usize).copied().flatten() == Some(frame);
+        // What a new pose takes the place of is gone.
+        let is_covered = self.poses.is_some_and(|p| (p.first..p.first + p.count).any(|new| place(new) == place(frame)));
+        match self.brings(frame) || (is_resident && !is_covered) {
+            true => Ok(()),
+            false => refuse("poses", format!("that of frame {frame} is needed and not on the device")),
+        }
+    }
+
+    fn validate_toon(&self, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
+        let Some(toon) = &self.toon else {
+            return refuse("images", "none, and no light to draw frames with".to_owned());
+        };
+        if !desc.toon {
+            return refuse("images", "none; the effect was not made to draw frames".to_owned());
+        }
+        toon.light.validate()?;
+        toon.view.camera.validate()?;
+        self.needs(toon.view.frame, desc, resident)?;
+        let Some(interval) = &self.interval else { return Ok(()) };
+        let [_, previous, next, _] = &interval.views;
+        match toon.view == *next && previous.frame.checked_add(1) == Some(next.frame) {
+            true => Ok(()),
+            false => refuse("images", format!("frame {} is drawn, the interval's is {}", toon.view.frame, next.frame)),
+        }
+    }
+
+    /// Colour where no frame shows anything but the mesh, and under frames that are drawn.
+    pub(super) fn background(&self) -> [f32; 4] {
+        match self.background {
+            Background::Clear(colour) => colour,
+            _ => [0.0; 4],
+        }
+    }
+
+    /// Frames i and i + 1 as they are drawn if there are no images of them; i only if there is an interval.
+    pub(super) fn drawn(&self) -> [Option<Drawn>; 2] {
+        let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 2] };
+        let background = self.background();
+        let previous = self.interval.as_ref().map(|interval| interval.views[1]);
+        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light, background }))
     }
 }

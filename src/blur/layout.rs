@@ -4,7 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_SEGMENTS, Piece, ROUNDS, Round, Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams,
+    Vertex,
 };
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
@@ -42,6 +43,12 @@ buffers! {
     NEXT = "Next",
     FINISHED = "Finished",
     BLOCKS_SUMS = "Blocks",
+    CORNERS = "Corners",
+    GROUP_STARTS = "GroupStarts",
+    GROUP_TRIANGLES = "GroupTriangles",
+    NORMALS = "Normals",
+    TOON_PARAMS = "ToonBuffer",
+    TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
     NEXT_NAMES = "NextNames",
     DISTORTED_NAMES = "DistortedNames",
@@ -51,6 +58,7 @@ buffers! {
     NEXT_LAYER = "NextLayer",
     SUBFRAME_LAYER = "SubframeLayer",
     MASK_LAYER = "MaskLayer",
+    LINES = "Lines",
 }
 
 /// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
@@ -69,8 +77,10 @@ pub const HOST_INTERVAL: [BufferId; 6] = [
     BufferId(BUFFERS + 8),
     BufferId(BUFFERS + 9),
 ];
+/// The host's surface: corners, where lists of triangles begin, triangles.
+pub const HOST_SURFACE: [BufferId; 3] = [BufferId(BUFFERS + 10), BufferId(BUFFERS + 11), BufferId(BUFFERS + 12)];
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 10;
+pub const HOST_BUFFERS: usize = 13;
 
 /// Which triangle each pixel of frames i and i + 1 sees.
 pub const SEEN: [ImageId; 2] = [ImageId(0), ImageId(1)];
@@ -86,8 +96,16 @@ pub const SAMPLED: ImageId = ImageId(6);
 pub const SAMPLED_DEPTH: ImageId = ImageId(7);
 /// The host's images of frames i and i + 1, as shaders see them.
 pub const FRAMES: [ImageId; 2] = [ImageId(8), ImageId(9)];
+/// Frames that are drawn because the host has no images of them: frame f stands in place f modulo their number.
+pub const TOON: [ImageId; 2] = [ImageId(10), ImageId(11)];
+/// An after-image, at four samples a pixel.
+pub const GHOST: ImageId = ImageId(12);
+/// Its format.
+pub const GHOST_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+/// Its depth.
+pub const GHOST_DEPTH: ImageId = ImageId(13);
 /// Own images.
-pub const IMAGES: u16 = 10;
+pub const IMAGES: u16 = 14;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(IMAGES);
 /// The host's images of frames i and i + 1.
@@ -102,6 +120,9 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "seen_next" => Some(SEEN[1]),
         "distorted" => Some(DISTORTED),
         "sampled" => Some(SAMPLED),
+        "ghost" => Some(GHOST),
+        "ghost_depth" => Some(GHOST_DEPTH),
+        "sampled_depth" => Some(SAMPLED_DEPTH),
         "depth_previous" => Some(SEEN_DEPTH[0]),
         "depth_next" => Some(SEEN_DEPTH[1]),
         "frame_previous" => Some(FRAMES[0]),
@@ -181,6 +202,14 @@ impl Layout {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);
+        self.set(CORNERS, if desc.groups > 0 { 48 * u64::from(desc.triangles) } else { 0 });
+        self.set(GROUP_STARTS, 4 * (u64::from(desc.groups) + 1));
+        self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
+        self.set(NORMALS, 4 * 16 * u64::from(desc.groups));
+        self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
+        self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });
+        // Four samples a pixel.
+        self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
         self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
     }
 
@@ -191,9 +220,10 @@ impl Layout {
             _ => "use a smaller mesh",
         };
         self.sizes.check(limit, &NAMES, advice)?;
-        for (what, needed, limit) in
-            [("blur's points", desc.points, MOST_GROUPS * 64), ("blur's triangles", desc.triangles, MOST_GROUPS * 64)]
-        {
+        let limit = MOST_GROUPS * 64;
+        let counts =
+            [("blur's points", desc.points), ("blur's triangles", desc.triangles), ("blur's normals", desc.groups)];
+        for (what, needed) in counts {
             if u64::from(needed) > limit {
                 return Err(Error::Limit { what, needed: needed.into(), limit, advice: "use a smaller mesh" });
             }
@@ -226,6 +256,19 @@ impl Layout {
             usage: vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::SAMPLED,
             ..seen
         };
+        let drawn = ImageDesc {
+            name: "blur drawn frame",
+            extent: if desc.toon { desc.size } else { [1; 2] },
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+            ..frame
+        };
+        let ghost = ImageDesc {
+            name: "blur ghost",
+            extent: if desc.settings.ghosts.count > 0 { extent } else { [1; 2] },
+            format: GHOST_FORMAT,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            ..seen
+        };
         [
             seen,
             seen,
@@ -237,16 +280,24 @@ impl Layout {
             ImageDesc { name: "blur sample depth", extent, ..depth },
             frame,
             ImageDesc { name: "blur later frame", ..frame },
+            drawn,
+            drawn,
+            ghost,
+            ImageDesc { name: "blur ghost depth", extent: ghost.extent, ..depth },
         ]
     }
 
     /// Device memory, before alignment.
     pub fn memory(&self, desc: &Desc) -> Memory {
-        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
+        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, CORNERS, GROUP_STARTS, GROUP_TRIANGLES];
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             // The host's format may take up to 16 bytes.
-            let texel = if image.format == desc.target_format { 16 } else { 4 };
+            let texel = match image.format {
+                format if format == desc.target_format => 16,
+                GHOST_FORMAT => 8,
+                _ => 4,
+            };
             memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;
         }
         memory

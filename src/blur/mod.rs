@@ -19,7 +19,8 @@ use gpu_allocator::vulkan::Allocator;
 
 pub use crate::host::Background;
 pub use frame::{
-    Counts, Desc, Frame, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, TopologyInput, Trajectories, View,
+    Counts, Desc, Frame, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, SurfaceInput, ToonInput, TopologyInput,
+    Trajectories, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -48,6 +49,8 @@ pub struct Blur {
     on_device: OnDevice,
     /// The frame whose pose stands in each place.
     resident: Vec<Option<u32>>,
+    /// The frame that is drawn in each place.
+    drawn: [Option<frame::Drawn>; layout::TOON.len()],
     has_mesh: bool,
 }
 
@@ -88,7 +91,8 @@ impl Blur {
         let (steps, bytes) = steps::capacity(&desc);
         let plan = Plan::with_capacity(steps, bytes);
         let resident = vec![None; desc.frames_resident as usize];
-        Ok(Blur { desc, layout, passes, plan, on_device, resident, has_mesh: false })
+        let drawn = Default::default();
+        Ok(Blur { desc, layout, passes, plan, on_device, resident, drawn, has_mesh: false })
     }
 
     /// Changes the size of the picture. The next frame must bring the mesh, and poses that it needs. On error the effect is
@@ -132,12 +136,14 @@ impl Blur {
         timing: &mut Timing,
     ) -> Result<()> {
         frame.validate(&self.desc, !self.has_mesh, &self.resident)?;
-        let Blur { desc, layout, passes, plan, .. } = self;
-        Steps { plan, passes, desc, layout }.fill(frame);
+        let Blur { desc, layout, passes, plan, drawn, .. } = self;
+        Steps { plan, passes, desc, layout, drawn }.fill(frame);
         self.hand_over(frame);
         // SAFETY: the caller's.
         unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
         self.has_mesh = true;
+        self.drawn.iter_mut().for_each(|place| *place = place.filter(|drawn| !frame.brings(drawn.frame())));
+        steps::drawn(&self.desc, frame).into_iter().flatten().for_each(|new| self.drawn[new.place()] = Some(new));
         if let Some(poses) = &frame.poses {
             for new in poses.first..poses.first + poses.count {
                 self.resident[(new % self.desc.frames_resident) as usize] = Some(new);
@@ -151,6 +157,11 @@ impl Blur {
         let topology = frame.mesh.map(|mesh| [mesh.triangles, mesh.neighbour_starts, mesh.neighbours]);
         for (place, id) in layout::HOST_TOPOLOGY.into_iter().enumerate() {
             resources.set_host_buffer(id, topology.map(|buffers| buffers[place]));
+        }
+        let surface = frame.mesh.and_then(|mesh| mesh.surface).filter(|_| self.desc.groups > 0);
+        let surface = surface.map(|surface| [surface.corners, surface.group_starts, surface.group_triangles]);
+        for (place, id) in layout::HOST_SURFACE.into_iter().enumerate() {
+            resources.set_host_buffer(id, surface.map(|buffers| buffers[place]));
         }
         resources.set_host_buffer(layout::HOST_POSES, frame.poses.map(|poses| poses.positions));
         let interval = frame.interval.as_ref().filter(|_| steps::still(&self.desc, frame).is_none());
@@ -168,8 +179,8 @@ impl Blur {
             resources.set_host_buffer(id, buffers.and_then(|buffers| buffers[place]));
         }
         resources.set_host_image(layout::TARGET, Some(frame.target));
-        for (id, image) in layout::HOST_FRAMES.into_iter().zip(frame.images) {
-            resources.set_host_image(id, Some(image));
+        for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
+            resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
     }
 
@@ -237,6 +248,9 @@ fn validate(desc: &Desc) -> Result<()> {
     if desc.triangles > desc.most_triangles || desc.most_triangles > BASE_MASK {
         let allowed = format!("from the mesh's own {} to {BASE_MASK}", desc.triangles);
         return Err(Error::setting("blur's triangles", desc.most_triangles, allowed));
+    }
+    if desc.toon && desc.groups == 0 {
+        return Err(Error::setting("blur's normal groups", 0, "at least 1 where frames are drawn"));
     }
     crate::error::within("blur's segments", desc.segments, 1, MOST_SEGMENTS as u32, "1 to 32")?;
     crate::error::within("blur's resident frames", desc.frames_resident, 4, 1 << 24, "4 to 16777216")

@@ -2,18 +2,19 @@
 
 use std::mem::offset_of;
 
-use crate::blur::frame::{Desc, Frame, IntervalInput, PoseInput, Trajectories};
+use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, Control, Knot, MOST_KNOTS, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants,
+    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES,
+    NormalConstants, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams,
     VisibilityConstants,
 };
 use crate::blur::passes::Passes;
-use crate::host::Background;
+use crate::blur::settings::Settings;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 12] = [
+const MOTION_STEPS: [&str; 14] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -26,6 +27,8 @@ const MOTION_STEPS: [&str; 12] = [
     "blur.frames",
     "blur.shade",
     "blur.composite",
+    "blur.ghosts",
+    "blur.lines",
 ];
 
 /// Fills a frame's plan.
@@ -38,6 +41,8 @@ pub struct Steps<'a> {
     pub desc: &'a Desc,
     /// Its sizes.
     pub layout: &'a Layout,
+    /// Frames that are drawn already, each in its place.
+    pub drawn: &'a [Option<Drawn>; TOON.len()],
 }
 
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
@@ -45,20 +50,34 @@ pub fn still(desc: &Desc, frame: &Frame) -> Option<&'static str> {
     match &frame.interval {
         None => Some("nothing moves"),
         Some(interval) if interval.counts.clusters == 0 => Some("nothing moves"),
-        Some(_) if desc.settings.strength == 0.0 => Some("strength is 0"),
+        Some(_) if desc.settings.strength == 0.0 && !draws_behind(desc) => Some("strength is 0"),
         Some(_) if desc.triangles == 0 => Some("the mesh has no triangles"),
         Some(_) => None,
     }
+}
+
+/// Whether there are speed lines or after-images.
+fn draws_behind(desc: &Desc) -> bool {
+    desc.settings.lines.count > 0 || desc.settings.ghosts.count > 0
+}
+
+/// Frames i and i + 1 where an output needs them and the host has no images of them.
+pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 2] {
+    let [previous, next] = frame.drawn();
+    [previous.filter(|_| still(desc, frame).is_none()), next]
 }
 
 impl Steps<'_> {
     /// Fills it.
     pub fn fill(&mut self, frame: &Frame) {
         self.plan.clear();
-        let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
-        self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
+        if frame.images.is_some() {
+            let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
+            self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
+            self.plan.skip("blur.toon", "images are given");
+        }
         match &frame.mesh {
-            Some(_) => self.mesh(),
+            Some(mesh) => self.mesh(mesh),
             None => self.plan.skip("blur.mesh", "unchanged"),
         }
         match &frame.poses {
@@ -68,25 +87,120 @@ impl Steps<'_> {
         let still = still(self.desc, frame);
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
-            return MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
+            MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
+            return self.toon(frame, false);
         };
-        let background = match frame.background {
-            Background::Clear(colour) => colour,
-            _ => [0.0; 4],
-        };
-        let params = BlurParams::new(self.desc, self.layout, interval, background);
+        let params = BlurParams::new(self.desc, self.layout, interval, frame.background());
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
+        self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
+        self.toon(frame, true);
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
         self.draw();
-        self.shade();
+        self.shade(frame);
+        self.ghosts();
+        self.lines(interval);
     }
 
-    fn mesh(&mut self) {
+    /// After-images, the earliest first.
+    fn ghosts(&mut self) {
+        let ghosts = self.desc.settings.ghosts;
+        if ghosts.count == 0 {
+            return self.plan.skip("blur.ghosts", "none are asked for");
+        }
+        for ghost in (1..=ghosts.count).rev() {
+            let share = (ghosts.count + 1 - ghost) as f32 / ghosts.count as f32;
+            let constants = GhostConstants { back: ghost as f32 * ghosts.step, opacity: ghosts.opacity * share };
+            let draw = Command::DrawIndirect { arguments: CONTROL, offset: offset_of!(Control, draw) as u64 };
+            self.plan.step_with(self.passes.ghost, draw, &constants);
+            self.plan.step_with(self.passes.ghost_blend, Command::Draw { vertices: 4 }, &constants);
+        }
+    }
+
+    /// Speed lines.
+    fn lines(&mut self, interval: &IntervalInput) {
+        let lines = self.desc.settings.lines;
+        if lines.count == 0 {
+            return self.plan.skip("blur.lines", "none are asked for");
+        }
+        let clusters = interval.counts.clusters;
+        let strips = lines.count.min(MOST_LINES / clusters);
+        if strips == 0 {
+            return self.plan.skip("blur.lines", "there are too many clusters");
+        }
+        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: u32::MAX });
+        for round in 0..3 {
+            let constants = ChooseConstants { round, strips };
+            self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
+        }
+        let [r, g, b] = lines.colour;
+        let constants = SpeedConstants {
+            colour: [r, g, b, lines.opacity],
+            length_of: lines.length,
+            width: Settings::scaled(lines.width, self.desc.size[1]),
+        };
+        let vertices = LINE_VERTICES * clusters * strips;
+        self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
+    }
+
+    /// Draws what the host has no images of, and begins the target with it. `projected`: the parameters and clip
+    /// coordinates of all frames are there.
+    fn toon(&mut self, frame: &Frame, projected: bool) {
+        let frames = drawn(self.desc, frame);
+        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return };
+        let stays =
+            |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
+        let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
+        if !projected && missing != [None; 2] {
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
+            self.plan.update(self.passes.params, PARAMS, &params);
+            self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
+        }
+        for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
+            match missing {
+                Some(drawn) => self.draw_toon(index, &drawn, input),
+                None if wanted.is_some() => self.plan.skip("blur.toon", "the frame is there since an earlier output"),
+                None => {}
+            }
+        }
+        let (from, to, extent) = (TOON[next.place()], TARGET, self.desc.size);
+        self.plan.step(self.passes.toon_background, Command::CopyImage { from, to, extent });
+    }
+
+    /// Draws a frame, of i - 1 to i + 2 that of this `index`.
+    fn draw_toon(&mut self, index: u32, drawn: &Drawn, input: &ToonInput) {
+        let params = ToonParams::new(self.desc, drawn.camera(), &input.light);
+        self.plan.update(self.passes.toon_params, TOON_PARAMS, &params);
+        let Desc { size: [width, height], groups, triangles, .. } = *self.desc;
+        let constants = VisibilityConstants { frame: index };
+        let normals = NormalConstants { frame: index, groups };
+        self.plan.step_with(self.passes.normals, Command::Dispatch { threads: [groups, 1, 1] }, &normals);
+        self.plan.step_with(self.passes.toon_see, Command::Draw { vertices: 3 * triangles }, &constants);
+        if self.desc.settings.toon.outline.strength > 0.0 {
+            let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
+            self.plan.step(self.passes.toon_lines, samples);
+        }
+        self.plan.step_with(self.passes.toon[drawn.place()], Command::Draw { vertices: 4 }, &constants);
+    }
+
+    fn mesh(&mut self, mesh: &TopologyInput) {
+        self.topology();
+        if mesh.surface.is_none() || self.desc.groups == 0 {
+            return;
+        }
+        let Desc { triangles, groups, group_triangles, .. } = *self.desc;
+        let sizes = [48 * u64::from(triangles), 4 * (u64::from(groups) + 1), 4 * u64::from(group_triangles)];
+        let to = [CORNERS, GROUP_STARTS, GROUP_TRIANGLES];
+        for ((from, to), bytes) in HOST_SURFACE.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
+            self.plan.step(self.passes.surface, Command::CopyBuffer { from, to, bytes });
+        }
+    }
+
+    fn topology(&mut self) {
         let Desc { points, triangles, neighbours, .. } = *self.desc;
         let sizes = [16 * u64::from(triangles), 4 * (u64::from(points) + 1), 4 * u64::from(neighbours)];
         let to = [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
@@ -132,7 +246,6 @@ impl Steps<'_> {
     }
 
     fn trajectory(&mut self, interval: &IntervalInput) {
-        self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         match interval.trajectories {
             Trajectories::Poses(knots) => {
                 let current = &interval.views[1].camera;
@@ -201,10 +314,20 @@ impl Steps<'_> {
         self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
     }
 
-    fn shade(&mut self) {
+    fn shade(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
-        for (from, to) in HOST_FRAMES.into_iter().zip(FRAMES) {
-            self.plan.step(self.passes.frames, Command::CopyImage { from, to, extent: self.desc.size });
+        let drawn = drawn(self.desc, frame);
+        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip(drawn) {
+            let (pass, from) = match drawn {
+                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place()]),
+                None => (self.passes.frames, from),
+            };
+            self.plan.step(pass, Command::CopyImage { from, to, extent: self.desc.size });
+        }
+        if self.desc.settings.strength == 0.0 {
+            // The target has frame i + 1, and only what is behind the mesh is missing.
+            let skip = |name: &&'static str| self.plan.skip(name, "strength is 0");
+            return ["blur.shade", "blur.composite"].iter().for_each(skip);
         }
         self.plan.step(self.passes.shade, Command::Dispatch { threads: [width, height, 1] });
         self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
@@ -213,7 +336,17 @@ impl Steps<'_> {
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 32 + 2 + desc.segments as usize + desc.settings.seam_smoothing as usize + 3 * (ROUNDS as usize + 1);
-    let bytes = size_of::<BlurParams>() + size_of::<Control>() + MOST_KNOTS * size_of::<Knot>();
+    let steps = 32
+        + 2
+        + 16
+        + 5
+        + 2 * desc.settings.ghosts.count as usize
+        + desc.segments as usize
+        + desc.settings.seam_smoothing as usize
+        + 3 * (ROUNDS as usize + 1);
+    let bytes = TOON.len() * size_of::<ToonParams>()
+        + size_of::<BlurParams>()
+        + size_of::<Control>()
+        + MOST_KNOTS * size_of::<Knot>();
     (steps, bytes + (ROUNDS as usize + 1) * size_of::<Round>())
 }

@@ -6,15 +6,16 @@ use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::layout::{self, Layout};
 use celfx::blur::passes::Passes;
-use celfx::blur::settings::{Refine, Space};
+use celfx::blur::settings::{Ghosts, Lines, Refine, Space};
 use celfx::blur::steps::{self, Steps};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, IntervalInput, Knot, PoseInput, Settings, TopologyInput, Trajectories, View,
+    Background, Blur, Counts, Desc, Frame, IntervalInput, Knot, PoseInput, Settings, SurfaceInput, ToonInput,
+    TopologyInput, Trajectories, View,
 };
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::plan::{Command, Kernel, Plan, Resource, SlotKind, Topology, Usage};
-use celfx::view::Camera;
+use celfx::view::{Camera, Light, LightSource};
 
 use crate::common::allocations::allocated;
 
@@ -30,6 +31,9 @@ const VIEW: View = View {
         far: 100.0,
     },
 };
+const NEXT: View = View { frame: 2, ..VIEW };
+const TOON: ToonInput =
+    ToonInput { view: NEXT, light: Light { source: LightSource::Direction(glam::DVec3::NEG_Y), ambient: 0.25 } };
 const SEGMENTS: [celfx::blur::motion::Segment; 3] = [
     celfx::blur::motion::Segment { begin: 0.0, end: 1.0 },
     celfx::blur::motion::Segment { begin: -1.0, end: 0.0 },
@@ -43,6 +47,9 @@ fn desc(settings: Settings) -> Desc {
         points: 1000,
         triangles: 1900,
         neighbours: 5800,
+        groups: 1100,
+        group_triangles: 5700,
+        toon: true,
         most_triangles: 1_000_000,
         segments: Desc::segments_of(&settings),
         frames_resident: 26,
@@ -73,12 +80,22 @@ fn image(desc: &Desc) -> HostImage {
 fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'a> {
     let counts = Counts { clusters: 3, hull: 100, largest_hull: 50, seams, farthest: 500.0, ..Counts::default() };
     Frame {
-        mesh: Some(TopologyInput { triangles: buffer(), neighbour_starts: buffer(), neighbours: buffer() }),
+        mesh: Some(TopologyInput {
+            triangles: buffer(),
+            neighbour_starts: buffer(),
+            neighbours: buffer(),
+            surface: Some(SurfaceInput {
+                corners: buffer(),
+                group_starts: buffer(),
+                group_triangles: buffer(),
+                largest_group: 9,
+            }),
+        }),
         poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
         interval: Some(IntervalInput {
             counts,
             segments: &SEGMENTS[..desc.segments as usize],
-            views: [VIEW; 4],
+            views: [VIEW, VIEW, NEXT, NEXT],
             trajectories,
             motion: buffer(),
             labels: buffer(),
@@ -86,7 +103,8 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             hull: buffer(),
             seams: buffer(),
         }),
-        images: [image(desc); 2],
+        images: Some([image(desc); 2]),
+        toon: None,
         target: image(desc),
         background: Background::Keep,
     }
@@ -109,7 +127,7 @@ impl Effect {
 
     fn fill(&mut self, frame: &Frame) {
         let Effect { desc, layout, passes, plan } = self;
-        Steps { plan, passes, desc, layout }.fill(frame);
+        Steps { plan, passes, desc, layout, drawn: &[None; 2] }.fill(frame);
     }
 
     fn names(&self) -> Vec<&'static str> {
@@ -128,11 +146,22 @@ fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
         (Space::Screen, Refine::Length, 2.5, false),
         (Space::Homogeneous, Refine::Error, 0.3, false),
     ] {
-        let settings = Settings { space, refine, strength, ..Settings::default() };
+        let mut settings = Settings { space, refine, strength, ..Settings::default() };
+        if layers {
+            settings.lines = Lines { count: 3, length: 0.4, ..Lines::default() };
+            settings.ghosts = Ghosts { count: 2, step: 0.2, ..Ghosts::default() };
+        }
         let mut effect = Effect::new(Desc { layers, ..desc(settings) });
         for trajectories in [Trajectories::Poses(&knots), Trajectories::Pieces(buffer())] {
             for seams in [0, 77] {
-                let frame = frame(&effect.desc.clone(), trajectories, seams);
+                let mut frame = frame(&effect.desc.clone(), trajectories, seams);
+                effect.fill(&frame);
+                check(&mut effect, &frame);
+                // Without images.
+                (frame.images, frame.toon) = (None, Some(TOON));
+                effect.fill(&frame);
+                check(&mut effect, &frame);
+                frame.interval = None;
                 effect.fill(&frame);
                 check(&mut effect, &frame);
             }
@@ -171,6 +200,31 @@ fn the_steps_of_a_frame_in_order() {
     assert_eq!(effect.names(), ["blur.background"]);
     assert!(effect.plan.skipped.iter().all(|(_, reason)| !reason.is_empty()));
     assert!(effect.plan.skipped.contains(&("blur.refine", "nothing moves")));
+}
+
+#[test]
+fn frames_without_images_are_drawn() {
+    let mut effect = Effect::new(desc(Settings::default()));
+    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
+    let mut frame = frame(&effect.desc.clone(), Trajectories::Poses(&knots), 5);
+    (frame.images, frame.toon) = (None, Some(TOON));
+    effect.fill(&frame);
+    let names = effect.names();
+    let expected =
+        ["blur.mesh", "blur.poses", "blur.params", "blur.interval", "blur.trajectory", "blur.toon", "blur.normals"];
+    assert!(names.starts_with(&expected), "{names:?}");
+    let place = |name: &str| names.iter().rposition(|other| *other == name);
+    assert!(place("blur.toon") < place("blur.background") && place("blur.background") < place("blur.frames"));
+    let count = |effect: &Effect, command: fn(&Command) -> bool| {
+        effect.plan.steps.iter().filter(|step| command(&step.command)).count()
+    };
+    let is_picture = |command: &Command| matches!(command, Command::Draw { vertices: 4 });
+    assert_eq!(count(&effect, is_picture), 3, "frames i and i + 1, and the composite");
+    // Where nothing moves, the later one is all.
+    frame.interval = None;
+    effect.fill(&frame);
+    assert_eq!(count(&effect, is_picture), 1);
+    assert_eq!(effect.names().last(), Some(&"blur.background"));
 }
 
 #[test]
@@ -240,12 +294,13 @@ fn every_slot_is_bound_and_every_step_fits() {
                 }
                 (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= size(to),
                 (Kernel::Transfer, Command::CopyRange { to, bytes, .. }) => to.1 + bytes <= size(to.0),
+                (Kernel::Transfer, Command::Fill { buffer, .. }) => size(buffer) % 4 == 0,
                 (Kernel::Transfer, Command::CopyImage { .. }) => true,
                 _ => false,
             };
             assert!(fits, "{}: {:?}", pass.name, step.command);
             let touched: Vec<Resource> = match step.command {
-                Command::Update { buffer, .. } => vec![buffer.into()],
+                Command::Update { buffer, .. } | Command::Fill { buffer, .. } => vec![buffer.into()],
                 Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
                 Command::CopyRange { from, to, .. } => vec![from.0.into(), to.0.into()],
                 Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],

@@ -4,7 +4,7 @@ use ash::vk;
 use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput, Settings,
-    TopologyInput, Trajectories, View, layout,
+    SurfaceInput, ToonInput, TopologyInput, Trajectories, View, layout,
 };
 use celfx::error::Result;
 use celfx::gpu::image::{Image, ImageDesc};
@@ -13,6 +13,7 @@ use celfx::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, 
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::offline::TARGET_FORMAT;
 use celfx::plan::BufferId;
+use celfx::view::Light;
 
 use super::{TestDevice, device};
 
@@ -24,6 +25,9 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         points: mesh.points() as u32,
         triangles: mesh.triangles().len() as u32,
         neighbours: mesh.neighbours().items.len() as u32,
+        groups: mesh.group_triangles().starts.len() as u32 - 1,
+        group_triangles: mesh.group_triangles().items.len() as u32,
+        toon: false,
         most_triangles: MOST_TRIANGLES.min(100_000),
         segments: Desc::segments_of(&settings),
         frames_resident: 30,
@@ -45,15 +49,22 @@ pub struct Shot<'a> {
     pub knots: Option<&'a [Knot]>,
 }
 
+/// Vertices of triangles, and the colours of vertices.
+type VertexColours = (Vec<[u32; 3]>, Vec<[f32; 3]>);
+
 /// The effect on a device of its own.
 pub struct BlurRig {
     device: TestDevice,
     blur: Option<Blur>,
     mesh: Mesh,
-    uploads: [Upload; 11],
+    uploads: [Upload; 14],
     images: Vec<Image>,
     download: Download,
     is_first: bool,
+    /// What frames are drawn with and over, if they are.
+    pub toon: Option<(Light, Background)>,
+    /// Base colours: vertices of the triangles, and a colour of each.
+    pub colours: Option<VertexColours>,
 }
 
 impl BlurRig {
@@ -79,6 +90,8 @@ impl BlurRig {
             images,
             download: Download::default(),
             is_first: true,
+            toon: None,
+            colours: None,
         };
         let pixels = (rig.desc().size[0] * rig.desc().size[1]) as usize;
         for frame in 0..2 {
@@ -128,10 +141,19 @@ impl BlurRig {
     pub fn frame(&mut self, shot: &Shot) -> Result<()> {
         let rows = TopologyInput::triangle_rows(&self.mesh);
         let (starts, items) = (self.mesh.neighbours().starts.clone(), self.mesh.neighbours().items.clone());
+        let colours = self.colours.as_ref().map(|(triangles, colours)| (&triangles[..], &colours[..]));
+        let corners = SurfaceInput::corner_rows(&self.mesh, colours);
+        let groups = self.mesh.group_triangles().clone();
         let mesh = self.is_first.then(|| TopologyInput {
             triangles: self.upload(1, &rows),
             neighbour_starts: self.upload(2, &starts),
             neighbours: self.upload(3, &items),
+            surface: Some(SurfaceInput {
+                corners: self.upload(11, &corners),
+                group_starts: self.upload(12, &groups.starts),
+                group_triangles: self.upload(13, &groups.items),
+                largest_group: SurfaceInput::largest_group(&self.mesh),
+            }),
         });
         let poses = shot.poses.map(|(first, poses)| {
             let positions = self.upload(4, &poses.concat());
@@ -155,9 +177,10 @@ impl BlurRig {
             mesh,
             poses,
             interval,
-            images: [1, 2].map(|place| self.host_image(place, COPIED_FROM)),
+            images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
+            toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
             target: self.host_image(0, ImageState::default()),
-            background: Background::Keep,
+            background: self.toon.map_or(Background::Keep, |(_, background)| background),
         };
         let blur = self.blur.as_mut().expect("an effect");
         let done = self.device.one_time("frame", |host, commands| {

@@ -12,19 +12,10 @@ pub const ROUNDS: u32 = 16;
 /// Squared length in pixels^2 below which an edge is not split: 0.25 pixels.
 const SHORTEST: f32 = 0.0625;
 
-/// Label of a vertex between two clusters, with [`Seams::Mean`].
+/// Label of a vertex between two clusters, or between such and others: k, l and k' are the mean of its parents', so that
+/// k' is continuous. (If it belonged to one of the two, k' would jump beside the other's vertices, and what crosses the
+/// jump would be split to the last round: hundreds of triangles for each one at a seam.)
 pub const BETWEEN: u32 = u32::MAX;
-
-/// What a new vertex between two clusters is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Seams {
-    /// It belongs to the cluster with the larger label. k' then jumps beside the other cluster's vertices, and what
-    /// crosses the jump is split to the last round: hundreds of triangles for each one at a seam.
-    #[default]
-    Larger,
-    /// It belongs to none, nor do those between it and others: k, l and k' are the mean of its parents'. k' is continuous.
-    Mean,
-}
 
 /// What decides.
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +30,6 @@ pub struct Rules<'a> {
     pub seed: u32,
     /// The most triangles.
     pub budget: usize,
-    /// What is between clusters.
-    pub seams: Seams,
 }
 
 /// A vertex of the refined mesh.
@@ -52,7 +41,7 @@ pub struct Vertex {
     pub motion: [f32; 4],
     /// Its place in its cluster, and its time.
     pub extent: Extent,
-    /// Its cluster, from 1; 0: none.
+    /// Its cluster, from 1; 0: none, [`BETWEEN`].
     pub label: u32,
     /// Where it is drawn, in pixels.
     pub drawn: [f32; 2],
@@ -131,10 +120,7 @@ impl Rules<'_> {
         let ([x, y], [vx, vy]) = (state.position, state.velocity);
         let seen = [state.depth, path.at(0.0).depth, path.at(1.0).depth].iter().all(|depth| *depth > 0.0);
         let usable = seen && [x, y, vx, vy].iter().all(|c| c.is_finite());
-        let of_parents = match self.seams {
-            Seams::Mean if a.label != b.label => BETWEEN,
-            _ => a.label.max(b.label),
-        };
+        let of_parents = if a.label == b.label { a.label } else { BETWEEN };
         let (motion, label) = if usable { ([x, y, vx, vy], of_parents) } else { ([0.0; 4], 0) };
         let extent = self.extent(a, b, motion, label);
         let drawn = path.at(extent.time).position;

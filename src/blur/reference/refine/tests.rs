@@ -61,13 +61,13 @@ fn turning(settings: &Settings, size: [u32; 2]) -> (Mesh, Interval) {
 }
 
 fn rules<'a>(interval: &'a Interval, settings: &'a Settings) -> Rules<'a> {
-    Rules { interval, settings, height: SIZE[1], seed: 3, budget: 1_000_000, seams: Seams::Larger }
+    Rules { interval, settings, height: SIZE[1], seed: 3, budget: 1_000_000 }
 }
 
-fn refined(settings: &Settings, seams: Seams) -> (Mesh, Interval, Refined) {
+fn refined(settings: &Settings) -> (Mesh, Interval, Refined) {
     let (mesh, interval) = turning(settings, SIZE);
     let extents = extents(&mesh, &interval, 3, settings.strength, settings.seam_smoothing);
-    let refined = refine(&mesh, &extents, &Rules { seams, ..rules(&interval, settings) });
+    let refined = refine(&mesh, &extents, &rules(&interval, settings));
     (mesh, interval, refined)
 }
 
@@ -155,12 +155,12 @@ fn departure(mesh: &Mesh, interval: &Interval, settings: &Settings, refined: &Re
 #[test]
 fn the_distorted_mesh_is_within_tolerance_and_has_no_crack() {
     let coarse = Settings { tolerance: 1e4, ..Settings::default() };
-    let (mesh, interval, whole) = refined(&coarse, Seams::Larger);
+    let (mesh, interval, whole) = refined(&coarse);
     assert_eq!((whole.rounds, whole.triangles.len()), (0, mesh.triangles().len()));
     assert!(departure(&mesh, &interval, &coarse, &whole)[0] > 8.0);
-    for (tolerance, seams) in [(4.0, Seams::Larger), (1.0, Seams::Mean), (0.5, Seams::Mean)] {
+    for tolerance in [1.0, 0.5] {
         let settings = Settings { tolerance, ..Settings::default() };
-        let (mesh, interval, refined) = refined(&settings, seams);
+        let (mesh, interval, refined) = refined(&settings);
         assert!(interval.clusters.len() > 1 && !interval.seams.is_empty());
         assert!(!refined.over_budget && refined.triangles.len() > 2 * mesh.triangles().len());
         check_watertight(&refined);
@@ -170,20 +170,19 @@ fn the_distorted_mesh_is_within_tolerance_and_has_no_crack() {
 }
 
 #[test]
-fn the_mean_at_seams_takes_few_triangles() {
+fn seams_take_few_triangles() {
     let settings = Settings { tolerance: 4.0, ..Settings::default() };
-    let at_seams = |seams| {
-        let (mesh, interval, refined) = refined(&settings, seams);
-        refined.triangles.iter().filter(|t| !is_within_a_cluster(&mesh, &interval, t.base)).count()
-    };
-    let [larger, mean] = [Seams::Larger, Seams::Mean].map(at_seams);
-    assert!(larger > 30 * mean, "{larger} {mean}");
+    let (mesh, interval, refined) = refined(&settings);
+    let at_seams = |base: u32| !is_within_a_cluster(&mesh, &interval, base);
+    let whole = (0..mesh.triangles().len() as u32).filter(|base| at_seams(*base)).count();
+    let parts = refined.triangles.iter().filter(|triangle| at_seams(triangle.base)).count();
+    assert!(whole > 0 && parts < 12 * whole, "{parts} of {whole}");
 }
 
 #[test]
 fn length_splits_until_no_edge_is_longer() {
     let settings = Settings { refine: Refine::Length, ..Settings::default() };
-    let (mesh, interval, refined) = refined(&settings, Seams::Larger);
+    let (mesh, interval, refined) = refined(&settings);
     check_watertight(&refined);
     for triangle in refined.triangles.iter().filter(|t| is_within_a_cluster(&mesh, &interval, t.base)) {
         let [a, b, c] = triangle.corners.map(|corner| &refined.vertices[corner as usize]);
@@ -220,7 +219,7 @@ fn a_tolerance_of_nothing_ends_by_length_or_budget_and_says_so() {
 #[test]
 fn an_edge_splits_alike_from_both_ends() {
     let settings = Settings { clusters: Clusters::Ldf, strength: 2.0, ..Settings::default() };
-    let (mesh, interval, refined) = refined(&settings, Seams::Larger);
+    let (mesh, interval, refined) = refined(&settings);
     let rules = rules(&interval, &settings);
     for [a, b, _] in mesh.triangles() {
         let (a, b) = (&refined.vertices[*a as usize], &refined.vertices[*b as usize]);
@@ -232,7 +231,7 @@ fn an_edge_splits_alike_from_both_ends() {
 
 #[test]
 fn parts_cover_their_triangle() {
-    let (mesh, _, refined) = refined(&Settings::default(), Seams::Larger);
+    let (mesh, _, refined) = refined(&Settings::default());
     let mut areas = vec![0.0; mesh.triangles().len()];
     for triangle in &refined.triangles {
         areas[triangle.base as usize] += area(triangle);
