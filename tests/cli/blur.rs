@@ -27,7 +27,7 @@ fn with_images(more: &str) -> Folder {
 fn write_image(path: &Path, size: [u32; 2], frame: u32) {
     let pixel = |i: u32| {
         let byte = |shift: u32| (i.wrapping_mul(2_654_435_761).wrapping_add(frame * 40_503) >> shift) as u8;
-        let alpha = if i % 7 == 0 { 128 + (frame as u8) } else { 255 };
+        let alpha = if i.is_multiple_of(7) { 128 + (frame as u8) } else { 255 };
         [byte(8), byte(16), byte(24), alpha]
     };
     let pixels: Vec<[u8; 4]> = (0..size[0] * size[1]).map(pixel).collect();
