@@ -253,7 +253,7 @@ impl Layout {
             self.set(NORMALS, 2 * 16 * u64::from(desc.groups));
         }
         self.set(COVER, 4 * pixels);
-        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 16 * tables);
+        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
         self.set(SUMS, 4 * 4 * 9 * BINS * tables);
         self.set(TABLES, 4 * 16 * BINS * tables);
         self.set(SAMPLE_COLOURS, 4 * 16 * pixels);

@@ -49,8 +49,8 @@ pub struct Passes {
     pub(super) sums: PassId,
     pub(super) cover: PassId,
     pub(super) normals: PassId,
-    /// Colours at normals, and how far others are off.
-    pub(super) learn: [PassId; 2],
+    /// Colours at normals, how far others are off, and how good predictions are.
+    pub(super) learn: [PassId; 3],
     pub(super) fill: PassId,
     pub(super) shade: PassId,
     pub(super) sides: PassId,
@@ -135,9 +135,8 @@ impl Passes {
             sums: d.writes("blur.learn", &[SUMS]),
             cover: d.compute("blur.cover", &glsl::cover::SHADER),
             normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
-            learn: [0, 1].map(|departures| {
-                d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, departures]))
-            }),
+            learn: [0, 1, 2]
+                .map(|stage| d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, stage]))),
             fill: d.compute("blur.learn", &glsl::fill::SHADER),
             shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion])),
             sides: d.compute("blur.layers", &glsl::sides::SHADER),

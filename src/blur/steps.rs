@@ -260,6 +260,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.learn[0], pixels);
         self.plan.step(self.passes.fill, Command::Dispatch { threads: [FILL_LANES * 4 * self.layout.tables, 1, 1] });
         self.plan.step(self.passes.learn[1], pixels);
+        self.plan.step(self.passes.learn[2], pixels);
     }
 
     /// Samples that get their colour from neighbours: no group runs where there are none.
