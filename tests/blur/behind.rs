@@ -67,11 +67,11 @@ fn lines_follow_what_trails() {
         let vertices = film.rig.vertices();
         let mut ways = vec![false; without.len()];
         let reach = 0.5 * 8.0 * f64::from(SIZE[1]) / 1080.0 + 2.0;
-        for point in 0..film.mesh.points() {
+        for (point, vertex) in vertices.iter().enumerate().take(film.mesh.points()) {
             let values = film.animation.channels(point, false);
             let bends = natural(&values);
             for part in 0..=200 {
-                let time = f64::from(vertices[point].extent[3]) - 2.0 * f64::from(part) / 200.0;
+                let time = f64::from(vertex.extent[3]) - 2.0 * f64::from(part) / 200.0;
                 let (at, _) = spline(&values, &bends, I, time);
                 let (x, y) = (at.x / at.z, at.y / at.z);
                 let side = reach.ceil() as i32;

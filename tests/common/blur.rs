@@ -51,6 +51,9 @@ pub struct Shot<'a> {
     pub knots: Option<&'a [Knot]>,
 }
 
+/// Vertices of triangles, and a colour of each vertex.
+type VertexColours = (Vec<[u32; 3]>, Vec<[f32; 3]>);
+
 /// The effect on a device of its own.
 pub struct BlurRig {
     device: TestDevice,
@@ -63,7 +66,7 @@ pub struct BlurRig {
     /// What frames are drawn with and over, if they are.
     pub toon: Option<(Light, Background)>,
     /// Base colours: vertices of the triangles, and a colour of each.
-    pub colours: Option<(Vec<[u32; 3]>, Vec<[f32; 3]>)>,
+    pub colours: Option<VertexColours>,
     /// Whether frames i - 1 and i + 2 have images.
     outer: [bool; 2],
 }
