@@ -6,6 +6,8 @@ mod common;
 
 #[path = "blur/behind.rs"]
 mod behind;
+#[path = "blur/complete.rs"]
+mod complete;
 #[path = "blur/extent.rs"]
 mod extent;
 #[path = "blur/plan.rs"]

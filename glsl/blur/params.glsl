@@ -38,6 +38,7 @@ layout(binding = 0) uniform BlurParams {
     vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; unused
     vec4 background;    // colour where no frame shows anything but the mesh
     vec4 segments[32];  // begin and end of each segment in frames after frame i; unused
+    uvec4 completion;   // objects that there are tables for, whether there are images of frames i - 1 (1) and i + 2 (2), bits of the skirt in pixels, room in each list of samples
 } params;
 
 // A knot of the trajectories: a frame of the window.

@@ -1,183 +1,139 @@
-// What pixels of the distorted mesh look like: colours from where its surface is in frames i and i + 1, at four samples a
-// pixel. What is not the mesh's is what the frames show beside it.
+// What samples of the distorted mesh look like: colours from where its surface is in frames i and i + 1, and what can be
+// said of a side that its frame hides. Four samples a pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
+#include "samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 1) uniform utexture2D seen_previous;
-layout(binding = 2) uniform utexture2D seen_next;
-layout(binding = 3) uniform utexture2D distorted;
-layout(binding = 4) uniform utexture2D sampled;
-layout(binding = 5) uniform texture2D depth_previous;
-layout(binding = 6) uniform texture2D depth_next;
-layout(binding = 7) uniform texture2D frame_previous;
-layout(binding = 8) uniform texture2D frame_next;
-layout(std430, binding = 9) readonly buffer Finished { uvec4 finished[]; };
-layout(std430, binding = 10) readonly buffer Vertices { Vertex vertices[]; };
-layout(std430, binding = 11) readonly buffer Triangles { uvec4 triangles[]; };
-layout(std430, binding = 12) readonly buffer Clip { vec4 clip[]; };
-layout(std430, binding = 13) writeonly buffer Picture { vec4 picture[]; };
-layout(std430, binding = 14) writeonly buffer ColourLayer { vec4 colour_layer[]; };
-layout(std430, binding = 15) writeonly buffer PreviousLayer { vec4 previous_layer[]; };
-layout(std430, binding = 16) writeonly buffer NextLayer { vec4 next_layer[]; };
-layout(std430, binding = 17) writeonly buffer SubframeLayer { float subframe_layer[]; };
-layout(std430, binding = 18) writeonly buffer MaskLayer { uint mask_layer[]; };
-layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
+#include "seeing.glsl"
+#include "fragment.glsl"
+layout(binding = 18) uniform utexture2D sampled;
+layout(std430, binding = 19) readonly buffer CornerGroups { uvec4 corner_groups[]; };
+layout(std430, binding = 20) readonly buffer Normals { vec4 normals[]; };
+layout(std430, binding = 21) readonly buffer Tables { uvec4 tables[]; };
+layout(std430, binding = 22) buffer Completing { uint completing[]; };
+layout(std430, binding = 23) writeonly buffer SampleColours { vec4 sample_colours[]; };
+layout(std430, binding = 24) writeonly buffer SampleStates { uint sample_states[]; };
+layout(std430, binding = 25) writeonly buffer SampleSides { vec4 sample_sides[]; };
+layout(constant_id = 0) const uint GROUPS = 0;
+layout(constant_id = 1) const uint COMPLETION = 0;  // 0: none, 1: from the surface, 2: from the gradient
+#include "tables.glsl"
 
-const float SAME_DEPTH = 0.003;  // share of its depth by which a surface may be off and still be the same
-const uint NEITHER = 0u;
-const uint PREVIOUS = 1u;
-const uint NEXT = 2u;
-const uint BACKGROUND = 4u;
+// Whether a sample of the workgroup is to be made from its neighbours': where neither frame shows it, or one.
+shared uint pending[2];
 
-// What a sample shows.
-struct Sample {
-    vec4 colour;
-    vec4 previous;  // what frame i has of it
-    vec4 next;
-    float moved;    // k'
-    uint mask;      // PREVIOUS and NEXT where these show it
-    bool is_next;   // it is frame i + 1's own pixel
+struct Sides {
+    vec4 colours[2];  // of frames i and i + 1, or i - 1 and i + 2
+    uint known;       // which of them are known: 1 and 2
 };
 
-float cross2(vec2 a, vec2 b) {
-    return a.x * b.y - a.y * b.x;
+Sides sides_of(Fragment fragment, uvec2 frames, uint wanted) {
+    Sides sides = Sides(vec4[2](vec4(0.0), vec4(0.0)), 0u);
+    for (uint side = 0u; side < 2u; ++side) {
+        if ((wanted >> side & 1u) != 0u) {
+            float weight;
+            look(frames[side], fragment.base, fragment.shares, sides.colours[side], weight);
+            sides.known |= weight > LEAST_WEIGHT ? 1u << side : 0u;
+        }
+    }
+    return sides;
 }
 
-// Shares of a triangle's corners (pixels and view depth) in what is seen at a place; they need not be within it.
-vec3 shares_of(vec3 a, vec3 b, vec3 c, vec2 at) {
-    vec2 p = a.xy - at;
-    vec2 q = b.xy - at;
-    vec2 r = c.xy - at;
-    vec3 shares = vec3(cross2(q, r) / a.z, cross2(r, p) / b.z, cross2(p, q) / c.z);
-    float sum = shares.x + shares.y + shares.z;
-    return sum != 0.0 ? shares / sum : vec3(1.0 / 3.0);
-}
-
-// The colour that a frame shows of a place of a base triangle; w of the result's second part: how much of it can be seen.
-void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float weight) {
-    uint first = frame * params.counts.x;
-    vec3 a = clip[first + triangle.x].xyz;
-    vec3 b = clip[first + triangle.y].xyz;
-    vec3 c = clip[first + triangle.z].xyz;
-    vec3 own = shares.x * a + shares.y * b + shares.z * c;
-    colour = vec4(0.0);
-    weight = 0.0;
-    if (!(own.z > params.lens.x)) {
-        return;
-    }
-    // A place far outside of the picture has no taps, and no whole numbers either.
-    vec2 at = clamp(own.xy / own.z - 0.5, vec2(-2.0), vec2(params.image.xy) + 1.0);
-    ivec2 corner = ivec2(floor(at));
-    vec2 part = at - vec2(corner);
-    bool in_front = min(min(a.z, b.z), c.z) > params.lens.x;
-    vec3 pa = vec3(a.xy / a.z, a.z);
-    vec3 pb = vec3(b.xy / b.z, b.z);
-    vec3 pc = vec3(c.xy / c.z, c.z);
-    for (int i = 0; i < 4; ++i) {
-        ivec2 tap = corner + ivec2(i & 1, i >> 1);
-        if (any(lessThan(tap, ivec2(0))) || any(greaterThanEqual(tap, ivec2(params.image.xy)))) {
-            continue;
-        }
-        uint seen = frame == 1u ? texelFetch(seen_previous, tap, 0).x : texelFetch(seen_next, tap, 0).x;
-        if (seen == 0u || triangles[seen - 1u].w >> 1 != triangle.w >> 1) {
-            continue;
-        }
-        float depth = params.lens.x / (frame == 1u ? texelFetch(depth_previous, tap, 0).x : texelFetch(depth_next, tap, 0).x);
-        // The triangle's plane goes on beyond it, which is the surface's slope; where it is seen from its edge it is none.
-        float plane = own.z;
-        if (in_front) {
-            vec3 there = shares_of(pa, pb, pc, vec2(tap) + 0.5);
-            plane = there.x * a.z + there.y * b.z + there.z * c.z;
-        }
-        if (!(min(abs(depth - own.z), abs(depth - plane)) <= SAME_DEPTH * own.z)) {
-            continue;
-        }
-        vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));
-        float share = both.x * both.y;
-        colour += share * (frame == 1u ? texelFetch(frame_previous, tap, 0) : texelFetch(frame_next, tap, 0));
-        weight += share;
-    }
-    colour = weight > 0.0 ? colour / weight : colour;
-}
-
-// What is where the distorted mesh is not: what the later frame shows beside the mesh, else the earlier one.
-Sample beside(ivec2 pixel) {
-    vec4 next = texelFetch(frame_next, pixel, 0);
-    if (texelFetch(seen_next, pixel, 0).x == 0u) {
-        return Sample(next, vec4(0.0), next, 1.0, BACKGROUND, true);
-    }
-    vec4 previous = texelFetch(frame_previous, pixel, 0);
-    if (texelFetch(seen_previous, pixel, 0).x == 0u) {
-        return Sample(previous, previous, vec4(0.0), 0.0, BACKGROUND, false);
-    }
-    return Sample(params.background, vec4(0.0), vec4(0.0), 0.0, BACKGROUND, false);
-}
-
-Sample shade(uint name, vec2 at, ivec2 pixel) {
-    if (name == 0u) {
-        return beside(pixel);
-    }
-    uvec4 triangle = finished[name - 1u];
-    uvec4 base = triangles[triangle.w & BASE_MASK];
-    vec4 drawn[3];
-    vec2 places[3];
-    for (uint corner = 0u; corner < 3u; ++corner) {
-        Vertex vertex = vertices[triangle[corner]];
-        drawn[corner] = vertex.drawn;
-        places[corner] = vertex.place.y == 0u ? uintBitsToFloat(vertex.place.zw)
-            : vec2(base.y == triangle[corner] ? 1.0 : 0.0, base.z == triangle[corner] ? 1.0 : 0.0);
-    }
-    if (drawn[0].w == 1.0 && drawn[1].w == 1.0 && drawn[2].w == 1.0) {
-        vec4 next = texelFetch(frame_next, pixel, 0);
-        return Sample(next, vec4(0.0), next, 1.0, NEXT, true);
-    }
-    vec3 within = shares_of(drawn[0].xyz, drawn[1].xyz, drawn[2].xyz, at);
-    vec2 place = within.x * places[0] + within.y * places[1] + within.z * places[2];
-    float moved = within.x * drawn[0].w + within.y * drawn[1].w + within.z * drawn[2].w;
-    vec3 shares = vec3(1.0 - place.x - place.y, place);
-    Sample result;
-    float of_previous;
-    float of_next;
-    look(1u, base, shares, result.previous, of_previous);
-    look(2u, base, shares, result.next, of_next);
+// The mixture at the time, or what is known of it.
+vec4 mixed(Sides sides, float moved) {
     float later = clamp(moved, 0.0, 1.0);
-    result.moved = moved;
-    result.is_next = false;
-    result.mask = (of_previous > 0.25 ? PREVIOUS : 0u) | (of_next > 0.25 ? NEXT : 0u);
-    // Where neither can be seen, what can be least badly is better than nothing.
-    bool has_previous = result.mask == NEITHER ? of_previous > 0.0 : (result.mask & PREVIOUS) != 0u;
-    bool has_next = result.mask == NEITHER ? of_next > 0.0 : (result.mask & NEXT) != 0u;
-    result.colour = has_previous && has_next ? mix(result.previous, result.next, later)
-        : has_previous ? result.previous : has_next ? result.next : texelFetch(frame_next, pixel, 0);
-    return result;
+    vec4 both = (1.0 - later) * sides.colours[0] + later * sides.colours[1];
+    return sides.known == 3u ? both : sides.colours[sides.known >> 1];
+}
+
+// What an object looks like in a frame at a normal, or what its places do in the other (kind 1); w below 0: unknown.
+vec4 typical(uint object, uint frame, uint kind, vec3 normal) {
+    uint bin = bin_of(normal);
+    if (object >= params.completion.x || bin == NO_BIN) {
+        return vec4(-1.0);
+    }
+    uvec4 units = tables[table_of(object, frame, kind) + bin];
+    return units.x == NO_COLOUR ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
+}
+
+// Whether the other frame's colours are nearer to an object's than predictions, where both are known.
+bool is_better_known(uint object, uint frame) {
+    uint errors = products_of(object, frame) + 4u;
+    uvec2 predicted = uvec2(completing[errors], completing[errors + 1u]);
+    uvec2 known = uvec2(completing[errors + 2u], completing[errors + 3u]);
+    return predicted.y > known.y || (predicted.y == known.y && predicted.x > known.x);
+}
+
+// The colour in the frame that hides it of what the other one shows: typical of its normal, and as far off as has been
+// seen to stay. w below 0: unknown.
+vec4 predicted(Fragment fragment, uint frame, vec4 known) {
+    uint object = fragment.base.w >> 1;
+    vec4 own = typical(object, frame, 0u, normal_at(frame, fragment.place, fragment.base, fragment.shares));
+    vec4 other = typical(object, frame, 1u, normal_at(1u - frame, fragment.place, fragment.base, fragment.shares));
+    if (own.w < 0.0 || other.w < 0.0 || is_better_known(object, frame)) {
+        return vec4(-1.0);
+    }
+    vec4 colour = own + float(share_of(object, frame)) * (1.0 / 256.0) * (known - other);
+    return clamp(colour, vec4(0.0), vec4(vec3(scale_of_images()), 1.0));
+}
+
+// Colour and state of a sample.
+vec4 shade(Fragment fragment, uint index, out uint state) {
+    Sides sides = sides_of(fragment, uvec2(1u, 2u), 3u);
+    uint mask = sides.known;
+    if (COMPLETION == 2u) {
+        sample_sides[2u * index] = sides.colours[0];
+        sample_sides[2u * index + 1u] = sides.colours[1];
+    }
+    state = mask | KNOWN;
+    if (mask == 0u) {
+        sides = sides_of(fragment, uvec2(0u, 3u), params.completion.y);
+    }
+    if (sides.known == 0u && COMPLETION == 1u) {
+        for (uint frame = 0u; frame < 2u; ++frame) {
+            vec3 normal = normal_at(frame, fragment.place, fragment.base, fragment.shares);
+            sides.colours[frame] = typical(fragment.base.w >> 1, frame, 0u, normal);
+            sides.known |= sides.colours[frame].w >= 0.0 ? 1u << frame : 0u;
+        }
+    } else if ((mask == 1u || mask == 2u) && COMPLETION != 0u && !is_still(fragment.base)) {
+        state = COMPLETION == 2u ? mask | PENDING : state;
+        if (COMPLETION == 1u) {
+            vec4 other = predicted(fragment, 2u - mask, sides.colours[mask - 1u]);
+            sides.colours[2u - mask] = other;
+            sides.known = other.w >= 0.0 ? 3u : mask;
+        }
+    }
+    state = sides.known == 0u ? PENDING : state;
+    return sides.known == 0u ? vec4(0.0) : mixed(sides, fragment.moved);
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(pixel, ivec2(params.image.xy)))) {
-        return;
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    uvec2 size = 2u * params.image.xy;
+    bool is_inside = all(lessThan(at, ivec2(size)));
+    if (gl_LocalInvocationIndex < 2u) {
+        pending[gl_LocalInvocationIndex] = 0u;
     }
-    uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
-    vec4 sum = vec4(0.0);
-    vec4 of_mesh = vec4(0.0);
-    bool is_next = true;
-    for (int i = 0; i < 4; ++i) {
-        ivec2 half_pixel = 2 * pixel + ivec2(i & 1, i >> 1);
-        Sample at = shade(texelFetch(sampled, half_pixel, 0).x, 0.5 * (vec2(half_pixel) + 0.5), pixel);
-        sum += 0.25 * at.colour;
-        of_mesh += at.mask == BACKGROUND ? vec4(0.0) : 0.25 * at.colour;
-        is_next = is_next && at.is_next;
+    barrier();
+    uint name = is_inside ? texelFetch(sampled, at, 0).x : 0u;
+    uint state = 4u;
+    vec4 colour = vec4(0.0);
+    uint index = uint(at.y) * size.x + uint(at.x);
+    if (name > 0u) {
+        Fragment fragment = fragment_at(name, 0.5 * (vec2(at) + 0.5));
+        colour = shade(fragment, index, state);
+        state |= is_still(fragment.base) ? STILL : 0u;
+        if ((state & PENDING) != 0u) {
+            atomicOr(pending[(state & MASK) == 0u ? 0 : 1], 1u);
+        }
     }
-    // An alpha below 0: the pixel is frame i + 1's, which the target has already.
-    picture[index] = is_next ? vec4(texelFetch(frame_next, pixel, 0).xyz, -1.0) : sum;
-    if (LAYERS == 1u) {
-        Sample at = shade(texelFetch(distorted, pixel, 0).x, vec2(pixel) + 0.5, pixel);
-        colour_layer[index] = of_mesh;
-        previous_layer[index] = (at.mask & PREVIOUS) != 0u ? at.previous : vec4(0.0);
-        next_layer[index] = (at.mask & NEXT) != 0u ? at.next : vec4(0.0);
-        subframe_layer[index] = at.moved;
-        mask_layer[index] = at.mask;
+    if (is_inside) {
+        sample_colours[index] = colour;
+        sample_states[index] = state;
+    }
+    barrier();
+    if (gl_LocalInvocationIndex < 2u && pending[gl_LocalInvocationIndex] > 0u) {
+        atomicMax(completing[BEGIN_ARGUMENTS + 4u * gl_LocalInvocationIndex], (size.x + 7u) / 8u);
     }
 }

@@ -8,9 +8,10 @@ layout(binding = 1) uniform utexture2D sampled;
 layout(std430, binding = 2) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 3) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 4) readonly buffer Poses { float poses[]; };
-layout(std430, binding = 5) readonly buffer Corners { uvec4 corners[]; };
+layout(std430, binding = 5) readonly buffer BaseColours { vec4 base_colours[]; };
 layout(std430, binding = 6) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 7) readonly buffer Lines { float lines[]; };
+layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 8) readonly buffer ToonBuffer { ToonParams toon; };
 layout(push_constant) uniform VisibilityConstants {
     uint frame;  // 0 to 3: frames i - 1 to i + 2
@@ -40,6 +41,13 @@ vec3 to_light(uvec4 triangle, vec3 shares) {
     return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
 }
 
+// Unit normal of a group; 0 where it has no area. There are those of frames i and i + 1.
+vec3 normal_of(uint group) {
+    vec3 sum = normals[(constants.frame - 1u) * toon.counts.y + group].xyz;
+    float largest = max(max(abs(sum.x), abs(sum.y)), abs(sum.z));
+    return largest > 0.0 ? normalize(sum / largest) : vec3(0.0);
+}
+
 vec3 tone_of(uint index, vec2 at) {
     uvec4 triangle = triangles[index];
     uint first = constants.frame * params.counts.x;
@@ -53,11 +61,8 @@ vec3 tone_of(uint index, vec2 at) {
     vec3 shares = vec3(cross2(q, r), cross2(r, p), cross2(p, q));
     float sum = shares.x + shares.y + shares.z;
     shares = sum != 0.0 ? shares / sum : vec3(1.0 / 3.0);
-    uint row = constants.frame * toon.counts.y;
-    uvec4 ca = corners[3u * index];
-    uvec4 cb = corners[3u * index + 1u];
-    uvec4 cc = corners[3u * index + 2u];
-    vec3 normal = shares.x * normals[row + ca.x].xyz + shares.y * normals[row + cb.x].xyz + shares.z * normals[row + cc.x].xyz;
+    uvec4 groups = corner_groups[index];
+    vec3 normal = shares.x * normal_of(groups.x) + shares.y * normal_of(groups.y) + shares.z * normal_of(groups.z);
     float length_of = length(normal);
     normal = length_of > 0.0 ? normal / length_of : vec3(0.0);
     // The side that is seen.
@@ -68,7 +73,8 @@ vec3 tone_of(uint index, vec2 at) {
     for (uint i = 1u; i < toon.counts.x && luminance >= toon.tones[i].w; ++i) {
         tone = toon.tones[i].rgb;
     }
-    vec3 base = shares.x * uintBitsToFloat(ca.yzw) + shares.y * uintBitsToFloat(cb.yzw) + shares.z * uintBitsToFloat(cc.yzw);
+    vec3 base = shares.x * base_colours[3u * index].rgb + shares.y * base_colours[3u * index + 1u].rgb
+        + shares.z * base_colours[3u * index + 2u].rgb;
     return tone * max(base, vec3(0.0));
 }
 

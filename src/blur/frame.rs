@@ -6,10 +6,9 @@ use crate::blur::layout::TOON;
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
-use crate::blur::settings::Settings;
+use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostImage, check_image};
-use crate::layout::LOOP_BUDGET;
 use crate::view::{Camera, Light};
 
 /// Triangles that refinement may make, unless a host says otherwise.
@@ -28,11 +27,15 @@ pub struct Desc {
     pub triangles: u32,
     /// Entries of its lists of neighbours.
     pub neighbours: u32,
-    /// Its normal groups; 0: none are given, and nothing can be drawn that needs normals.
+    /// Its objects.
+    pub objects: u32,
+    /// Its normal groups, and the entries of the lists of their triangles; not looked at unless `completion = "surface"`.
     pub groups: u32,
-    /// Entries of their lists of triangles.
+    /// As `groups`.
     pub group_triangles: u32,
-    /// Whether there may be outputs without images, whose frames are drawn; needs normal groups.
+    /// Whether frames may bring images of frames i - 1 and i + 2.
+    pub outer: bool,
+    /// Whether there may be outputs without images, whose frames are drawn; needs normal groups and base colours.
     pub toon: bool,
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
@@ -59,6 +62,9 @@ impl Desc {
     }
 }
 
+/// Vertices of a mesh's triangles, as they were before they were welded, and colours of the vertices, linear RGB.
+pub type VertexColours<'a> = (&'a [[u32; 3]], &'a [[f32; 3]]);
+
 /// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
 pub struct TopologyInput {
@@ -68,60 +74,45 @@ pub struct TopologyInput {
     pub neighbour_starts: HostBuffer,
     /// The lists.
     pub neighbours: HostBuffer,
-    /// Normals and colours; given if the effect was made for normal groups.
-    pub surface: Option<SurfaceInput>,
+    /// The normal groups; not needed unless `completion = "surface"` or frames are drawn.
+    pub groups: Option<GroupInput>,
+    /// Base colours, for frames that are drawn: four `f32` a corner of a triangle, linear RGB, not negative; unused.
+    pub colours: Option<HostBuffer>,
 }
 
-/// What the surface of the mesh looks like. Usage of all buffers: `TRANSFER_SRC`.
+/// Which corners of triangles share a normal. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
-pub struct SurfaceInput {
-    /// Four words a corner of a triangle: its normal group (`u32`), and its base colour (`f32`, linear RGB, not negative).
+pub struct GroupInput {
+    /// Four `u32` a triangle: the groups of its corners, and 0.
     pub corners: HostBuffer,
-    /// A `u32` a normal group and one more: where its list of triangles begins, and the end of the last.
-    pub group_starts: HostBuffer,
+    /// A `u32` a group and one more: where its list of triangles begins, and the end of the last.
+    pub starts: HostBuffer,
     /// The lists.
-    pub group_triangles: HostBuffer,
-    /// Length of the longest list, at most 24,000.
-    pub largest_group: u32,
+    pub triangles: HostBuffer,
 }
 
-/// Vertices of triangles, and the colours of vertices.
-type VertexColours<'a> = (&'a [[u32; 3]], &'a [[f32; 3]]);
-
-impl SurfaceInput {
-    /// The rows of [`SurfaceInput::corners`] of a mesh. `colours`: base colours of its vertices, and the vertices of its
-    /// triangles, as they were before they were welded; none: white.
-    pub fn corner_rows(mesh: &Mesh, colours: Option<VertexColours>) -> Vec<[u32; 4]> {
-        let rows = mesh.normal_groups().iter().enumerate().flat_map(|(triangle, groups)| {
-            (0..3).map(move |corner| {
-                let vertex = |(triangles, _): &VertexColours| triangles.get(triangle).map(|t| t[corner] as usize);
-                let colour = colours.and_then(|given| given.1.get(vertex(&given)?).copied());
-                let [r, g, b] = colour.unwrap_or([1.0; 3]).map(f32::to_bits);
-                [groups[corner], r, g, b]
-            })
-        });
-        rows.collect()
-    }
-
-    /// [`SurfaceInput::largest_group`] of a mesh.
-    pub fn largest_group(mesh: &Mesh) -> u32 {
-        mesh.group_triangles().starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0)
+impl GroupInput {
+    /// The rows of [`GroupInput::corners`] of a mesh.
+    pub fn corner_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
+        mesh.normal_groups().iter().map(|[a, b, c]| [*a, *b, *c, 0]).collect()
     }
 
     fn validate(&self, desc: &Desc) -> Result<()> {
-        // They are gone through twice.
-        if self.largest_group > LOOP_BUDGET / 2 {
-            let (needed, limit) = (self.largest_group.into(), u64::from(LOOP_BUDGET / 2));
-            let advice = "use a mesh with fewer triangles at a point";
-            return Err(Error::Limit { what: "triangles that share a normal", needed, limit, advice });
-        }
-        holds("the mesh's corners", &self.corners, 48 * u64::from(desc.triangles))?;
-        holds("the mesh's normal groups", &self.group_starts, 4 * (u64::from(desc.groups) + 1))?;
-        holds("the triangles of the mesh's normal groups", &self.group_triangles, 4 * u64::from(desc.group_triangles))
+        holds("the mesh's normal groups", &self.corners, 16 * u64::from(desc.triangles))?;
+        holds("the mesh's lists of normal groups", &self.starts, 4 * (u64::from(desc.groups) + 1))?;
+        holds("the mesh's triangles of normal groups", &self.triangles, 4 * u64::from(desc.group_triangles))
     }
 }
 
 impl TopologyInput {
+    /// The rows of [`TopologyInput::colours`] of a mesh. `given`: none is white.
+    pub fn colour_rows(mesh: &Mesh, given: Option<VertexColours>) -> Vec<[f32; 4]> {
+        let white = [1.0; 4];
+        let Some((triangles, colours)) = given else { return vec![white; 3 * mesh.triangles().len()] };
+        let colour = |vertex: &u32| colours.get(*vertex as usize).map_or(white, |[r, g, b]| [*r, *g, *b, 1.0]);
+        triangles.iter().flatten().map(colour).collect()
+    }
+
     /// The rows of [`TopologyInput::triangles`] of a mesh.
     pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
         let place = |id: &u32| mesh.objects().partition_point(|object| object.id < *id);
@@ -278,6 +269,9 @@ pub struct Frame<'a> {
     pub images: Option<[HostImage; 2]>,
     /// How they are drawn; needed where there are no images.
     pub toon: Option<ToonInput>,
+    /// Images of frames i - 1 and i + 2, as these: they show places that neither of these does. Without: what follows
+    /// from colours elsewhere. They need [`Desc::outer`].
+    pub outer: [Option<HostImage>; 2],
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
     /// What is where no image shows anything but the mesh: [`Background::Keep`] is nothing at all, an image is not
@@ -301,10 +295,17 @@ impl TopologyInput {
         holds("the mesh's triangles", &self.triangles, 16 * u64::from(desc.triangles))?;
         holds("the mesh's lists of neighbours", &self.neighbour_starts, 4 * (u64::from(desc.points) + 1))?;
         holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))?;
-        match &self.surface {
-            Some(surface) if desc.groups > 0 => surface.validate(desc),
-            None if desc.groups > 0 => refuse("the mesh's surface", "none; the effect was made for normals".to_owned()),
-            _ => Ok(()),
+        match &self.groups {
+            None if desc.toon || desc.settings.completion == Completion::Surface => {
+                let why = "completion = \"surface\" and frames that are drawn need them";
+                refuse("the mesh's normal groups", why.to_owned())
+            }
+            groups => groups.iter().try_for_each(|groups| groups.validate(desc)),
+        }?;
+        match &self.colours {
+            Some(colours) => holds("the mesh's colours", colours, 48 * u64::from(desc.triangles)),
+            None if desc.toon => refuse("the mesh's colours", "frames that are drawn need them".to_owned()),
+            None => Ok(()),
         }
     }
 }
@@ -411,6 +412,14 @@ impl Frame<'_> {
                 check_image("the image of frame i + 1", next, desc.size, desc.target_format)?;
             }
             None => self.validate_toon(desc, resident)?,
+        }
+        for (name, image) in ["the image of frame i - 1", "the image of frame i + 2"].into_iter().zip(&self.outer) {
+            if let Some(image) = image {
+                check_image(name, image, desc.size, desc.target_format)?;
+                if !desc.outer {
+                    return refuse(name, "the effect was made for none".to_owned());
+                }
+            }
         }
         match self.background {
             Background::Copy(_) => refuse("background", "an image; expected a colour or none".to_owned()),

@@ -7,6 +7,7 @@ use crate::blur::params::{
     BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams,
     Vertex,
 };
+use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
@@ -43,10 +44,7 @@ buffers! {
     NEXT = "Next",
     FINISHED = "Finished",
     BLOCKS_SUMS = "Blocks",
-    CORNERS = "Corners",
-    GROUP_STARTS = "GroupStarts",
-    GROUP_TRIANGLES = "GroupTriangles",
-    NORMALS = "Normals",
+    BASE_COLOURS = "BaseColours",
     TOON_PARAMS = "ToonBuffer",
     TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
@@ -59,7 +57,28 @@ buffers! {
     SUBFRAME_LAYER = "SubframeLayer",
     MASK_LAYER = "MaskLayer",
     LINES = "Lines",
+    CORNER_GROUPS = "CornerGroups",
+    GROUP_STARTS = "GroupStarts",
+    GROUP_TRIANGLES = "GroupTriangles",
+    NORMALS = "Normals",
+    COVER = "Cover",
+    COMPLETING = "Completing",
+    SUMS = "Sums",
+    TABLES = "Tables",
+    SAMPLE_COLOURS = "SampleColours",
+    SAMPLE_STATES = "SampleStates",
+    SAMPLE_SIDES = "SampleSides",
+    LISTS = "Lists",
 }
+
+/// The most objects that completion learns colours of; places of others have what the frame that shows them has.
+pub const MOST_TABLES: u32 = 256;
+/// Bins of a table of colours.
+const BINS: u64 = 1024;
+/// Words of what completion works on, before those of each object.
+pub const COMPLETING_WORDS: usize = 64;
+/// The most samples that completion fills from their neighbours, so that one round of it is within the loop budget.
+const MOST_LISTED: u64 = 1 << 21;
 
 /// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
 /// refined one.
@@ -77,10 +96,12 @@ pub const HOST_INTERVAL: [BufferId; 6] = [
     BufferId(BUFFERS + 8),
     BufferId(BUFFERS + 9),
 ];
-/// The host's surface: corners, where lists of triangles begin, triangles.
-pub const HOST_SURFACE: [BufferId; 3] = [BufferId(BUFFERS + 10), BufferId(BUFFERS + 11), BufferId(BUFFERS + 12)];
+/// The host's normal groups: of each corner, where lists of their triangles begin, triangles.
+pub const HOST_GROUPS: [BufferId; 3] = [BufferId(BUFFERS + 10), BufferId(BUFFERS + 11), BufferId(BUFFERS + 12)];
+/// The host's base colours.
+pub const HOST_COLOURS: BufferId = BufferId(BUFFERS + 13);
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 13;
+pub const HOST_BUFFERS: usize = 14;
 
 /// Which triangle each pixel of frames i and i + 1 sees.
 pub const SEEN: [ImageId; 2] = [ImageId(0), ImageId(1)];
@@ -96,22 +117,30 @@ pub const SAMPLED: ImageId = ImageId(6);
 pub const SAMPLED_DEPTH: ImageId = ImageId(7);
 /// The host's images of frames i and i + 1, as shaders see them.
 pub const FRAMES: [ImageId; 2] = [ImageId(8), ImageId(9)];
+/// Which triangle each pixel of frames i - 1 and i + 2 sees.
+pub const OUTER_SEEN: [ImageId; 2] = [ImageId(10), ImageId(11)];
+/// Their depth.
+pub const OUTER_DEPTH: [ImageId; 2] = [ImageId(12), ImageId(13)];
+/// The host's images of these, as shaders see them.
+pub const OUTER_FRAMES: [ImageId; 2] = [ImageId(14), ImageId(15)];
 /// Frames that are drawn because the host has no images of them: frame f stands in place f modulo their number.
-pub const TOON: [ImageId; 2] = [ImageId(10), ImageId(11)];
+pub const TOON: [ImageId; 2] = [ImageId(16), ImageId(17)];
 /// An after-image, at four samples a pixel.
-pub const GHOST: ImageId = ImageId(12);
+pub const GHOST: ImageId = ImageId(18);
 /// Its format.
 pub const GHOST_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Its depth.
-pub const GHOST_DEPTH: ImageId = ImageId(13);
+pub const GHOST_DEPTH: ImageId = ImageId(19);
 /// Own images.
-pub const IMAGES: u16 = 14;
+pub const IMAGES: u16 = 20;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(IMAGES);
 /// The host's images of frames i and i + 1.
 pub const HOST_FRAMES: [ImageId; 2] = [ImageId(IMAGES + 1), ImageId(IMAGES + 2)];
+/// The host's images of frames i - 1 and i + 2.
+pub const HOST_OUTER: [ImageId; 2] = [ImageId(IMAGES + 3), ImageId(IMAGES + 4)];
 /// Images of the host's.
-pub const HOST_IMAGES: usize = 3;
+pub const HOST_IMAGES: usize = 5;
 
 /// What a shader's slot stands for: each buffer and image goes by one name everywhere.
 pub fn resource(slot: &Slot) -> Option<Resource> {
@@ -122,15 +151,35 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "sampled" => Some(SAMPLED),
         "ghost" => Some(GHOST),
         "ghost_depth" => Some(GHOST_DEPTH),
-        "sampled_depth" => Some(SAMPLED_DEPTH),
         "depth_previous" => Some(SEEN_DEPTH[0]),
         "depth_next" => Some(SEEN_DEPTH[1]),
         "frame_previous" => Some(FRAMES[0]),
         "frame_next" => Some(FRAMES[1]),
+        "distorted_depth" => Some(DISTORTED_DEPTH),
+        "sampled_depth" => Some(SAMPLED_DEPTH),
+        "seen_before" => Some(OUTER_SEEN[0]),
+        "seen_after" => Some(OUTER_SEEN[1]),
+        "depth_before" => Some(OUTER_DEPTH[0]),
+        "depth_after" => Some(OUTER_DEPTH[1]),
+        "frame_before" => Some(OUTER_FRAMES[0]),
+        "frame_after" => Some(OUTER_FRAMES[1]),
         _ => None,
     };
     let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
+}
+
+/// Objects whose colours are learnt.
+fn tables(desc: &Desc, limit: u64) -> u32 {
+    let room = (limit / (4 * 4 * 9 * BINS)).min(MOST_TABLES.into()) as u32;
+    if desc.settings.completion == Completion::Surface { desc.objects.min(room) } else { 0 }
+}
+
+/// Samples that may have to be filled from their neighbours: with the paper's way all, else the few that nothing shows.
+fn listed(desc: &Desc) -> u64 {
+    let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
+    let samples = if desc.settings.completion == Completion::Gradient { 4 * pixels } else { pixels };
+    samples.min(MOST_LISTED)
 }
 
 /// Sizes of everything, from what the effect is made for.
@@ -140,6 +189,10 @@ pub struct Layout {
     pub triangles: u32,
     /// Vertices that there is room for: the mesh's points, and one for each triangle that refinement adds.
     pub vertices: u32,
+    /// Objects whose colours completion learns.
+    pub tables: u32,
+    /// Samples that there is room for in each list of completion.
+    pub listed: u32,
     sizes: Sizes<{ BUFFERS as usize }>,
 }
 
@@ -154,11 +207,18 @@ impl Layout {
         let mut layout = Layout {
             triangles: desc.triangles + added as u32,
             vertices: desc.points + added as u32,
+            tables: tables(desc, limit),
+            listed: (listed(desc).min(limit / 16)) as u32,
             sizes: Sizes::LEAST,
         };
         layout.size_buffers(desc);
         layout.check(desc, limit)?;
         Ok(layout)
+    }
+
+    /// Whether anything needs the mesh's normals.
+    pub fn has_normals(&self, desc: &Desc) -> bool {
+        desc.toon || self.tables > 0
     }
 
     fn set(&mut self, id: BufferId, bytes: u64) {
@@ -202,28 +262,47 @@ impl Layout {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);
-        self.set(CORNERS, if desc.groups > 0 { 48 * u64::from(desc.triangles) } else { 0 });
-        self.set(GROUP_STARTS, 4 * (u64::from(desc.groups) + 1));
-        self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
-        self.set(NORMALS, 4 * 16 * u64::from(desc.groups));
+        self.set(BASE_COLOURS, if desc.toon { 48 * u64::from(desc.triangles) } else { 0 });
         self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
         self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });
         // Four samples a pixel.
         self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
         self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
+        self.size_completion(desc, pixels);
+    }
+
+    fn size_completion(&mut self, desc: &Desc, pixels: u64) {
+        let tables = u64::from(self.tables);
+        if self.has_normals(desc) {
+            self.set(CORNER_GROUPS, 16 * u64::from(desc.triangles));
+            self.set(GROUP_STARTS, 4 * (u64::from(desc.groups) + 1));
+            self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
+            self.set(NORMALS, 2 * 16 * u64::from(desc.groups));
+        }
+        self.set(COVER, 4 * pixels);
+        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
+        self.set(SUMS, 4 * 4 * 9 * BINS * tables);
+        self.set(TABLES, 4 * 16 * BINS * tables);
+        self.set(SAMPLE_COLOURS, 4 * 16 * pixels);
+        self.set(SAMPLE_STATES, 4 * 4 * pixels);
+        let is_gradient = desc.settings.completion == Completion::Gradient;
+        self.set(SAMPLE_SIDES, if is_gradient { 4 * 32 * pixels } else { 0 });
+        self.set(LISTS, 4 * 4 * u64::from(self.listed));
     }
 
     fn check(&self, desc: &Desc, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
             POSES => "keep fewer frames on the device",
+            CORNER_GROUPS | GROUP_STARTS | GROUP_TRIANGLES | NORMALS => "use a smaller mesh",
             id if id >= PREVIOUS_NAMES => "render a smaller picture",
             _ => "use a smaller mesh",
         };
         self.sizes.check(limit, &NAMES, advice)?;
-        let limit = MOST_GROUPS * 64;
-        let counts =
-            [("blur's points", desc.points), ("blur's triangles", desc.triangles), ("blur's normals", desc.groups)];
-        for (what, needed) in counts {
+        for (what, needed, limit) in [
+            ("blur's points", desc.points, MOST_GROUPS * 64),
+            ("blur's triangles", desc.triangles, MOST_GROUPS * 64),
+            ("blur's normals", desc.groups, MOST_GROUPS * 64),
+        ] {
             if u64::from(needed) > limit {
                 return Err(Error::Limit { what, needed: needed.into(), limit, advice: "use a smaller mesh" });
             }
@@ -269,6 +348,8 @@ impl Layout {
             usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
             ..seen
         };
+        // What no frame brings is never drawn.
+        let outside = if desc.outer { desc.size } else { [1, 1] };
         [
             seen,
             seen,
@@ -280,6 +361,12 @@ impl Layout {
             ImageDesc { name: "blur sample depth", extent, ..depth },
             frame,
             ImageDesc { name: "blur later frame", ..frame },
+            ImageDesc { name: "blur seen before", extent: outside, ..seen },
+            ImageDesc { name: "blur seen after", extent: outside, ..seen },
+            ImageDesc { name: "blur depth before", extent: outside, ..depth },
+            ImageDesc { name: "blur depth after", extent: outside, ..depth },
+            ImageDesc { name: "blur frame before", extent: outside, ..frame },
+            ImageDesc { name: "blur frame after", extent: outside, ..frame },
             drawn,
             drawn,
             ghost,
@@ -289,7 +376,8 @@ impl Layout {
 
     /// Device memory, before alignment.
     pub fn memory(&self, desc: &Desc) -> Memory {
-        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, CORNERS, GROUP_STARTS, GROUP_TRIANGLES];
+        let groups = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
+        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, BASE_COLOURS, groups[0], groups[1], groups[2]];
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             // The host's format may take up to 16 bytes.

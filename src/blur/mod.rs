@@ -19,8 +19,8 @@ use gpu_allocator::vulkan::Allocator;
 
 pub use crate::host::Background;
 pub use frame::{
-    Counts, Desc, Frame, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, SurfaceInput, ToonInput, TopologyInput,
-    Trajectories, View,
+    Counts, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput, TopologyInput,
+    Trajectories, VertexColours, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -158,10 +158,11 @@ impl Blur {
         for (place, id) in layout::HOST_TOPOLOGY.into_iter().enumerate() {
             resources.set_host_buffer(id, topology.map(|buffers| buffers[place]));
         }
-        let surface = frame.mesh.and_then(|mesh| mesh.surface).filter(|_| self.desc.groups > 0);
-        let surface = surface.map(|surface| [surface.corners, surface.group_starts, surface.group_triangles]);
-        for (place, id) in layout::HOST_SURFACE.into_iter().enumerate() {
-            resources.set_host_buffer(id, surface.map(|buffers| buffers[place]));
+        resources.set_host_buffer(layout::HOST_COLOURS, frame.mesh.and_then(|mesh| mesh.colours));
+        let groups = frame.mesh.and_then(|mesh| mesh.groups);
+        let groups = groups.map(|groups| [groups.corners, groups.starts, groups.triangles]);
+        for (place, id) in layout::HOST_GROUPS.into_iter().enumerate() {
+            resources.set_host_buffer(id, groups.map(|buffers| buffers[place]));
         }
         resources.set_host_buffer(layout::HOST_POSES, frame.poses.map(|poses| poses.positions));
         let interval = frame.interval.as_ref().filter(|_| steps::still(&self.desc, frame).is_none());
@@ -182,6 +183,9 @@ impl Blur {
         for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
             resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
+        for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
+            resources.set_host_image(id, image);
+        }
     }
 
     /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none
@@ -195,7 +199,9 @@ impl Blur {
     #[cfg(feature = "cli")]
     #[allow(dead_code, reason = "the benchmark of this effect replays its steps")]
     pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-        let images = [layout::TARGET, layout::HOST_FRAMES[0], layout::HOST_FRAMES[1]];
+        let [previous, next] = layout::HOST_FRAMES;
+        let [before, after] = layout::HOST_OUTER;
+        let images = [layout::TARGET, previous, next, before, after];
         // SAFETY: the caller's.
         unsafe { self.on_device.replay(host, commands, plan, &images) }
     }

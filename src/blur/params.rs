@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 
 use crate::blur::frame::{self, Desc, IntervalInput};
-use crate::blur::layout::Layout;
+use crate::blur::layout::{COMPLETING_WORDS, Layout};
 pub use crate::blur::motion::{Cluster, Piece};
 use crate::blur::settings::{Settings, Toon};
 use crate::layout::push_constants;
@@ -62,6 +62,7 @@ pub struct BlurParams {
     pub lens: [f32; 4],
     pub background: [f32; 4],
     pub segments: [[f32; 4]; MOST_SEGMENTS],
+    pub completion: [u32; 4],
 }
 
 /// `Knot`.
@@ -129,8 +130,6 @@ push_constants! {
     SpeedConstants { colour: [f32; 4], length_of: f32, width: f32 }
     /// Of `ghost` and `ghost_blend`.
     GhostConstants { back: f32, opacity: f32 }
-    /// Of `normals`.
-    NormalConstants { frame: u32, groups: u32 }
     /// Of `seams`.
     SeamConstants { from: u32 }
     /// Of `settle`.
@@ -156,6 +155,14 @@ pub fn rounds(desc: &Desc) -> [Round; ROUNDS as usize + 1] {
     rounds[0].scan[0] = 1;
     rounds[0].made[1] = desc.points;
     rounds
+}
+
+/// What completion starts with: dispatches of no groups, that become some where samples need them.
+pub fn completing(desc: &Desc) -> [u32; COMPLETING_WORDS] {
+    let mut words = [0; COMPLETING_WORDS];
+    let rows = (2 * desc.size[1]).div_ceil(8);
+    words[..16].copy_from_slice(&[0, rows, 1, 0, 0, rows, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0]);
+    words
 }
 
 /// Rows that make the pixel clip coordinates X, Y and W of a point less the eye.
@@ -235,7 +242,15 @@ impl Knot {
 
 impl BlurParams {
     /// What an output's kernels are told.
-    pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput, background: [f32; 4]) -> BlurParams {
+    ///
+    /// `outer`: whether frames i - 1 and i + 2 have images.
+    pub fn new(
+        desc: &Desc,
+        layout: &Layout,
+        interval: &IntervalInput,
+        background: [f32; 4],
+        outer: [bool; 2],
+    ) -> BlurParams {
         let settings = &desc.settings;
         let height = desc.size[1];
         let mut params = BlurParams::of_views(desc, &interval.views, background);
@@ -253,6 +268,8 @@ impl BlurParams {
         // Each product of two sums of two products is off by less than 2^-22 of this.
         let margin = interval.counts.farthest * 6e-7;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
+        let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
+        params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {
             *to = [segment.begin, segment.end, 0.0, 0.0];
         }

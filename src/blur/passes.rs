@@ -5,7 +5,7 @@ use ash::vk;
 use crate::blur::frame::Desc;
 use crate::blur::layout::*;
 use crate::blur::params::{PIECE_SEGMENTS, ink_reach};
-use crate::blur::settings::{Operator, Refine, Space};
+use crate::blur::settings::{Completion, Operator, Refine, Space};
 use crate::plan::{
     Blend, ColourAttachment, Declare, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage,
 };
@@ -40,10 +40,27 @@ pub struct Passes {
     pub(super) distort: [PassId; 2],
     pub(super) layers: PassId,
     pub(super) frames: PassId,
-    pub(super) shade: PassId,
-    pub(super) composite: PassId,
-    pub(super) surface: PassId,
+    /// Frames i - 1 and i + 2.
+    pub(super) outer_visibility: [PassId; 2],
+    /// As `outer_visibility`.
+    pub(super) outer_frames: [PassId; 2],
+    pub(super) groups: PassId,
+    pub(super) completing: PassId,
+    pub(super) sums: PassId,
+    pub(super) cover: PassId,
     pub(super) normals: PassId,
+    /// Colours at normals, how far others are off, and how good predictions are.
+    pub(super) learn: [PassId; 3],
+    pub(super) fill: PassId,
+    pub(super) shade: PassId,
+    pub(super) sides: PassId,
+    /// Of samples that neither frame shows, and of those that one does.
+    pub(super) border: [PassId; 2],
+    /// As `border`.
+    pub(super) inward: [PassId; 2],
+    pub(super) compose: PassId,
+    pub(super) composite: PassId,
+    pub(super) colours: PassId,
     pub(super) toon_params: PassId,
     pub(super) toon_project: PassId,
     pub(super) toon_see: PassId,
@@ -65,6 +82,11 @@ impl Passes {
         let mut d = Declare::new(resource);
         let screen = u32::from(desc.settings.space == Space::Screen);
         let by_length = u32::from(desc.settings.refine == Refine::Length);
+        let completion = match desc.settings.completion {
+            Completion::None => 0,
+            Completion::Surface => 1,
+            Completion::Gradient => 2,
+        };
         let segments = desc.segments.min(PIECE_SEGMENTS as u32);
         Passes {
             params: d.writes("blur.params", &[PARAMS, CONTROL, ROUND_LIST]),
@@ -113,10 +135,32 @@ impl Passes {
                 let to = FRAMES.map(|image| (image.into(), Usage::COPY_TARGET));
                 d.transfer("blur.frames", &[from, to].concat())
             },
-            shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([u32::from(desc.layers)])),
+            outer_visibility: [0, 1].map(|i| {
+                let extent = if desc.outer { desc.size } else { [1, 1] };
+                let vertex = &glsl::visibility_vertex::SHADER;
+                d.add(drawing("blur.visibility", vertex, OUTER_SEEN[i], OUTER_DEPTH[i], extent))
+            }),
+            outer_frames: [0, 1].map(|i| {
+                let (from, to) = (HOST_OUTER[i].into(), OUTER_FRAMES[i].into());
+                d.transfer("blur.frames", &[(from, Usage::COPY_SOURCE), (to, Usage::COPY_TARGET)])
+            }),
+            groups: d.transfer("blur.mesh", &copies(HOST_GROUPS, [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES])),
+            completing: d.writes("blur.params", &[COMPLETING]),
+            sums: d.writes("blur.learn", &[SUMS]),
+            cover: d.compute("blur.cover", &glsl::cover::SHADER),
+            normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
+            learn: [0, 1, 2]
+                .map(|stage| d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, stage]))),
+            fill: d.compute("blur.learn", &glsl::fill::SHADER),
+            shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion])),
+            sides: d.compute("blur.layers", &glsl::sides::SHADER),
+            border: [0, 1]
+                .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::border::SHADER).specialise([gradient]))),
+            inward: [0, 1]
+                .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]))),
+            compose: d.add(Pass::compute("blur.compose", &glsl::compose::SHADER).specialise([u32::from(desc.layers)])),
             composite: d.add(composite(desc)),
-            surface: d.transfer("blur.mesh", &copies(HOST_SURFACE, [CORNERS, GROUP_STARTS, GROUP_TRIANGLES])),
-            normals: d.compute("blur.normals", &glsl::normals::SHADER),
+            colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [BASE_COLOURS])),
             toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
             toon_project: d.compute("blur.toon", &glsl::project::SHADER),
             toon_see: {

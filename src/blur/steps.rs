@@ -5,16 +5,15 @@ use std::mem::offset_of;
 use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES,
-    NormalConstants, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams,
-    VisibilityConstants,
+    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES, ROUNDS,
+    Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
-use crate::blur::settings::Settings;
+use crate::blur::settings::{Completion, Settings};
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 14] = [
+const MOTION_STEPS: [&str; 19] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -25,11 +24,24 @@ const MOTION_STEPS: [&str; 14] = [
     "blur.distort",
     "blur.layers",
     "blur.frames",
+    "blur.cover",
+    "blur.normals",
+    "blur.learn",
     "blur.shade",
+    "blur.complete",
+    "blur.compose",
     "blur.composite",
     "blur.ghosts",
     "blur.lines",
 ];
+
+/// Lanes of a workgroup of `fill`, of which there is one a table.
+const FILL_LANES: u32 = 256;
+/// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
+/// stays as it is.
+const GRADIENT_DISPATCHES: u32 = 16;
+/// As [`GRADIENT_DISPATCHES`], where neither frame shows anything.
+const MEAN_DISPATCHES: u32 = 4;
 
 /// Fills a frame's plan.
 pub struct Steps<'a> {
@@ -77,7 +89,11 @@ impl Steps<'_> {
             self.plan.skip("blur.toon", "images are given");
         }
         match &frame.mesh {
-            Some(mesh) => self.mesh(mesh),
+            Some(mesh) => {
+                self.mesh();
+                self.groups();
+                self.colours(mesh);
+            }
             None => self.plan.skip("blur.mesh", "unchanged"),
         }
         match &frame.poses {
@@ -90,7 +106,8 @@ impl Steps<'_> {
             MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
             return self.toon(frame, false);
         };
-        let params = BlurParams::new(self.desc, self.layout, interval, frame.background());
+        let outer = frame.outer.map(|image| image.is_some());
+        let params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -100,8 +117,16 @@ impl Steps<'_> {
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
-        self.draw();
-        self.shade(frame);
+        self.draw(outer);
+        self.frames(frame, outer);
+        if self.desc.settings.strength == 0.0 {
+            // The target has frame i + 1, and only what is behind the mesh is missing.
+            let steps = ["blur.cover", "blur.normals", "blur.learn", "blur.shade", "blur.compose", "blur.composite"];
+            steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
+        } else {
+            self.learn();
+            self.shade();
+        }
         self.ghosts();
         self.lines(interval);
     }
@@ -160,6 +185,9 @@ impl Steps<'_> {
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
+        if missing != [None; 2] {
+            self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        }
         for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
             match missing {
                 Some(drawn) => self.draw_toon(index, &drawn, input),
@@ -175,10 +203,8 @@ impl Steps<'_> {
     fn draw_toon(&mut self, index: u32, drawn: &Drawn, input: &ToonInput) {
         let params = ToonParams::new(self.desc, drawn.camera(), &input.light);
         self.plan.update(self.passes.toon_params, TOON_PARAMS, &params);
-        let Desc { size: [width, height], groups, triangles, .. } = *self.desc;
+        let Desc { size: [width, height], triangles, .. } = *self.desc;
         let constants = VisibilityConstants { frame: index };
-        let normals = NormalConstants { frame: index, groups };
-        self.plan.step_with(self.passes.normals, Command::Dispatch { threads: [groups, 1, 1] }, &normals);
         self.plan.step_with(self.passes.toon_see, Command::Draw { vertices: 3 * triangles }, &constants);
         if self.desc.settings.toon.outline.strength > 0.0 {
             let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
@@ -187,25 +213,31 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.toon[drawn.place()], Command::Draw { vertices: 4 }, &constants);
     }
 
-    fn mesh(&mut self, mesh: &TopologyInput) {
-        self.topology();
-        if mesh.surface.is_none() || self.desc.groups == 0 {
-            return;
-        }
-        let Desc { triangles, groups, group_triangles, .. } = *self.desc;
-        let sizes = [48 * u64::from(triangles), 4 * (u64::from(groups) + 1), 4 * u64::from(group_triangles)];
-        let to = [CORNERS, GROUP_STARTS, GROUP_TRIANGLES];
-        for ((from, to), bytes) in HOST_SURFACE.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
-            self.plan.step(self.passes.surface, Command::CopyBuffer { from, to, bytes });
+    fn colours(&mut self, mesh: &TopologyInput) {
+        let bytes = 48 * u64::from(self.desc.triangles);
+        if mesh.colours.is_some() && self.desc.toon && bytes > 0 {
+            self.plan.step(self.passes.colours, Command::CopyBuffer { from: HOST_COLOURS, to: BASE_COLOURS, bytes });
         }
     }
 
-    fn topology(&mut self) {
+    fn mesh(&mut self) {
         let Desc { points, triangles, neighbours, .. } = *self.desc;
         let sizes = [16 * u64::from(triangles), 4 * (u64::from(points) + 1), 4 * u64::from(neighbours)];
         let to = [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
         for ((from, to), bytes) in HOST_TOPOLOGY.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
             self.plan.step(self.passes.mesh, Command::CopyBuffer { from, to, bytes });
+        }
+    }
+
+    fn groups(&mut self) {
+        if !self.layout.has_normals(self.desc) {
+            return;
+        }
+        let Desc { triangles, groups, group_triangles, .. } = *self.desc;
+        let sizes = [16 * u64::from(triangles), 4 * (u64::from(groups) + 1), 4 * u64::from(group_triangles)];
+        let to = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
+        for ((from, to), bytes) in HOST_GROUPS.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
+            self.plan.step(self.passes.groups, Command::CopyBuffer { from, to, bytes });
         }
     }
 
@@ -298,8 +330,10 @@ impl Steps<'_> {
         }
     }
 
-    fn draw(&mut self) {
-        for (pass, frame) in self.passes.visibility.into_iter().zip([1, 2]) {
+    fn draw(&mut self, outer: [bool; 2]) {
+        let inner = self.passes.visibility.into_iter().zip([1, 2]);
+        let outer = self.passes.outer_visibility.into_iter().zip([0, 3]).zip(outer).filter(|(_, is_there)| *is_there);
+        for (pass, frame) in inner.chain(outer.map(|(pass, _)| pass)) {
             let command = Command::Draw { vertices: 3 * self.desc.triangles };
             self.plan.step_with(pass, command, &VisibilityConstants { frame });
         }
@@ -314,8 +348,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
     }
 
-    fn shade(&mut self, frame: &Frame) {
-        let [width, height] = self.desc.size;
+    fn frames(&mut self, frame: &Frame, outer: [bool; 2]) {
         let drawn = drawn(self.desc, frame);
         for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip(drawn) {
             let (pass, from) = match drawn {
@@ -324,23 +357,62 @@ impl Steps<'_> {
             };
             self.plan.step(pass, Command::CopyImage { from, to, extent: self.desc.size });
         }
-        if self.desc.settings.strength == 0.0 {
-            // The target has frame i + 1, and only what is behind the mesh is missing.
-            let skip = |name: &&'static str| self.plan.skip(name, "strength is 0");
-            return ["blur.shade", "blur.composite"].iter().for_each(skip);
+        for i in [0, 1].into_iter().filter(|i| outer[*i]) {
+            let command = Command::CopyImage { from: HOST_OUTER[i], to: OUTER_FRAMES[i], extent: self.desc.size };
+            self.plan.step(self.passes.outer_frames[i], command);
         }
-        self.plan.step(self.passes.shade, Command::Dispatch { threads: [width, height, 1] });
+    }
+
+    fn learn(&mut self) {
+        let [width, height] = self.desc.size;
+        self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
+        self.plan.update_slice(self.passes.completing, COMPLETING, &params::completing(self.desc));
+        self.plan.step(self.passes.cover, Command::Dispatch { threads: [width, height, 1] });
+        if self.layout.tables == 0 {
+            let reason = "completion does not follow from the surface";
+            return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
+        }
+        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
+        let pixels = Command::Dispatch { threads: [width, height, 2] };
+        self.plan.step(self.passes.learn[0], pixels);
+        self.plan.step(self.passes.fill, Command::Dispatch { threads: [FILL_LANES * 4 * self.layout.tables, 1, 1] });
+        self.plan.step(self.passes.learn[1], pixels);
+        self.plan.step(self.passes.learn[2], pixels);
+    }
+
+    /// Samples that get their colour from neighbours: no group runs where there are none.
+    fn inward(&mut self, gradient: usize, dispatches: u32) {
+        let at = |word: usize| Command::DispatchIndirect { arguments: COMPLETING, offset: 4 * word as u64 };
+        self.plan.step(self.passes.border[gradient], at(4 * gradient));
+        for _ in 0..dispatches {
+            self.plan.step(self.passes.inward[gradient], at(8 + 4 * gradient));
+        }
+    }
+
+    fn shade(&mut self) {
+        let [width, height] = self.desc.size;
+        self.plan.step(self.passes.shade, Command::Dispatch { threads: [2 * width, 2 * height, 1] });
+        if self.desc.layers {
+            self.plan.step(self.passes.sides, Command::Dispatch { threads: [width, height, 1] });
+        }
+        if self.desc.settings.completion == Completion::Gradient {
+            self.inward(1, GRADIENT_DISPATCHES);
+        }
+        self.inward(0, MEAN_DISPATCHES);
+        self.plan.step(self.passes.compose, Command::Dispatch { threads: [width, height, 1] });
         self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
     }
 }
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 32
-        + 2
-        + 16
-        + 5
+    let steps = 48
+        + 24
         + 2 * desc.settings.ghosts.count as usize
+        + GRADIENT_DISPATCHES as usize
+        + MEAN_DISPATCHES as usize
+        + 2
         + desc.segments as usize
         + desc.settings.seam_smoothing as usize
         + 3 * (ROUNDS as usize + 1);
@@ -348,5 +420,5 @@ pub fn capacity(desc: &Desc) -> (usize, usize) {
         + size_of::<BlurParams>()
         + size_of::<Control>()
         + MOST_KNOTS * size_of::<Knot>();
-    (steps, bytes + (ROUNDS as usize + 1) * size_of::<Round>())
+    (steps, 4 * COMPLETING_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
 }

@@ -6,10 +6,10 @@ use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::layout::{self, Layout};
 use celfx::blur::passes::Passes;
-use celfx::blur::settings::{Ghosts, Lines, Refine, Space};
+use celfx::blur::settings::{Completion, Ghosts, Lines, Refine, Space};
 use celfx::blur::steps::{self, Steps};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, IntervalInput, Knot, PoseInput, Settings, SurfaceInput, ToonInput,
+    Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
     TopologyInput, Trajectories, View,
 };
 use celfx::error::Error;
@@ -47,8 +47,10 @@ fn desc(settings: Settings) -> Desc {
         points: 1000,
         triangles: 1900,
         neighbours: 5800,
+        objects: 3,
         groups: 1100,
         group_triangles: 5700,
+        outer: true,
         toon: true,
         most_triangles: 1_000_000,
         segments: Desc::segments_of(&settings),
@@ -84,12 +86,8 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             triangles: buffer(),
             neighbour_starts: buffer(),
             neighbours: buffer(),
-            surface: Some(SurfaceInput {
-                corners: buffer(),
-                group_starts: buffer(),
-                group_triangles: buffer(),
-                largest_group: 9,
-            }),
+            groups: Some(GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() }),
+            colours: Some(buffer()),
         }),
         poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
         interval: Some(IntervalInput {
@@ -105,6 +103,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
         }),
         images: Some([image(desc); 2]),
         toon: None,
+        outer: [Some(image(desc)); 2],
         target: image(desc),
         background: Background::Keep,
     }
@@ -141,12 +140,12 @@ impl Effect {
 /// Descriptions that reach every pass, and frames of both kinds.
 fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
     let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
-    for (space, refine, strength, layers) in [
-        (Space::Homogeneous, Refine::Error, 1.0, true),
-        (Space::Screen, Refine::Length, 2.5, false),
-        (Space::Homogeneous, Refine::Error, 0.3, false),
+    for (space, refine, strength, layers, completion) in [
+        (Space::Homogeneous, Refine::Error, 1.0, true, Completion::Surface),
+        (Space::Screen, Refine::Length, 2.5, false, Completion::Gradient),
+        (Space::Homogeneous, Refine::Error, 0.3, false, Completion::None),
     ] {
-        let mut settings = Settings { space, refine, strength, ..Settings::default() };
+        let mut settings = Settings { space, refine, strength, completion, ..Settings::default() };
         if layers {
             settings.lines = Lines { count: 3, length: 0.4, ..Lines::default() };
             settings.ghosts = Ghosts { count: 2, step: 0.2, ..Ghosts::default() };
@@ -190,7 +189,14 @@ fn the_steps_of_a_frame_in_order() {
         "blur.distort",
         "blur.layers",
         "blur.frames",
+        "blur.params",
+        "blur.cover",
+        "blur.normals",
+        "blur.learn",
         "blur.shade",
+        "blur.layers",
+        "blur.complete",
+        "blur.compose",
         "blur.composite",
     ];
     assert!(effect.names().starts_with(&expected), "{:?}", effect.names());
@@ -202,6 +208,29 @@ fn the_steps_of_a_frame_in_order() {
     assert!(effect.plan.skipped.contains(&("blur.refine", "nothing moves")));
 }
 
+/// What completion does not need is left out, and says why.
+#[test]
+fn completion_is_skipped_by_name() {
+    for completion in [Completion::None, Completion::Gradient] {
+        let mut effect = Effect::new(desc(Settings { completion, ..Settings::default() }));
+        let mut frame = frame(&effect.desc.clone(), Trajectories::Pieces(buffer()), 5);
+        frame.outer = [None; 2];
+        effect.fill(&frame);
+        let names = effect.names();
+        assert!(!names.contains(&"blur.normals") && !names.contains(&"blur.learn"));
+        let skipped: Vec<_> = effect.plan.skipped.iter().map(|(name, _)| *name).collect();
+        assert!(skipped.contains(&"blur.normals") && skipped.contains(&"blur.learn"), "{skipped:?}");
+        assert_eq!(effect.layout.tables, 0);
+        // Where neither frame shows anything, colours come from neighbours, if there is such a sample.
+        let inward = effect
+            .plan
+            .steps
+            .iter()
+            .filter(|step| effect.passes.list[usize::from(step.pass.0)].name == "blur.complete");
+        assert!(inward.into_iter().all(|step| matches!(step.command, Command::DispatchIndirect { .. })));
+    }
+}
+
 #[test]
 fn frames_without_images_are_drawn() {
     let mut effect = Effect::new(desc(Settings::default()));
@@ -211,7 +240,7 @@ fn frames_without_images_are_drawn() {
     effect.fill(&frame);
     let names = effect.names();
     let expected =
-        ["blur.mesh", "blur.poses", "blur.params", "blur.interval", "blur.trajectory", "blur.toon", "blur.normals"];
+        ["blur.mesh", "blur.poses", "blur.params", "blur.interval", "blur.trajectory", "blur.normals", "blur.toon"];
     assert!(names.starts_with(&expected), "{names:?}");
     let place = |name: &str| names.iter().rposition(|other| *other == name);
     assert!(place("blur.toon") < place("blur.background") && place("blur.background") < place("blur.frames"));

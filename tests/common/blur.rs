@@ -3,8 +3,8 @@
 use ash::vk;
 use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput, Settings,
-    SurfaceInput, ToonInput, TopologyInput, Trajectories, View, layout,
+    Background, Blur, Counts, Desc, Frame, GroupInput, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput,
+    Settings, ToonInput, TopologyInput, Trajectories, View, layout,
 };
 use celfx::error::Result;
 use celfx::gpu::image::{Image, ImageDesc};
@@ -25,8 +25,10 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         points: mesh.points() as u32,
         triangles: mesh.triangles().len() as u32,
         neighbours: mesh.neighbours().items.len() as u32,
+        objects: mesh.objects().len() as u32,
         groups: mesh.group_triangles().starts.len() as u32 - 1,
         group_triangles: mesh.group_triangles().items.len() as u32,
+        outer: true,
         toon: false,
         most_triangles: MOST_TRIANGLES.min(100_000),
         segments: Desc::segments_of(&settings),
@@ -49,7 +51,7 @@ pub struct Shot<'a> {
     pub knots: Option<&'a [Knot]>,
 }
 
-/// Vertices of triangles, and the colours of vertices.
+/// Vertices of triangles, and a colour of each vertex.
 type VertexColours = (Vec<[u32; 3]>, Vec<[f32; 3]>);
 
 /// The effect on a device of its own.
@@ -57,7 +59,7 @@ pub struct BlurRig {
     device: TestDevice,
     blur: Option<Blur>,
     mesh: Mesh,
-    uploads: [Upload; 14],
+    uploads: [Upload; 15],
     images: Vec<Image>,
     download: Download,
     is_first: bool,
@@ -65,6 +67,8 @@ pub struct BlurRig {
     pub toon: Option<(Light, Background)>,
     /// Base colours: vertices of the triangles, and a colour of each.
     pub colours: Option<VertexColours>,
+    /// Whether frames i - 1 and i + 2 have images.
+    outer: [bool; 2],
 }
 
 impl BlurRig {
@@ -80,7 +84,7 @@ impl BlurRig {
         // SAFETY: the handles are the device's own.
         let (blur, images) = unsafe {
             let blur = Blur::new(&host, allocator, desc).expect("the effect can be made");
-            (blur, (0..3).map(|_| Image::new(&host, allocator, &image).expect("an image")).collect())
+            (blur, (0..5).map(|_| Image::new(&host, allocator, &image).expect("an image")).collect())
         };
         let mut rig = BlurRig {
             device,
@@ -92,6 +96,7 @@ impl BlurRig {
             is_first: true,
             toon: None,
             colours: None,
+            outer: [false; 2],
         };
         let pixels = (rig.desc().size[0] * rig.desc().size[1]) as usize;
         for frame in 0..2 {
@@ -106,6 +111,12 @@ impl BlurRig {
 
     pub fn desc(&self) -> &Desc {
         self.blur().desc()
+    }
+
+    /// The image of frame i - 1 (0) or i + 2 (1).
+    pub fn set_outer(&mut self, side: usize, pixels: &[[f32; 4]]) {
+        self.set_image(2 + side, pixels);
+        self.outer[side] = true;
     }
 
     /// The image of frame i (0) or i + 1 (1).
@@ -142,18 +153,20 @@ impl BlurRig {
         let rows = TopologyInput::triangle_rows(&self.mesh);
         let (starts, items) = (self.mesh.neighbours().starts.clone(), self.mesh.neighbours().items.clone());
         let colours = self.colours.as_ref().map(|(triangles, colours)| (&triangles[..], &colours[..]));
-        let corners = SurfaceInput::corner_rows(&self.mesh, colours);
-        let groups = self.mesh.group_triangles().clone();
+        let colours = TopologyInput::colour_rows(&self.mesh, colours);
+        let corners = GroupInput::corner_rows(&self.mesh);
+        let groups = self.mesh.group_triangles();
+        let (group_starts, group_items) = (groups.starts.clone(), groups.items.clone());
         let mesh = self.is_first.then(|| TopologyInput {
             triangles: self.upload(1, &rows),
             neighbour_starts: self.upload(2, &starts),
             neighbours: self.upload(3, &items),
-            surface: Some(SurfaceInput {
+            groups: Some(GroupInput {
                 corners: self.upload(11, &corners),
-                group_starts: self.upload(12, &groups.starts),
-                group_triangles: self.upload(13, &groups.items),
-                largest_group: SurfaceInput::largest_group(&self.mesh),
+                starts: self.upload(12, &group_starts),
+                triangles: self.upload(13, &group_items),
             }),
+            colours: Some(self.upload(14, &colours)),
         });
         let poses = shot.poses.map(|(first, poses)| {
             let positions = self.upload(4, &poses.concat());
@@ -179,6 +192,7 @@ impl BlurRig {
             interval,
             images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
             toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
+            outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
             target: self.host_image(0, ImageState::default()),
             background: self.toon.map_or(Background::Keep, |(_, background)| background),
         };

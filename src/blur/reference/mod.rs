@@ -1,8 +1,13 @@
 //! The blur effect on the CPU, written from its definition and not from the shaders: what tests and the benchmark
 //! compare the product with. Clear before fast.
 
+pub mod complete;
+pub mod distort;
 pub mod extent;
 pub mod path;
+pub mod raster;
 pub mod refine;
+pub mod scene;
 pub mod spline;
+pub mod visible;
 pub mod watertight;

@@ -1,0 +1,87 @@
+// What pixels of frames i and i + 1 may show besides what they see: outlines that lie outside of what they belong to. And
+// how bright the images are.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "params.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 1) uniform utexture2D seen_previous;
+layout(binding = 2) uniform utexture2D seen_next;
+layout(binding = 3) uniform texture2D depth_previous;
+layout(binding = 4) uniform texture2D depth_next;
+layout(binding = 5) uniform texture2D frame_previous;
+layout(binding = 6) uniform texture2D frame_next;
+layout(std430, binding = 7) readonly buffer Triangles { uvec4 triangles[]; };
+layout(std430, binding = 8) readonly buffer Vertices { Vertex vertices[]; };
+layout(std430, binding = 9) writeonly buffer Cover { uint cover[]; };
+layout(std430, binding = 10) buffer Completing { uint completing[]; };
+#include "samples.glsl"
+
+const float STEP = 0.98;  // share of its depth that what is before something else has at most
+shared uint most[3];
+
+bool is_moving(uint seen) {
+    uvec4 base = triangles[seen - 1u];
+    return max(max(vertices[base.x].place.x, vertices[base.y].place.x), vertices[base.z].place.x) > 0u;
+}
+
+uint seen_at(uint frame, ivec2 at) {
+    return frame == 1u ? texelFetch(seen_previous, at, 0).x : texelFetch(seen_next, at, 0).x;
+}
+
+// As it is kept: larger is nearer, 0 is nothing.
+float nearness(uint frame, ivec2 at) {
+    return frame == 1u ? texelFetch(depth_previous, at, 0).x : texelFetch(depth_next, at, 0).x;
+}
+
+uint cover_of(uint frame, ivec2 at) {
+    uint seen = seen_at(frame, at);
+    uint result = seen > 0u && is_moving(seen) ? 1u : 0u;
+    float own = nearness(frame, at);
+    float skirt = uintBitsToFloat(params.completion.z);
+    int reach = int(skirt);
+    for (int y = -reach; y <= reach; ++y) {
+        for (int x = -reach; x <= reach; ++x) {
+            ivec2 other = at + ivec2(x, y);
+            bool is_near = float(x * x + y * y) <= skirt * skirt && all(greaterThanEqual(other, ivec2(0)))
+                && all(lessThan(other, ivec2(params.image.xy)));
+            if (is_near && nearness(frame, other) * STEP > own) {
+                result |= is_moving(seen_at(frame, other)) ? 16u | 256u : 16u;
+            }
+        }
+    }
+    return result << frame;
+}
+
+void measure(vec4 colour, uint frame) {
+    float brightest = max(max(colour.x, colour.y), colour.z);
+    float infinite = uintBitsToFloat(0x7f800000u);
+    for (uint i = 0u; i < 4u; ++i) {
+        // What is not a number or below 1 is not above it.
+        if (colour[i] > 1.0 && colour[i] < infinite) {
+            atomicMax(most[frame], floatBitsToUint(colour[i]));
+        }
+    }
+    if (colour.w > 0.0 && brightest / colour.w > 1.0 && brightest / colour.w < infinite) {
+        atomicMax(most[2], floatBitsToUint(brightest / colour.w));
+    }
+}
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    bool is_inside = all(lessThan(at, ivec2(params.image.xy)));
+    uint lane = gl_LocalInvocationIndex;
+    if (lane < 3u) {
+        most[lane] = 0u;
+    }
+    barrier();
+    if (is_inside) {
+        cover[uint(at.y) * params.image.x + uint(at.x)] = cover_of(1u, at) | cover_of(2u, at);
+        measure(texelFetch(frame_previous, at, 0), 0u);
+        measure(texelFetch(frame_next, at, 0), 1u);
+    }
+    barrier();
+    if (lane < 3u && most[lane] > 0u) {
+        atomicMax(completing[SCALES + lane], most[lane]);
+    }
+}

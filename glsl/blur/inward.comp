@@ -1,0 +1,104 @@
+// Rounds of a single workgroup: all samples that have as many neighbours with a colour as any has get theirs at once.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "samples.glsl"
+layout(local_size_x = 256) in;
+#include "inward.glsl"
+#include "hsv.glsl"
+
+const uint LANES = 256u;
+const uint MOST_TURNS = 40000u;  // of the loops of all rounds
+
+shared uvec3 turn;  // list, its first and its last sample
+
+vec4 mean_of(uint index, uint state) {
+    vec4 sum = vec4(0.0);
+    float count = 0.0;
+    uint side = (state & MASK) == 2u ? 1u : 0u;
+    for (uint direction = 0u; direction < 4u; ++direction) {
+        uint other = neighbour(index, direction);
+        if (other == NONE) {
+            continue;
+        }
+        uint there = sample_states[other];
+        if (is_kin(state, there) && has_colour(there)) {
+            vec4 colour = sample_colours[other];
+            sum += GRADIENT == 1u ? change(colour, sample_sides[2u * other + side]) : colour;
+            count += 1.0;
+        }
+    }
+    vec4 mean = sum / count;
+    float brightest = max(uintBitsToFloat(completing[BRIGHTEST]), 1.0);
+    return GRADIENT == 1u ? changed(sample_sides[2u * index + side], mean, brightest) : mean;
+}
+
+// The samples around one that has got its colour have one more.
+void tell(uint index, uint state) {
+    for (uint direction = 0u; direction < 4u; ++direction) {
+        uint other = neighbour(index, direction);
+        if (other == NONE) {
+            continue;
+        }
+        uint there = sample_states[other];
+        if (is_wanted(there) && (there & MADE) == 0u && is_kin(there, state)) {
+            uint before = atomicAdd(sample_states[other], 1u << COUNT_SHIFT);
+            list(other, (before >> COUNT_SHIFT) + 1u);
+        }
+    }
+}
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint turns = 0u;
+    for (uint round = 0u; round < MOST_TURNS; ++round) {
+        if (lane == 0u) {
+            turn = uvec3(NONE, 0u, 0u);
+            uint first = 8u * GRADIENT;
+            for (uint i = 0u; i < 4u && completing[OVERFLOWS + GRADIENT] == 0u; ++i) {
+                uint begin = completing[HEADS + first + i];
+                uint end = completing[TAILS + first + i];
+                turn = end > begin ? uvec3(i, begin, end) : turn;
+            }
+        }
+        barrier();
+        uvec3 now = turn;
+        turns += 1u + 3u * ((now.z - now.y + LANES - 1u) / LANES);
+        if (now.x == NONE || turns > MOST_TURNS) {
+            break;
+        }
+        uint list_at = now.x * params.completion.w;
+        for (uint i = now.y + lane; i < now.z; i += LANES) {
+            uint index = lists[list_at + i];
+            uint state = sample_states[index];
+            // What has got more neighbours since stands in another list.
+            if (is_wanted(state) && state >> COUNT_SHIFT == now.x + 1u) {
+                sample_colours[index] = mean_of(index, state);
+                atomicOr(sample_states[index], MADE);
+            }
+        }
+        memoryBarrierBuffer();
+        barrier();
+        for (uint i = now.y + lane; i < now.z; i += LANES) {
+            uint index = lists[list_at + i];
+            uint state = sample_states[index];
+            if ((state & (MADE | PENDING)) == (MADE | PENDING)) {
+                tell(index, state);
+            }
+        }
+        memoryBarrierBuffer();
+        barrier();
+        for (uint i = now.y + lane; i < now.z; i += LANES) {
+            uint index = lists[list_at + i];
+            uint state = sample_states[index];
+            if ((state & (MADE | PENDING)) == (MADE | PENDING)) {
+                sample_states[index] = (state & ~(MADE | PENDING)) | KNOWN;
+            }
+        }
+        if (lane == 0u) {
+            completing[HEADS + 8u * GRADIENT + now.x] = now.z;
+        }
+        memoryBarrierBuffer();
+        barrier();
+    }
+}

@@ -1,0 +1,18 @@
+// What is known of each of a pixel's four samples, row by row of a picture that is twice as large.
+
+const uint MASK = 7u;         // 0 neither frame shows it, 1 the earlier, 2 the later, 3 both, 4 nothing is seen
+const uint KNOWN = 8u;        // its colour is final
+const uint PENDING = 16u;     // its colour is to be made from its neighbours'
+const uint MADE = 32u;        // in this round
+const uint STILL = 64u;       // what it sees stays where it is
+const uint COUNT_SHIFT = 8u;  // how many of its neighbours can give it a colour
+
+// Places in what completion works on.
+const uint BEGIN_ARGUMENTS = 0u;   // of the dispatch that counts neighbours; the second's four words later
+const uint ROUND_ARGUMENTS = 8u;   // of those that go inward
+const uint SCALES = 16u;           // the largest channel of frames i and i + 1
+const uint BRIGHTEST = 18u;        // the largest value
+const uint HEADS = 20u;            // where what is left of each of four lists begins; the second's eight words later
+const uint TAILS = 24u;            // and where it ends
+const uint OVERFLOWS = 36u;        // whether there was no room for a list
+const uint PRODUCTS = 64u;         // eight words an object and frame: sums of 64 bits of d e, of e e, and of two kinds of errors

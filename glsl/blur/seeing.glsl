@@ -1,0 +1,122 @@
+// What the frames show of places of the mesh.
+
+layout(binding = 1) uniform utexture2D seen_before;
+layout(binding = 2) uniform utexture2D seen_previous;
+layout(binding = 3) uniform utexture2D seen_next;
+layout(binding = 4) uniform utexture2D seen_after;
+layout(binding = 5) uniform texture2D depth_before;
+layout(binding = 6) uniform texture2D depth_previous;
+layout(binding = 7) uniform texture2D depth_next;
+layout(binding = 8) uniform texture2D depth_after;
+layout(binding = 9) uniform texture2D frame_before;
+layout(binding = 10) uniform texture2D frame_previous;
+layout(binding = 11) uniform texture2D frame_next;
+layout(binding = 12) uniform texture2D frame_after;
+layout(std430, binding = 13) readonly buffer Triangles { uvec4 triangles[]; };
+layout(std430, binding = 14) readonly buffer Clip { vec4 clip[]; };
+layout(std430, binding = 15) readonly buffer Cover { uint cover[]; };
+
+const float SAME_DEPTH = 0.003;   // share of its depth by which a surface may be off and still be the same
+const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
+
+// What a pixel is, of frame f shifted by f.
+const uint MOVING = 1u;      // it sees what moves
+const uint OUTLINE = 16u;    // it may show the outline of what is before it
+const uint COVERED = 256u;   // it may show the outline of what moves
+
+float cross2(vec2 a, vec2 b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+uint seen_at(uint frame, ivec2 at) {
+    switch (frame) {
+        case 0u: return texelFetch(seen_before, at, 0).x;
+        case 1u: return texelFetch(seen_previous, at, 0).x;
+        case 2u: return texelFetch(seen_next, at, 0).x;
+        default: return texelFetch(seen_after, at, 0).x;
+    }
+}
+
+// View depth; infinite where nothing is seen.
+float depth_at(uint frame, ivec2 at) {
+    float depth;
+    switch (frame) {
+        case 0u: depth = texelFetch(depth_before, at, 0).x; break;
+        case 1u: depth = texelFetch(depth_previous, at, 0).x; break;
+        case 2u: depth = texelFetch(depth_next, at, 0).x; break;
+        default: depth = texelFetch(depth_after, at, 0).x; break;
+    }
+    return depth > 0.0 ? params.lens.x / depth : uintBitsToFloat(0x7f800000u);
+}
+
+vec4 colour_at(uint frame, ivec2 at) {
+    switch (frame) {
+        case 0u: return texelFetch(frame_before, at, 0);
+        case 1u: return texelFetch(frame_previous, at, 0);
+        case 2u: return texelFetch(frame_next, at, 0);
+        default: return texelFetch(frame_after, at, 0);
+    }
+}
+
+bool is_in_picture(ivec2 at) {
+    return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
+}
+
+uint cover_at(ivec2 at) {
+    return cover[uint(at.y) * params.image.x + uint(at.x)];
+}
+
+vec3 corner_of(uint frame, uint point) {
+    return clip[frame * params.counts.x + point].xyz;
+}
+
+// Edge functions of a triangle in clip coordinates at a place of the picture: shares of its corners in what is seen of
+// its plane there, but for their sum, which is 0 where there is no plane.
+vec3 edges_at(vec3 a, vec3 b, vec3 c, vec2 at) {
+    vec2 p = a.xy - at * a.z;
+    vec2 q = b.xy - at * b.z;
+    vec2 r = c.xy - at * c.z;
+    return vec3(cross2(q, r), cross2(r, p), cross2(p, q));
+}
+
+// The colour that a frame shows of a place of a base triangle, and the weight of the taps that see it.
+void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float weight) {
+    vec3 a = corner_of(frame, triangle.x);
+    vec3 b = corner_of(frame, triangle.y);
+    vec3 c = corner_of(frame, triangle.z);
+    vec3 own = shares.x * a + shares.y * b + shares.z * c;
+    colour = vec4(0.0);
+    weight = 0.0;
+    if (!(own.z >= params.lens.x)) {
+        return;
+    }
+    // A place far outside of the picture has no taps, and no whole numbers either.
+    vec2 at = clamp(own.xy / own.z - 0.5, vec2(-2.0), vec2(params.image.xy) + 1.0);
+    ivec2 corner = ivec2(floor(at));
+    vec2 part = at - vec2(corner);
+    for (int i = 0; i < 4; ++i) {
+        ivec2 tap = corner + ivec2(i & 1, i >> 1);
+        if (!is_in_picture(tap)) {
+            continue;
+        }
+        uint seen = seen_at(frame, tap);
+        bool is_outline = (frame == 1u || frame == 2u) && (cover_at(tap) & OUTLINE << frame) != 0u;
+        if (seen == 0u || triangles[seen - 1u].w >> 1 != triangle.w >> 1 || is_outline) {
+            continue;
+        }
+        // The triangle's plane goes on beyond it, which is the surface's slope. The same as depths that differ by a share
+        // of the plane's.
+        vec3 edges = edges_at(a, b, c, vec2(tap) + 0.5);
+        float volume = dot(edges, vec3(a.z, b.z, c.z));
+        float there = volume != 0.0 ? (edges.x + edges.y + edges.z) / volume : 1.0 / own.z;
+        float depth = 1.0 / depth_at(frame, tap);
+        if (!(abs(there - depth) <= SAME_DEPTH * depth)) {
+            continue;
+        }
+        vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));
+        float share = both.x * both.y;
+        colour += share * colour_at(frame, tap);
+        weight += share;
+    }
+    colour = weight > 0.0 ? colour / weight : colour;
+}

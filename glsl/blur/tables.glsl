@@ -1,0 +1,84 @@
+// Colours by world normal: of each object, and each of frames i (0) and i + 1 (1), what is typical of it (0), and of the
+// places that it shows in the other one (1).
+
+const uint SIDE = 32u;
+const uint BINS = SIDE * SIDE;
+const uint NO_BIN = 0xffffffffu;
+const uint NO_COLOUR = 0xffffffffu;
+const float UNITS = 65536.0;
+
+// Where a table begins.
+uint table_of(uint object, uint frame, uint kind) {
+    return ((2u * object + frame) * 2u + kind) * BINS;
+}
+
+float sign_of(float value) {
+    return value < 0.0 ? -1.0 : 1.0;
+}
+
+// The bin of a normal of any length in the octahedral map.
+uint bin_of(vec3 normal) {
+    float most = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+    if (!(most > 0.0 && most < uintBitsToFloat(0x7f800000u))) {
+        return NO_BIN;
+    }
+    normal /= most;
+    normal /= abs(normal.x) + abs(normal.y) + abs(normal.z);
+    vec2 at = normal.xy;
+    if (normal.z < 0.0) {
+        at = vec2((1.0 - abs(normal.y)) * sign_of(normal.x), (1.0 - abs(normal.x)) * sign_of(normal.y));
+    }
+    uvec2 place = min(uvec2(max((at * 0.5 + 0.5) * float(SIDE), 0.0)), uvec2(SIDE - 1u));
+    return place.y * SIDE + place.x;
+}
+
+// The normal that a frame has at a place: turned over where what is open is turned away.
+vec3 normal_at(uint frame, uint place, uvec4 base, vec3 shares) {
+    uvec4 groups = corner_groups[place];
+    uint first = frame * GROUPS;
+    vec3 normal = shares.x * normals[first + groups.x].xyz + shares.y * normals[first + groups.y].xyz
+        + shares.z * normals[first + groups.z].xyz;
+    vec3 a = corner_of(frame + 1u, base.x);
+    vec3 b = corner_of(frame + 1u, base.y);
+    vec3 c = corner_of(frame + 1u, base.z);
+    return (base.w & 1u) == 0u && dot(a, cross(b, c)) > 0.0 ? -normal : normal;
+}
+
+// The least power of two that no channel of either image is above, 1 to 16.
+float scale_of_images() {
+    float most = min(max(uintBitsToFloat(max(completing[SCALES], completing[SCALES + 1u])), 1.0), 16.0);
+    float scale = 1.0;
+    for (uint i = 0u; i < 4u; ++i) {
+        scale = scale < most ? 2.0 * scale : scale;
+    }
+    return scale;
+}
+
+// Where the sums of an object begin.
+uint products_of(uint object, uint frame) {
+    return PRODUCTS + 8u * (2u * object + frame);
+}
+
+float number_at(uint at, bool is_signed) {
+    uint low = completing[at];
+    uint high = completing[at + 1u];
+    return (is_signed ? float(int(high)) : float(high)) * 4294967296.0 + float(low);
+}
+
+// How much of a departure from the typical colour stays from one frame to the other, in 1/256: the least-squares slope. All,
+// where nothing departs.
+int share_of(uint object, uint frame) {
+    uint products = products_of(object, frame);
+    float square = number_at(products + 2u, false);
+    float share = square > 0.0 ? clamp(number_at(products, true) / square, 0.0, 1.0) : 1.0;
+    return int(share * 256.0 + 0.5);
+}
+
+uvec4 quantised(vec4 colour, float scale) {
+    uvec4 units;
+    for (uint i = 0u; i < 4u; ++i) {
+        precise float value = colour[i] * (UNITS / scale) + 0.5;
+        units[i] = value > 0.0 ? uint(min(value, UNITS - 1.0)) : 0u;
+    }
+    return units;
+}

@@ -1,0 +1,89 @@
+//! The distorted mesh: what each sample sees of it, at which sub-frame time, and where that is in any frame.
+
+use super::raster::{Clip, Raster, Shape, raster, volume};
+
+/// A corner of a triangle of the refined mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Where it is at its own sub-frame time.
+    pub drawn: Clip,
+    /// That time, k', in frames after frame i.
+    pub time: f64,
+    /// Its barycentric coordinates in the mesh's triangle.
+    pub weights: [f64; 3],
+}
+
+/// A triangle of the refined mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Its corners.
+    pub corners: [Vertex; 3],
+    /// The mesh's triangle that it is a part of.
+    pub base: u32,
+}
+
+/// What a sample sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fragment {
+    /// The refined triangle, from 0.
+    pub triangle: u32,
+    /// The mesh's triangle.
+    pub base: u32,
+    /// k' there.
+    pub time: f64,
+    /// W there at that time in metres.
+    pub depth: f64,
+    /// Barycentric coordinates of the place in the mesh's triangle: with these, it is known in each frame.
+    pub weights: [f64; 3],
+}
+
+/// The distorted mesh, drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// What each sample sees. Its size is that of the picture times `samples`.
+    pub raster: Raster,
+    /// The same with what is interpolated.
+    pub fragments: Vec<Option<Fragment>>,
+    /// Samples along a pixel's side.
+    pub samples: u32,
+}
+
+/// What three corners' values are at barycentric coordinates.
+pub fn interpolate<const N: usize>(weights: [f64; 3], values: [[f64; N]; 3]) -> [f64; N] {
+    std::array::from_fn(|i| weights[0] * values[0][i] + weights[1] * values[1][i] + weights[2] * values[2][i])
+}
+
+/// Whether each of the mesh's triangles is not drawn: those that are turned away in frame i and in frame i + 1, of closed
+/// objects. The corners are those in each of the two frames.
+pub fn hidden(previous: &[[Clip; 3]], next: &[[Clip; 3]], closed: &[bool]) -> Vec<bool> {
+    let is_away = |corners: &[Clip; 3]| volume(*corners) > 0.0;
+    let both = previous.iter().zip(next).zip(closed);
+    both.map(|((previous, next), closed)| *closed && is_away(previous) && is_away(next)).collect()
+}
+
+/// Draws the refined mesh at the centres of `samples` x `samples` parts of each pixel of a picture of `size` pixels.
+/// `hidden` speaks of the mesh's triangles.
+pub fn draw(triangles: &[Triangle], hidden: &[bool], size: [u32; 2], near: f64, samples: u32) -> Drawing {
+    let fine = f64::from(samples);
+    let shape = |triangle: &Triangle| {
+        let corners = triangle.corners.map(|Vertex { drawn: [x, y, w], .. }| [x * fine, y * fine, w]);
+        if hidden[triangle.base as usize] { None } else { Shape::new(corners) }
+    };
+    let shapes: Vec<Option<Shape>> = triangles.iter().map(shape).collect();
+    let raster = raster(&shapes, size.map(|side| side * samples), near);
+    let width = raster.size[0] as usize;
+    let fragment = |(place, (name, depth)): (usize, (&u32, &f64))| {
+        let triangle = name.checked_sub(1)?;
+        let at = [(place % width) as f64 + 0.5, (place / width) as f64 + 0.5];
+        let weights = shapes[triangle as usize].as_ref()?.weights(at)?;
+        let Triangle { corners, base } = triangles[triangle as usize];
+        let [time] = interpolate(weights, corners.map(|corner| [corner.time]));
+        let weights = interpolate(weights, corners.map(|corner| corner.weights));
+        Some(Fragment { triangle, base, time, depth: *depth, weights })
+    };
+    let fragments = raster.seen.iter().zip(&raster.depth).enumerate().map(fragment).collect();
+    Drawing { fragments, raster, samples }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,346 @@
+//! Colours that a frame hides, outlines beside the mesh, and what stays as it is: against the references in f64.
+
+use std::collections::HashMap;
+
+use celfx::blur::layout;
+use celfx::blur::motion::{Motion, Pose, Window};
+use celfx::blur::params::BASE_MASK;
+use celfx::blur::reference::complete::complete;
+use celfx::blur::reference::distort::{Drawing, Triangle, Vertex, draw, hidden};
+use celfx::blur::reference::raster::Clip;
+use celfx::blur::reference::visible::{Colour, Frame, Surface, compose, shade};
+use celfx::blur::reference::{distort, scene};
+use celfx::blur::settings::Completion;
+use celfx::blur::{Interval, Mesh, MeshInput, Settings};
+use celfx::simulate::mesh::{Builtin, Model};
+use glam::DVec3;
+
+use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::scenes::random;
+use crate::scenes::Animation;
+
+const SIZE: [u32; 2] = [240, 136];
+const I: usize = 2;
+const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
+
+/// A mesh, how it moves, and what its triangles are painted with.
+struct Scene {
+    mesh: Mesh,
+    animation: Animation,
+    paint: Vec<[f32; 3]>,
+}
+
+/// Five frames of a built-in mesh, 12 (the figure) or 6 a second. `order`: mixes vertices and triangles.
+fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Scene {
+    let (model, topology) = Model::new(which, 900);
+    let mut count = topology.object.len();
+    let mut triangles = topology.triangles.clone();
+    let (mut objects, mut colours) = (topology.object.clone(), topology.colour.clone());
+    let rate = if which == Builtin::Run { 12.0 } else { 6.0 };
+    let seconds = |frame: usize| start + frame as f64 / rate;
+    let mut poses: Vec<Vec<[f32; 3]>> = (0..5)
+        .map(|frame| {
+            let mut pose = vec![[0.0; 3]; count];
+            model.positions(seconds(frame), &mut pose);
+            pose
+        })
+        .collect();
+    if with_floor {
+        // A wall behind everything, that stays.
+        let corners = [[-0.7, 0.2, -1.0], [1.5, 0.2, -1.0], [1.5, 1.4, -1.0], [-0.7, 1.4, -1.0]];
+        poses.iter_mut().for_each(|pose| pose.extend(corners));
+        let first = count as u32;
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        objects.extend([9; 4]);
+        colours.extend([[0.2, 0.5, 0.2]; 4]);
+        count += 4;
+    }
+    let mut rank: Vec<u32> = (0..count as u32).collect();
+    if let Some(key) = order {
+        rank.sort_by(|a, b| random(key, *a, 0).total_cmp(&random(key, *b, 0)));
+        triangles.iter_mut().for_each(|triangle| *triangle = triangle.map(|v| rank[v as usize]));
+        let mut places: Vec<usize> = (0..triangles.len()).collect();
+        places.sort_by(|a, b| random(key, *a as u32, 1).total_cmp(&random(key, *b as u32, 1)));
+        triangles = places.iter().map(|place| triangles[*place]).collect();
+    }
+    let mut to = vec![0; count];
+    (0..count).for_each(|v| to[rank[v] as usize] = v);
+    let objects: Vec<u32> = to.iter().map(|v| objects[*v]).collect();
+    let colours: Vec<[f32; 3]> = to.iter().map(|v| colours[*v]).collect();
+    let poses: Vec<Vec<[f32; 3]>> = poses.iter().map(|pose| to.iter().map(|v| pose[*v]).collect()).collect();
+    let mut first = HashMap::new();
+    let key = |v: usize| (objects[v], poses[0][v].map(f32::to_bits), poses[4][v].map(f32::to_bits));
+    let weld: Vec<u32> = (0..count).map(|v| *first.entry(key(v)).or_insert(v as u32)).collect();
+    let input =
+        MeshInput { vertices: count, triangles: &triangles, objects: Some(&objects), weld: Some(&weld), normals: None };
+    let mesh = Mesh::new(&input).expect("a mesh");
+    let poses = poses.iter().map(|pose| mesh.gather(pose).expect("as many")).collect();
+    let cameras = (0..5).map(|frame| model.camera(seconds(frame))).collect();
+    let paint = triangles.iter().map(|triangle| colours[triangle[0] as usize]).collect();
+    Scene { mesh, animation: Animation { poses, cameras, size: SIZE }, paint }
+}
+
+impl Scene {
+    fn corners(&self, frame: usize) -> Vec<[Clip; 3]> {
+        scene::corners(&self.mesh, &self.animation.poses[frame], &self.animation.cameras[frame], SIZE)
+    }
+
+    fn normals(&self, frame: usize) -> Vec<[[f64; 3]; 3]> {
+        scene::normals(&self.mesh, &self.animation.poses[frame])
+    }
+
+    fn near(&self) -> f64 {
+        self.animation.cameras[I].near
+    }
+
+    /// Two tones, by the normal; a line of `outline` pixels around it. Nothing is transparent.
+    fn image(&self, frame: usize, outline: i32) -> Vec<[f32; 4]> {
+        let (corners, normals) = (self.corners(frame), self.normals(frame));
+        let blank = vec![[0.0; 4]; PIXELS];
+        let frame = Frame::new(&corners, &normals, &blank, SIZE, self.near());
+        let light = DVec3::new(-0.5, 0.8, 0.6);
+        let toned = |pixel: usize| {
+            let (base, weights) = frame.place(pixel)?;
+            let normal = DVec3::from_array(distort::interpolate(weights, normals[base as usize])).normalize();
+            let tone = if normal.dot(light) > 0.35 { 1.0 } else { 0.45 };
+            let [r, g, b] = self.paint[base as usize];
+            Some([r * tone, g * tone, (b * tone).max(0.02), 1.0])
+        };
+        let toned: Vec<Option<[f32; 4]>> = (0..PIXELS).map(toned).collect();
+        let near = |pixel: usize| {
+            let [x, y] = [pixel as i32 % SIZE[0] as i32, pixel as i32 / SIZE[0] as i32];
+            (-outline..=outline).flat_map(|dy| (-outline..=outline).map(move |dx| (dx, dy))).any(|(dx, dy)| {
+                let (x, y) = (x + dx, y + dy);
+                let inside = x >= 0 && y >= 0 && x < SIZE[0] as i32 && y < SIZE[1] as i32;
+                dx * dx + dy * dy <= outline * outline && inside && toned[(y * SIZE[0] as i32 + x) as usize].is_some()
+            })
+        };
+        let colour = |pixel: usize| match toned[pixel] {
+            Some(colour) => colour,
+            None if outline > 0 && near(pixel) => [1.0, 0.0, 1.0, 1.0],
+            None => [0.0; 4],
+        };
+        (0..PIXELS).map(colour).collect()
+    }
+}
+
+/// A scene on a device, rendered.
+struct Case {
+    scene: Scene,
+    interval: Interval,
+    rig: BlurRig,
+    images: Vec<Vec<[f32; 4]>>,
+}
+
+impl Case {
+    fn new(scene: Scene, settings: Settings, outline: i32) -> Option<Case> {
+        let Animation { poses, cameras, .. } = &scene.animation;
+        let poses: Vec<Pose> =
+            poses.iter().zip(cameras).map(|(positions, camera)| Pose { positions, camera, cut: false }).collect();
+        let window = Window { frame: I as u32, poses: &poses, current: I, between: &[] };
+        let interval = Motion::new(&settings, SIZE).expect("settings").interval(&scene.mesh, &window, 1);
+        let interval = interval.expect("an interval");
+        let images = (I - 1..=I + 2).map(|frame| scene.image(frame, outline)).collect();
+        let rig = BlurRig::new(desc(SIZE, &scene.mesh, settings), scene.mesh.clone())?;
+        Some(Case { scene, interval, rig, images })
+    }
+
+    fn render(&mut self, with_outer: bool) -> Vec<[f32; 4]> {
+        (0..2).for_each(|side| self.rig.set_image(side, &self.images[1 + side]));
+        if with_outer {
+            self.rig.set_outer(0, &self.images[0]);
+            self.rig.set_outer(1, &self.images[3]);
+        }
+        let animation = &self.scene.animation;
+        let shot = Shot {
+            poses: Some((0, &animation.poses)),
+            interval: Some(&self.interval),
+            views: animation.views(I),
+            knots: None,
+        };
+        self.rig.frame(&shot).expect("a frame");
+        self.rig.picture()
+    }
+
+    /// The device's refined mesh.
+    fn drawing(&mut self, previous: &[[Clip; 3]], next: &[[Clip; 3]], closed: &[bool]) -> Drawing {
+        let (vertices, finished) = (self.rig.vertices(), self.rig.finished());
+        let triangle = |row: &[u32; 4]| {
+            let base = row[3] & BASE_MASK;
+            let corner = |i: usize| {
+                let vertex = vertices[row[i] as usize];
+                let [x, y, w, time] = vertex.drawn.map(f64::from);
+                let weights = match vertex.place[1] {
+                    1 => self.scene.mesh.triangles()[base as usize].map(|point| f64::from(u8::from(point == row[i]))),
+                    _ => {
+                        let [v, w] = [2, 3].map(|k| f64::from(f32::from_bits(vertex.place[k])));
+                        [1.0 - v - w, v, w]
+                    }
+                };
+                Vertex { drawn: [x * w, y * w, w], time, weights }
+            };
+            Triangle { corners: [0, 1, 2].map(corner), base }
+        };
+        let triangles: Vec<Triangle> = finished.iter().map(triangle).collect();
+        draw(&triangles, &hidden(previous, next, closed), SIZE, self.scene.near(), 2)
+    }
+}
+
+/// What the references make of the device's refined mesh, and where rounding may have decided.
+struct Expected {
+    picture: Vec<Colour>,
+    uncertain: Vec<bool>,
+    /// Masks of samples.
+    masks: Vec<u8>,
+}
+
+fn expected(case: &mut Case, with_outer: bool) -> Expected {
+    let corners: Vec<_> = (I - 1..=I + 2).map(|frame| case.scene.corners(frame)).collect();
+    let normals: Vec<_> = (I - 1..=I + 2).map(|frame| case.scene.normals(frame)).collect();
+    let (closed, still) = (scene::closed(&case.scene.mesh), scene::still(&case.scene.mesh, &case.interval.labels));
+    let drawing = case.drawing(&corners[1], &corners[2], &closed);
+    let near = case.scene.near();
+    let surface = Surface { objects: case.scene.mesh.triangle_objects(), closed: &closed, still: &still, near };
+    let frames: Vec<Frame> =
+        (0..4).map(|i| Frame::new(&corners[i], &normals[i], &case.images[i], SIZE, near)).collect();
+    let inner = [&frames[1], &frames[2]];
+    let outer = [0, 3].map(|i| with_outer.then_some(&frames[i]));
+    let shaded = shade(&surface, &drawing, inner, outer);
+    let colours = complete(&surface, &drawing, inner, &shaded, case.rig.desc().settings.completion);
+    let picture = compose(&surface, &drawing, inner, &shaded, &colours, [0.0; 4]);
+    let uncertain = |pixel: usize| {
+        let [x, y] = [pixel % SIZE[0] as usize, pixel / SIZE[0] as usize];
+        let samples = (0..4).map(|i| (2 * y + i / 2) * 2 * SIZE[0] as usize + 2 * x + i % 2);
+        samples.into_iter().any(|sample| shaded[sample].uncertain) || inner.iter().any(|f| f.seen.uncertain[pixel])
+    };
+    let uncertain = (0..PIXELS).map(uncertain).collect();
+    Expected { picture, uncertain, masks: shaded.iter().map(|sample| sample.mask).collect() }
+}
+
+fn off(a: [f32; 4], b: Colour) -> f64 {
+    (0..4).map(|i| (f64::from(a[i]) - b[i]).abs()).fold(0.0, f64::max)
+}
+
+fn exact(completion: Completion) -> Settings {
+    Settings { completion, skirt: 0.0, ..Settings::default() }
+}
+
+fn save(name: &str, picture: &[[f32; 4]]) {
+    let Some(folder) = std::env::var_os("CELFX_TEST_PICTURES") else { return };
+    let byte = |value: f32| (value.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0 + 0.5) as u8;
+    let over = |c: [f32; 4]| [0, 1, 2].map(|i| byte(c[i] + (1.0 - c[3]).max(0.0)));
+    let bytes = picture.iter().flat_map(|pixel| over(*pixel)).collect();
+    let image = image::RgbImage::from_raw(SIZE[0], SIZE[1], bytes).expect("as many");
+    let image = image::imageops::resize(&image, 4 * SIZE[0], 4 * SIZE[1], image::imageops::FilterType::Nearest);
+    image.save(std::path::Path::new(&folder).join(format!("{name}.png"))).expect("it can be written");
+}
+
+#[test]
+fn completion_is_the_references() {
+    for (which, start, with_outer) in [(Builtin::Crossing, 0.6, false), (Builtin::Run, 0.2, true)] {
+        for completion in [Completion::None, Completion::Surface, Completion::Gradient] {
+            let name = format!("{} {completion:?}", which.name());
+            let Some(mut case) = Case::new(scene(which, start, None, true), exact(completion), 0) else { return };
+            let picture = case.render(with_outer);
+            save(&name, &picture);
+            let expected = expected(&mut case, with_outer);
+            let share = |mask: u8| expected.masks.iter().filter(|m| **m == mask).count();
+            let counts: Vec<usize> = (0..5).map(share).collect();
+            assert!(picture.as_flattened().iter().all(|c| c.is_finite()), "{name}");
+            let certain: Vec<usize> = (0..PIXELS).filter(|p| !expected.uncertain[*p]).collect();
+            let mut errors: Vec<f64> = certain.iter().map(|p| off(picture[*p], expected.picture[*p])).collect();
+            errors.sort_by(f64::total_cmp);
+            let wrong = errors.iter().filter(|e| **e > 4e-3).count();
+            eprintln!("{name}: masks {counts:?}, {} certain, {wrong} off, worst {:?}", certain.len(), errors.last());
+            assert!(counts[1] + counts[2] > 300 && certain.len() > PIXELS * 8 / 10, "{name}");
+            // What is uncertain is what the gradient goes on from.
+            let allowed = if completion == Completion::Gradient { PIXELS / 100 } else { PIXELS / 2000 };
+            assert!(wrong <= allowed, "{name}: {wrong} of {}", certain.len());
+            let still = certain.iter().filter(|p| expected.picture[**p] == case.images[2][**p].map(f64::from));
+            assert!(still.into_iter().all(|p| off(picture[*p], expected.picture[*p]) < 4e-3), "{name}");
+        }
+    }
+}
+
+/// Where nothing moves near, the picture is the later image to the bit, whatever stands there.
+#[test]
+fn still_parts_stay_to_the_bit() {
+    let Some(mut case) = Case::new(scene(Builtin::Crossing, 0.6, None, true), Settings::default(), 0) else { return };
+    for image in &mut case.images {
+        let noise = |p: u32, c: u32| 0.9 * random(5, p, c);
+        image.iter_mut().zip(0..).filter(|(c, _)| c[3] == 1.0 || c[3] == 0.0).for_each(|(c, p)| {
+            *c = [noise(p, 0), noise(p, 1), noise(p, 2), 1.0];
+        });
+    }
+    let picture = case.render(false);
+    let names: [Vec<u32>; 3] = layout::NAME_LAYERS.map(|id| case.rig.layer(id));
+    let finished = case.rig.finished();
+    let still = scene::still(&case.scene.mesh, &case.interval.labels);
+    let stays = |layer: usize, name: u32| match name.checked_sub(1) {
+        None => true,
+        Some(name) if layer == 2 => still[(finished[name as usize][3] & BASE_MASK) as usize],
+        Some(base) => still[base as usize],
+    };
+    let [width, height] = SIZE.map(|side| side as i32);
+    let is_far = |pixel: usize| {
+        let [x, y] = [pixel as i32 % width, pixel as i32 / width];
+        let around = (-3..=3).flat_map(|dy| (-3..=3).map(move |dx| (x + dx, y + dy)));
+        around.filter(|(x, y)| (0..width).contains(x) && (0..height).contains(y)).all(|(x, y)| {
+            let other = (y * width + x) as usize;
+            stays(1, names[1][other]) && stays(2, names[2][other])
+        })
+    };
+    let far: Vec<usize> = (0..PIXELS).filter(|p| is_far(*p)).collect();
+    let on_wall = far.iter().filter(|p| names[2][**p] > 0).count();
+    assert!(far.len() > PIXELS / 3 && on_wall > 500, "{} {on_wall}", far.len());
+    assert!(far.iter().all(|p| picture[*p] == case.images[2][*p]));
+}
+
+/// The picture does not depend on how vertices and triangles are numbered.
+#[test]
+fn order_does_not_matter() {
+    for completion in [Completion::Surface, Completion::Gradient] {
+        let settings = Settings { completion, ..Settings::default() };
+        let picture = |order: Option<u32>| {
+            let mut case = Case::new(scene(Builtin::Crossing, 0.6, order, true), settings.clone(), 1)?;
+            Some(case.render(true))
+        };
+        let Some(first) = picture(None) else { return };
+        let second = picture(Some(3)).expect("a device");
+        let differing = first.iter().zip(&second).filter(|(a, b)| a != b).count();
+        assert_eq!(differing, 0, "{completion:?}");
+    }
+}
+
+/// An outline outside of the mesh goes with it, and leaves nothing behind.
+#[test]
+fn outlines_go_with_the_mesh() {
+    let ghosts = |skirt: f32| {
+        let settings = Settings { skirt, ..Settings::default() };
+        let mut case = Case::new(scene(Builtin::Crossing, 0.6, None, false), settings, 2)?;
+        let picture = case.render(false);
+        save(&format!("skirt {skirt}"), &picture);
+        let names: Vec<u32> = case.rig.layer(layout::DISTORTED_NAMES);
+        let [width, height] = SIZE.map(|side| side as i32);
+        let near = |pixel: usize, reach: i32| {
+            let [x, y] = [pixel as i32 % width, pixel as i32 / width];
+            let around = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (x + dx, y + dy)));
+            around
+                .filter(|(x, y)| (0..width).contains(x) && (0..height).contains(y))
+                .any(|(x, y)| names[(y * width + x) as usize] > 0)
+        };
+        let is_ink = |pixel: usize| picture[pixel][0] > 0.5 && picture[pixel][1] < 0.1 && picture[pixel][2] > 0.5;
+        let left = (0..PIXELS).filter(|p| is_ink(*p) && !near(*p, 4)).count();
+        let border = (0..PIXELS).filter(|p| names[*p] == 0 && near(*p, 1));
+        let (mut all, mut inked) = (0, 0);
+        border.for_each(|p| (all, inked) = (all + 1, inked + usize::from(is_ink(p))));
+        assert!(picture.as_flattened().iter().all(|c| c.is_finite()));
+        Some((left, all, inked))
+    };
+    let Some((left, all, inked)) = ghosts(2.0) else { return };
+    let (_, _, inked_without) = ghosts(0.0).expect("a device");
+    eprintln!("{inked} of {all} inked; without a skirt {inked_without}");
+    assert_eq!(left, 0);
+    // Teeth are narrower than the outline here, so that not all that is beside them is ink.
+    assert!(inked * 10 > all * 6 && 4 * inked > 5 * inked_without);
+}
