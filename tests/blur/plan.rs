@@ -368,6 +368,8 @@ fn loops_stay_within_their_budget() {
         Layout::new(&Desc { most_triangles: 60_000_000, ..desc(Settings::default()) }, u64::MAX).expect("a layout");
     let blocks = u64::from(layout.triangles).div_ceil(128).div_ceil(256);
     assert!(2 * blocks + 256 <= 50_000);
+    // Normals: the most triangles of a group that are looked at, twice. The widest skirt, in both frames, or around a pixel.
+    assert!(2 * 20_000 <= 48_000 && 2 * 33 * 33 + 33 * 2 <= 48_000);
 }
 
 #[test]
