@@ -77,7 +77,8 @@ pub const MOST_TABLES: u32 = 256;
 const BINS: u64 = 1024;
 /// Words of what completion works on, before those of each object.
 pub const COMPLETING_WORDS: usize = 64;
-/// The most samples that completion fills from their neighbours, so that one round of it is within the loop budget.
+/// The most samples in one of completion's lists. A round of so many would not be within the loop budget: it and what would
+/// come after it are left out, and samples keep the side that is known.
 const MOST_LISTED: u64 = 1 << 21;
 
 /// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the

@@ -11,7 +11,7 @@ use celfx::blur::reference::raster::Clip;
 use celfx::blur::reference::visible::{Colour, Frame, Surface, compose, shade};
 use celfx::blur::reference::{distort, scene};
 use celfx::blur::settings::Completion;
-use celfx::blur::{Interval, Mesh, MeshInput, Settings};
+use celfx::blur::{Desc, Interval, Mesh, MeshInput, Settings};
 use celfx::simulate::mesh::{Builtin, Model};
 use glam::DVec3;
 
@@ -141,7 +141,9 @@ impl Case {
         let interval = Motion::new(&settings, SIZE).expect("settings").interval(&scene.mesh, &window, 1);
         let interval = interval.expect("an interval");
         let images = (I - 1..=I + 2).map(|frame| scene.image(frame, outline)).collect();
-        let rig = BlurRig::new(desc(SIZE, &scene.mesh, settings), scene.mesh.clone())?;
+        // Outlines are tested with an effect that takes no images of frames i - 1 and i + 2.
+        let desc = Desc { outer: outline < 2, ..desc(SIZE, &scene.mesh, settings) };
+        let rig = BlurRig::new(desc, scene.mesh.clone())?;
         Some(Case { scene, interval, rig, images })
     }
 

@@ -411,6 +411,11 @@ fn loops_stay_within_their_budget() {
         Layout::new(&Desc { most_triangles: 60_000_000, ..desc(Settings::default()) }, u64::MAX).expect("a layout");
     let blocks = u64::from(layout.triangles).div_ceil(128).div_ceil(256);
     assert!(2 * blocks + 256 <= 50_000);
+    // Around a pixel, in both frames: the widest skirt that there may be.
+    let settings = Settings { skirt: 16.0, ..Settings::default() };
+    let reach = 2 * settings.skirt as u32 + 1;
+    assert!(settings.validate().is_ok() && 2 * (reach * reach + reach) <= 48_000);
+    assert!(Settings { skirt: 16.1, ..settings }.validate().is_err());
 }
 
 #[test]
