@@ -315,7 +315,8 @@ impl Offline {
         let toon = is_drawn.then(|| ToonInput { view: interval.views[2], light: scene.light });
         // In front of the first frame there is no interval.
         let interval = (interval.views[1].frame != interval.views[2].frame).then_some(interval);
-        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, target, background }))
+        let outer = [None; 2];
+        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, outer, target, background }))
     }
 
     /// The images of two frames on the device: the pictures that are given, and those that are there.

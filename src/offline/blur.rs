@@ -8,7 +8,7 @@ use crate::blur::motion::WINDOW;
 use crate::blur::params::MOST_SEGMENTS;
 use crate::blur::settings::{Settings, Trajectory};
 use crate::blur::{
-    self, Counts, Interval, Knot, MOST_TRIANGLES, Mesh, MeshInput, Motion, Pose, SurfaceInput, View, Window,
+    self, Counts, Interval, Knot, MOST_TRIANGLES, Mesh, MeshInput, Motion, Pose, TopologyInput, View, Window,
 };
 use crate::error::Error;
 use crate::io::ReadError;
@@ -44,7 +44,7 @@ pub struct BlurInput {
     frames: [u32; 2],
     settings: Settings,
     mesh: Arc<Mesh>,
-    corners: Arc<Vec<[u32; 4]>>,
+    colours: Arc<Vec<[f32; 4]>>,
     motion: Motion,
     poses: BTreeMap<u32, Positions>,
     threads: usize,
@@ -61,8 +61,8 @@ impl fmt::Debug for BlurInput {
 pub struct BlurFrame {
     /// The mesh: that of the whole shot.
     pub mesh: Arc<Mesh>,
-    /// What its surface looks like: [`SurfaceInput::corner_rows`] of the shot's mesh.
-    pub corners: Arc<Vec<[u32; 4]>>,
+    /// Base colours: [`TopologyInput::colour_rows`] of the shot's mesh.
+    pub colours: Arc<Vec<[f32; 4]>>,
     /// What moves from frame i to frame i + 1. Nothing in the shot's first frame, which has none before it.
     pub interval: Interval,
     /// How much of it there is.
@@ -113,9 +113,9 @@ impl BlurInput {
             normals: Some(&normals),
         })?;
         let motion = Motion::new(settings, size)?;
-        let corners = SurfaceInput::corner_rows(&mesh, Some((&topology.triangles, &topology.colour)));
+        let colours = TopologyInput::colour_rows(&mesh, Some((&topology.triangles, &topology.colour)));
         Ok(BlurInput {
-            corners: Arc::new(corners),
+            colours: Arc::new(colours),
             camera: Box::new(camera),
             frames,
             settings: settings.clone(),
@@ -146,8 +146,10 @@ impl BlurInput {
             points: self.mesh.points() as u32,
             triangles,
             neighbours: self.mesh.neighbours().items.len() as u32,
+            objects: self.mesh.objects().len() as u32,
             groups: self.mesh.group_triangles().starts.len() as u32 - 1,
             group_triangles: self.mesh.group_triangles().items.len() as u32,
+            outer: false,
             toon,
             most_triangles: MOST_TRIANGLES.max(triangles.saturating_mul(4)).min(crate::blur::params::BASE_MASK),
             segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
@@ -191,8 +193,8 @@ impl BlurInput {
         };
         let views = [-1, 0, 1, 2].map(|offset| view(i64::from(current) + offset));
         let counts = Counts::of(&interval, self.mesh.neighbours());
-        let (mesh, corners) = (self.mesh.clone(), self.corners.clone());
-        Ok(BlurFrame { mesh, corners, interval, counts, views, knots, first: begin, poses: positions })
+        let (mesh, colours) = (self.mesh.clone(), self.colours.clone());
+        Ok(BlurFrame { mesh, colours, interval, counts, views, knots, first: begin, poses: positions })
     }
 
     /// Reads poses from a frame on, each followed by `next`, until enough of them differ; the last one that was read.

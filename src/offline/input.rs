@@ -4,7 +4,7 @@ use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use super::blur::{BlurFrame, FARTHEST};
-use crate::blur::{self, IntervalInput, PoseInput, SurfaceInput, TopologyInput, Trajectories};
+use crate::blur::{self, GroupInput, IntervalInput, PoseInput, TopologyInput, Trajectories};
 use crate::error::Result;
 use crate::flame::ParticleInput;
 use crate::gpu::transfer::Upload;
@@ -107,7 +107,7 @@ impl ParticleUpload {
 /// Uploads what blurred frames bring.
 #[derive(Debug, Default)]
 pub(crate) struct BlurUpload {
-    topology: [Upload; 6],
+    topology: [Upload; 7],
     poses: Upload,
     interval: [Upload; 6],
     /// The frame whose pose stands in each place on the device.
@@ -146,13 +146,13 @@ impl BlurUpload {
         let mesh = match self.has_mesh {
             true => None,
             false => {
-                let [triangles, starts, items, corners, group_starts, group_triangles] = &mut self.topology;
+                let [triangles, starts, items, corners, group_starts, group_triangles, colours] = &mut self.topology;
                 let groups = frame.mesh.group_triangles();
-                let surface = SurfaceInput {
-                    corners: write(corners, "corner upload", bytemuck::cast_slice(&frame.corners))?,
-                    group_starts: write(group_starts, "normal upload", bytemuck::cast_slice(&groups.starts))?,
-                    group_triangles: write(group_triangles, "normal upload", bytemuck::cast_slice(&groups.items))?,
-                    largest_group: SurfaceInput::largest_group(&frame.mesh),
+                let corner_rows = GroupInput::corner_rows(&frame.mesh);
+                let groups = GroupInput {
+                    corners: write(corners, "corner upload", bytemuck::cast_slice(&corner_rows))?,
+                    starts: write(group_starts, "normal upload", bytemuck::cast_slice(&groups.starts))?,
+                    triangles: write(group_triangles, "normal upload", bytemuck::cast_slice(&groups.items))?,
                 };
                 let rows = TopologyInput::triangle_rows(&frame.mesh);
                 let neighbours = frame.mesh.neighbours();
@@ -160,7 +160,8 @@ impl BlurUpload {
                     triangles: write(triangles, "triangle upload", bytemuck::cast_slice(&rows))?,
                     neighbour_starts: write(starts, "neighbour upload", bytemuck::cast_slice(&neighbours.starts))?,
                     neighbours: write(items, "neighbour upload", bytemuck::cast_slice(&neighbours.items))?,
-                    surface: Some(surface),
+                    groups: Some(groups),
+                    colours: Some(write(colours, "colour upload", bytemuck::cast_slice(&frame.colours))?),
                 })
             }
         };
