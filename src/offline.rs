@@ -2,11 +2,13 @@
 //!
 //! One frame at a time: upload, record, submit, wait. After a wait that did not end nothing is reused or destroyed.
 
+pub mod blur;
 mod effect;
 mod input;
 
 use ash::vk;
 
+use crate::blur::{self as blur_effect, Blur, ToonInput};
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame, SceneDepth};
 use crate::gpu::headless::Headless;
@@ -19,8 +21,10 @@ use crate::io::volume::Volume;
 use crate::profile::FrameTimes;
 use crate::smoke::{self, Sequence, Smoke};
 use crate::view::{Camera, Light};
+pub use blur::{BlurError, BlurFrame, BlurInput};
 pub(crate) use effect::Effect;
 pub use effect::{EffectBuffer, Effects};
+use input::BlurUpload;
 pub(crate) use input::{ParticleUpload, VolumeUpload};
 
 /// Format of the target.
@@ -44,12 +48,24 @@ pub struct Scene<'a> {
     /// View depth of what hides the fire, in metres a pixel, rows from the top, infinity where nothing is. Given exactly
     /// if the flame was made for [`flame::SceneFormat::Buffer`] and there is no smoke.
     pub depth: Option<&'a [f32]>,
+    /// What its blur is made from.
+    pub blur: Option<BlurScene<'a>>,
     /// Whether the flame adds its repetitions to those of the frame before ([`flame::Frame::accumulate`]).
     pub accumulate: bool,
     /// Whether it is rendered, or only moves the smoke's particles on.
     pub rendered: bool,
     /// Number of the frame, in profiles and for the flame's flicker.
     pub number: u32,
+}
+
+/// What a blurred frame is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct BlurScene<'a> {
+    /// The mesh's motion.
+    pub frame: &'a BlurFrame,
+    /// Pictures of frames i and i + 1 ([`BlurFrame::images`]): linear RGBA, premultiplied, rows from the top. One that the
+    /// frame before had need not be given. Not looked at if the effect was made to draw frames.
+    pub images: [Option<&'a [[f32; 4]]>; 2],
 }
 
 /// A device, the effects on it, and what carries their input to it and pictures back.
@@ -72,12 +88,16 @@ pub struct Offline {
 struct Parts {
     smoke: Option<Smoke>,
     flame: Option<Flame>,
+    blur: Option<Blur>,
     target: Option<Image>,
     backdrop: Option<Image>,
     /// Backdrops and scene depths: each is waited for before the next.
     upload: Upload,
     volume: VolumeUpload,
     particles: ParticleUpload,
+    blur_input: BlurUpload,
+    /// Pictures of the frames that are blurred, even ones and odd ones, and which these are.
+    shown: [Option<(u32, Image)>; 2],
     /// The picture, then the layers.
     frame: Download,
     /// Single buffers.
@@ -86,20 +106,23 @@ struct Parts {
 }
 
 /// A frame of each effect.
-struct Frames {
+struct Frames<'a> {
     smoke: Option<smoke::Frame>,
     flame: Option<flame::Frame>,
+    blur: Option<blur_effect::Frame<'a>>,
 }
 
 impl Parts {
     fn effects(&self) -> impl Iterator<Item = &dyn Effect> {
         let smoke = self.smoke.iter().map(|smoke| smoke as &dyn Effect);
-        smoke.chain(self.flame.iter().map(|flame| flame as &dyn Effect))
+        let flame = self.flame.iter().map(|flame| flame as &dyn Effect);
+        smoke.chain(flame).chain(self.blur.iter().map(|blur| blur as &dyn Effect))
     }
 
     fn effects_mut(&mut self) -> impl Iterator<Item = &mut dyn Effect> {
         let smoke = self.smoke.iter_mut().map(|smoke| smoke as &mut dyn Effect);
-        smoke.chain(self.flame.iter_mut().map(|flame| flame as &mut dyn Effect))
+        let flame = self.flame.iter_mut().map(|flame| flame as &mut dyn Effect);
+        smoke.chain(flame).chain(self.blur.iter_mut().map(|blur| blur as &mut dyn Effect))
     }
 
     /// Handle, offset and size of an effect's buffer; null if there is no such effect.
@@ -107,6 +130,7 @@ impl Parts {
         let found = match buffer {
             EffectBuffer::Smoke(id) => self.smoke.as_ref().map(|smoke| smoke.buffer(id)),
             EffectBuffer::Flame(id) => self.flame.as_ref().map(|flame| flame.buffer(id)),
+            EffectBuffer::Blur(id) => self.blur.as_ref().map(|blur| blur.buffer(id)),
         };
         found.unwrap_or_default()
     }
@@ -116,7 +140,7 @@ impl Offline {
     /// Makes the effects on `device`. Each `target_format` is [`TARGET_FORMAT`].
     ///
     /// # Errors
-    /// No effect, or effects of different sizes; as [`Smoke::new`] and [`Flame::new`]. The device is lost with it.
+    /// No effect, or effects of different sizes; as [`Smoke::new`], [`Flame::new`] and [`Blur::new`]. The device is lost with it.
     pub fn new(device: Headless, effects: impl Into<Effects>) -> Result<Offline> {
         let effects = effects.into();
         let mut offline = Offline {
@@ -133,7 +157,7 @@ impl Offline {
         Ok(offline)
     }
 
-    fn create(&mut self, Effects { smoke, flame }: Effects) -> Result<()> {
+    fn create(&mut self, Effects { smoke, flame, blur }: Effects) -> Result<()> {
         let queue_family = self.device.queue_family();
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own and outlives what is made here.
@@ -143,6 +167,13 @@ impl Offline {
             }
             if let Some(desc) = flame {
                 self.parts.flame = Some(Flame::new(&host, allocator, desc)?);
+            }
+            if let Some(desc) = blur {
+                let limits = host.instance.get_physical_device_properties(host.physical_device).limits;
+                let limit = u64::from(limits.max_storage_buffer_range);
+                let (memory, wanted) = (input::device_memory(&host), desc.frames_resident);
+                let frames_resident = input::resident(wanted, desc.points, memory, limit);
+                self.parts.blur = Some(Blur::new(&host, allocator, blur_effect::Desc { frames_resident, ..desc })?);
             }
             let steps: usize = self.parts.effects().map(|effect| effect.plan_capacity().0).sum();
             self.parts.profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
@@ -171,27 +202,8 @@ impl Offline {
     /// Another size; no memory; a failed Vulkan call; a device that does not answer.
     pub fn set_backdrop(&mut self, pixels: &[[f32; 4]]) -> Result<()> {
         self.check_free()?;
-        let bytes: &[u8] = bytemuck::cast_slice(pixels);
-        if bytes.len() as u64 != pixel_bytes(self.size) {
-            let why = format!("{} pixels, {:?} expected", pixels.len(), self.size);
-            return Err(Error::HostResource { name: "background", why });
-        }
-        let size = self.size;
-        let (host, allocator) = self.device.parts();
-        // SAFETY: the device is this host's own, and every submission has been waited for.
-        let (from, image) = unsafe {
-            let image = match self.parts.backdrop.take() {
-                Some(image) => image,
-                None => Image::new(&host, allocator, &image_desc("backdrop", size))?,
-            };
-            let image = self.parts.backdrop.insert(image).handle;
-            (self.parts.upload.write(&host, allocator, "upload", bytes)?, image)
-        };
-        self.device.one_time("backdrop", |host, commands| {
-            // SAFETY: buffer and image are alive until the wait is over, and nothing else uses them.
-            unsafe { record_picture(host, commands, &from, image, size) };
-            Ok(())
-        })?;
+        let image = self.parts.backdrop.take();
+        self.parts.backdrop = Some(self.put("background", image, pixels)?);
         self.background = None;
         Ok(())
     }
@@ -215,7 +227,7 @@ impl Offline {
     /// Renders a frame and waits for it.
     ///
     /// # Errors
-    /// As [`Smoke::record`] and [`Flame::record`]; a lost device; a device that does not answer.
+    /// As [`Smoke::record`], [`Flame::record`] and [`Blur::record`]; a lost device; a device that does not answer.
     pub fn frame(&mut self, scene: &Scene) -> Result<()> {
         self.check_free()?;
         self.times = None;
@@ -224,7 +236,8 @@ impl Offline {
         let mut layers = self.layer_copies();
         layers.retain(|copy| copy.from.2 > 0);
         let target = self.target(ImageState::default()).filter(|_| scene.rendered);
-        let Parts { smoke, flame, profiler, frame: download, .. } = &mut self.parts;
+        let brought = frames.blur.as_ref().map(|frame| (frame.mesh.is_some(), frame.poses));
+        let Parts { smoke, flame, blur, blur_input, profiler, frame: download, .. } = &mut self.parts;
         let mut profiler = profiler.as_mut().filter(|_| self.timed);
         self.device.one_time(&format!("frame {}", scene.number), |host, commands| {
             let mut timing = Timing::None;
@@ -233,6 +246,9 @@ impl Offline {
                 if let Some(profiler) = profiler.as_deref_mut() {
                     profiler.begin_frame(host, commands, 0, scene.number)?;
                     timing = Timing::Profiler(profiler);
+                }
+                if let (Some(blur), Some(frame)) = (blur, &frames.blur) {
+                    blur.record(host, commands, frame, &mut timing)?;
                 }
                 if let (Some(smoke), Some(frame)) = (smoke, &frames.smoke) {
                     smoke.record(host, commands, frame, &mut timing)?;
@@ -248,30 +264,126 @@ impl Offline {
             Ok(())
         })?;
         self.is_read |= scene.rendered;
+        if let Some((mesh, poses)) = brought {
+            blur_input.recorded(mesh, poses);
+        }
         // SAFETY: the frame has been waited for.
         self.times = profiler.and_then(|profiler| unsafe { profiler.collect(&self.device.host(), 0) });
         Ok(())
     }
 
     /// Uploads what the frame brings, and says it as each effect takes it.
-    fn frames(&mut self, scene: &Scene) -> Result<Frames> {
-        // The first effect's background covers what the frame before left, whose copy has been waited for; the second
-        // one keeps what the first has made.
-        let smoke = self.smoke_frame(scene)?;
-        let state_in = if smoke.is_some() { COPIED_FROM } else { ImageState::default() };
-        let target = self.target(state_in).filter(|_| scene.rendered);
-        let flame = match (target, self.parts.flame.is_some()) {
-            (Some(target), true) => Some(self.flame_frame(scene, target)?),
+    fn frames<'a>(&mut self, scene: &Scene<'a>) -> Result<Frames<'a>> {
+        // The first effect's background covers what the frame before left, whose copy has been waited for; the others
+        // keep what it has made.
+        let target = |offline: &Offline, is_first: bool| {
+            offline.target(if is_first { ImageState::default() } else { COPIED_FROM }).filter(|_| scene.rendered)
+        };
+        let blur = match (target(self, true), self.parts.blur.is_some()) {
+            (Some(target), true) => self.blur_frame(scene, target)?,
             _ => None,
         };
-        if let (Some(_), Some(frame), Some(flame)) = (&smoke, &flame, &self.parts.flame) {
-            // Before the smoke is recorded, which would not know that its frame is never submitted.
+        let is_first = blur.is_none();
+        let smoke = self.smoke_frame(scene, target(self, is_first), is_first)?;
+        let is_first = is_first && smoke.is_none();
+        let flame = match (target(self, is_first), self.parts.flame.is_some()) {
+            (Some(target), true) => Some(self.flame_frame(scene, target, is_first)?),
+            _ => None,
+        };
+        if let (true, Some(frame), Some(flame)) = (smoke.is_some() || blur.is_some(), &flame, &self.parts.flame) {
+            // Before others are recorded, which would not know that their frame is never submitted.
             frame.validate(flame.desc(), false)?;
         }
-        Ok(Frames { smoke, flame })
+        Ok(Frames { smoke, flame, blur })
     }
 
-    fn smoke_frame(&mut self, scene: &Scene) -> Result<Option<smoke::Frame>> {
+    /// Uploads what of the pictures and of the motion is not on the device. Without a picture that is needed and not
+    /// there, an error.
+    fn blur_frame<'a>(&mut self, scene: &Scene<'a>, target: HostImage) -> Result<Option<blur_effect::Frame<'a>>> {
+        let Some(BlurScene { frame, images }) = scene.blur else {
+            return Err(Error::HostResource { name: "blur", why: "no motion: expected some".to_owned() });
+        };
+        let is_drawn = self.parts.blur.as_ref().is_some_and(|blur| blur.desc().toon);
+        let images = if is_drawn { None } else { Some(self.images(frame.images(), images)?) };
+        let background = self.background.map_or(Background::Keep, Background::Clear);
+        let (host, allocator) = self.device.parts();
+        let Parts { blur, blur_input, .. } = &mut self.parts;
+        let Some(blur) = blur else { return Ok(None) };
+        // SAFETY: the device is this host's own, and every submission has been waited for.
+        let uploaded = unsafe { blur_input.write(&host, allocator, frame, blur.desc())? };
+        let input::UploadedBlur { mesh, poses, interval } = uploaded;
+        let toon = is_drawn.then(|| ToonInput { view: interval.views[2], light: scene.light });
+        // In front of the first frame there is no interval.
+        let interval = (interval.views[1].frame != interval.views[2].frame).then_some(interval);
+        let outer = [None; 2];
+        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, outer, target, background }))
+    }
+
+    /// The images of two frames on the device: the pictures that are given, and those that are there.
+    fn images(&mut self, numbers: [u32; 2], pictures: [Option<&[[f32; 4]]>; 2]) -> Result<[HostImage; 2]> {
+        for (number, picture) in numbers.into_iter().zip(pictures) {
+            self.show(number, picture)?;
+        }
+        let shown = |number: u32| {
+            let (_, image) = self.parts.shown[number as usize % 2].as_ref().filter(|(shown, _)| *shown == number)?;
+            Some(self.host_image(image, COPIED_FROM))
+        };
+        match numbers.map(shown) {
+            [Some(before), Some(after)] => Ok([before, after]),
+            _ => {
+                let why = format!("no image of frame {} or {}: expected one", numbers[0], numbers[1]);
+                Err(Error::HostResource { name: "blur", why })
+            }
+        }
+    }
+
+    /// Puts the picture of a frame where it belongs, unless it is there.
+    fn show(&mut self, number: u32, picture: Option<&[[f32; 4]]>) -> Result<()> {
+        let place = number as usize % 2;
+        let is_there = self.parts.shown[place].as_ref().is_some_and(|(shown, _)| *shown == number);
+        let Some(pixels) = picture.filter(|_| !is_there) else { return Ok(()) };
+        let image = self.parts.shown[place].take().map(|(_, image)| image);
+        let image = self.put("blurred frame", image, pixels)?;
+        self.parts.shown[place] = Some((number, image));
+        Ok(())
+    }
+
+    /// A picture of the target's size in an image that is there, or in a new one.
+    fn put(&mut self, name: &'static str, image: Option<Image>, pixels: &[[f32; 4]]) -> Result<Image> {
+        let size = self.size;
+        let bytes: &[u8] = bytemuck::cast_slice(pixels);
+        let is_whole = bytes.len() as u64 == pixel_bytes(size);
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the device is this host's own, and every submission has been waited for.
+        unsafe {
+            let mut image = match image {
+                Some(image) => image,
+                None => Image::new(&host, allocator, &image_desc(name, size))?,
+            };
+            let wrong = || Error::HostResource { name, why: format!("{} pixels, {size:?} expected", pixels.len()) };
+            let upload =
+                if is_whole { self.parts.upload.write(&host, allocator, "upload", bytes) } else { Err(wrong()) };
+            let done = upload.and_then(|from| {
+                self.device.one_time(name, |host, commands| {
+                    // Buffer and image are alive until the wait is over, and nothing else uses them.
+                    record_picture(host, commands, &from, image.handle, size);
+                    Ok(())
+                })
+            });
+            if done.is_err() && !self.device.is_stuck() {
+                let (host, allocator) = self.device.parts();
+                image.destroy(&host, allocator);
+            }
+            done.map(|()| image)
+        }
+    }
+
+    fn smoke_frame(
+        &mut self,
+        scene: &Scene,
+        target: Option<HostImage>,
+        is_first: bool,
+    ) -> Result<Option<smoke::Frame>> {
         let Some(smoke) = &self.parts.smoke else { return Ok(None) };
         let wants_velocity = smoke.desc().velocity;
         let (host, allocator) = self.device.parts();
@@ -284,13 +396,13 @@ impl Offline {
             camera: scene.camera,
             light: scene.light,
             volume,
-            target: self.target(ImageState::default()).filter(|_| scene.rendered),
+            target,
             depth: None,
-            background: self.background(),
+            background: if is_first { self.background() } else { Background::Keep },
         }))
     }
 
-    fn flame_frame(&mut self, scene: &Scene, target: HostImage) -> Result<flame::Frame> {
+    fn flame_frame(&mut self, scene: &Scene, target: HostImage, is_first: bool) -> Result<flame::Frame> {
         let (host, allocator) = self.device.parts();
         // With smoke it is the smoke that hides the fire.
         let given = scene.depth.filter(|_| self.parts.smoke.is_none());
@@ -307,7 +419,7 @@ impl Offline {
             number: scene.number,
             accumulate: scene.accumulate,
             target,
-            background: if self.parts.smoke.is_some() { Background::Keep } else { self.background() },
+            background: if is_first { self.background() } else { Background::Keep },
             scene: self.smoke_depth().or(depth).map(SceneDepth::Buffer),
         })
     }
@@ -402,10 +514,11 @@ impl Offline {
 
     /// Device memory that the effects take, in bytes before alignment.
     pub fn memory(&self) -> u64 {
-        let Parts { smoke, flame, .. } = &self.parts;
+        let Parts { smoke, flame, blur, .. } = &self.parts;
         let smoke = smoke.as_ref().map(|smoke| Smoke::memory(smoke.desc(), u64::MAX));
         let flame = flame.as_ref().map(|flame| Flame::memory(flame.desc(), u64::MAX));
-        smoke.into_iter().chain(flame).flatten().map(|memory| memory.total()).sum()
+        let blur = blur.as_ref().map(|blur| Blur::memory(blur.desc(), u64::MAX));
+        smoke.into_iter().chain(flame).chain(blur).flatten().map(|memory| memory.total()).sum()
     }
 
     /// The smoke, if there is one.
@@ -416,6 +529,11 @@ impl Offline {
     /// The flame, if there is one.
     pub fn flame(&mut self) -> Option<&mut Flame> {
         self.parts.flame.as_mut()
+    }
+
+    /// The blur, if there is one.
+    pub fn blur(&mut self) -> Option<&mut Blur> {
+        self.parts.blur.as_mut()
     }
 
     /// The device.
@@ -430,9 +548,12 @@ impl Offline {
     }
 
     fn image(&self, image: &Option<Image>, state_in: ImageState) -> Option<HostImage> {
+        image.as_ref().map(|image| self.host_image(image, state_in))
+    }
+
+    fn host_image(&self, image: &Image, state_in: ImageState) -> HostImage {
         let (extent, state_out) = (self.size, COPIED_FROM);
-        let Image { handle, view, .. } = image.as_ref()?;
-        Some(HostImage { image: *handle, view: *view, format: TARGET_FORMAT, extent, state_in, state_out })
+        HostImage { image: image.handle, view: image.view, format: TARGET_FORMAT, extent, state_in, state_out }
     }
 }
 
@@ -445,8 +566,12 @@ impl Drop for Offline {
         // SAFETY: every submission has been waited for, or its device is lost; nothing is used afterwards.
         unsafe {
             self.parts.effects_mut().for_each(|effect| effect.destroy(&host, allocator));
-            let Parts { target, backdrop, upload, volume, particles, frame, buffer, profiler, .. } = &mut self.parts;
-            target.iter_mut().chain(backdrop).for_each(|image| image.destroy(&host, allocator));
+            let Parts {
+                target, backdrop, shown, upload, volume, particles, blur_input, frame, buffer, profiler, ..
+            } = &mut self.parts;
+            let shown = shown.iter_mut().flatten().map(|(_, image)| image);
+            target.iter_mut().chain(backdrop).chain(shown).for_each(|image| image.destroy(&host, allocator));
+            blur_input.destroy(&host, allocator);
             upload.destroy(&host, allocator);
             volume.destroy(&host, allocator);
             particles.destroy(&host, allocator);

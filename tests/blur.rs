@@ -4,6 +4,8 @@
 
 mod common;
 
+#[path = "blur/behind.rs"]
+mod behind;
 #[path = "blur/complete.rs"]
 mod complete;
 #[path = "blur/extent.rs"]
@@ -16,5 +18,7 @@ mod refine;
 mod scenes;
 #[path = "blur/shade.rs"]
 mod shade;
+#[path = "blur/toon.rs"]
+mod toon;
 #[path = "blur/trajectory.rs"]
 mod trajectory;

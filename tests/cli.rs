@@ -3,6 +3,8 @@
 //! What renders needs a Vulkan device; without one such a test says so and passes, unless `CELFX_REQUIRE_VULKAN=1`.
 #![cfg(feature = "cli")]
 
+#[path = "cli/blur.rs"]
+mod blur;
 #[path = "cli/flame.rs"]
 mod flame;
 #[path = "cli/run.rs"]
@@ -81,7 +83,7 @@ fn a_wrong_shot_is_2_and_names_file_line_key_and_what_is_allowed() {
         ("[flame]\nrepetition = 4", &["shot.toml:2: ", "flame.repetition", "did you mean flame.repetitions?"]),
         ("[flame]\nthreshold = inf", &["shot.toml:2: ", "flame.threshold = inf", "a finite number"]),
         ("[flame]\nparticles = \"builtin:sph\"", &["shot.toml:2: ", "builtin:sph", "not built yet"]),
-        ("[smoke]\n[blur]", &["shot.toml:2: ", "not built yet"]),
+        ("[blur]\nscene = \"builtin:rum\"", &["shot.toml:2: ", "builtin:rum", "builtin:run"]),
     ] {
         folder.write("shot.toml", text);
         fails(&folder, &["render", "shot.toml"], 2, needles);

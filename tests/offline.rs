@@ -32,7 +32,7 @@ fn offline(effects: impl Into<Effects>) -> Option<(Offline, common::Verdict)> {
 #[test]
 fn effects_are_at_least_one_and_of_one_size() {
     let small = flame::Desc { size: [8, 8], ..flame_desc() };
-    let apart = Effects { smoke: Some(smoke_desc()), flame: Some(small) };
+    let apart = Effects { flame: Some(small), ..smoke_desc().into() };
     for (effects, word) in [(Effects::default(), "none"), (apart, "one size")] {
         let Some(device) = common::device() else { return };
         let (headless, _verdict) = device.split();

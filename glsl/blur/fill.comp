@@ -1,4 +1,5 @@
-// Means of what has been learnt at each normal, and bins that are empty by push and pull: a workgroup a table.
+// Means of what has been learnt at each normal, and bins that are empty by push and pull: a workgroup a table. Where a frame
+// shows nothing at a normal, what the other one does is better than what it shows at others: light stays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
@@ -69,9 +70,19 @@ void main() {
         full[lane] = 0u;
     }
     barrier();
+    uint kind = gl_WorkGroupID.x & 1u;
+    uint frame = gl_WorkGroupID.x >> 1 & 1u;
+    uint object = table - (2u * frame + kind) * BINS;
+    // What its places are in the other frame, if it is of these; what this frame shows, and the other.
+    uvec3 sources = kind == 0u ? uvec3(2u * frame, 2u - 2u * frame, 2u * frame)
+        : uvec3(2u * frame + 1u, 2u - 2u * frame, 2u * frame);
     for (uint bin = lane; bin < BINS; bin += LANES) {
-        uint at = table * 9u + bin;
-        uint count = sums[at];
+        uint at = 0u;
+        uint count = 0u;
+        for (uint i = 0u; i < 3u && count == 0u; ++i) {
+            at = (object + sources[i] * BINS) * 9u + bin;
+            count = sums[at];
+        }
         if (count > 0u) {
             uvec4 units;
             for (uint i = 0u; i < 4u; ++i) {

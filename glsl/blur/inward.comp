@@ -9,6 +9,8 @@ layout(local_size_x = 256) in;
 
 const uint LANES = 256u;
 const uint MOST_TURNS = 40000u;  // of the loops of all rounds
+const uint ROUND_TURNS = 5u;     // of a round, and of what a lane does in it with one sample
+const uint SAMPLE_TURNS = 11u;
 
 shared uvec3 turn;  // list, its first and its last sample
 
@@ -51,7 +53,7 @@ void tell(uint index, uint state) {
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint turns = 0u;
-    for (uint round = 0u; round < MOST_TURNS; ++round) {
+    for (uint round = 0u; round < MOST_TURNS / ROUND_TURNS; ++round) {
         if (lane == 0u) {
             turn = uvec3(NONE, 0u, 0u);
             uint first = 8u * GRADIENT;
@@ -63,7 +65,7 @@ void main() {
         }
         barrier();
         uvec3 now = turn;
-        turns += 1u + 3u * ((now.z - now.y + LANES - 1u) / LANES);
+        turns += ROUND_TURNS + SAMPLE_TURNS * ((now.z - now.y + LANES - 1u) / LANES);
         if (now.x == NONE || turns > MOST_TURNS) {
             break;
         }

@@ -1,5 +1,5 @@
-// Which colours the frames show of objects, by their world normal; and, once these are known, how much of what departs
-// from them is the same in both frames.
+// Which colours the frames show of objects, by their world normal; once these are known, how much of what departs from them
+// is the same in both frames; and then, how good predictions from it are where both frames show a place.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -13,7 +13,7 @@ layout(std430, binding = 20) readonly buffer Tables { uvec4 tables[]; };
 layout(std430, binding = 21) buffer Sums { uint sums[]; };
 layout(std430, binding = 22) buffer Completing { uint completing[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
-layout(constant_id = 1) const uint DEPARTURES = 0;  // 1: the tables are there
+layout(constant_id = 1) const uint STAGE = 0;  // 0: colours, 1: departures, 2: errors
 #include "tables.glsl"
 
 // Of the first lane's table, bins and object, which most lanes share: pixels and channels, for both kinds; or products.
@@ -67,6 +67,15 @@ bool is_same(uint frame, ivec2 at, uint object) {
     return seen > 0u && triangles[seen - 1u].w >> 1 == object;
 }
 
+// Where the sums of this stage begin.
+uint kept_of(uint object, uint frame) {
+    uint at = products_of(object, frame);
+    if (STAGE == 2u) {
+        at += 4u;
+    }
+    return at;
+}
+
 struct Lesson {
     uint object;
     uvec2 bins;       // in this frame and in the other
@@ -93,13 +102,13 @@ Lesson lesson_of(uint frame, ivec2 at) {
     }
     vec3 shares = edges / sum;
     lesson.bins.x = bin_of(normal_at(frame, seen - 1u, base, shares));
-    lesson.units[0] = quantised(colour_at(frame + 1u, at), scale_of(frame));
+    lesson.units[0] = quantised(colour_at(frame + 1u, at), scale_of_images());
     vec4 colour;
     float weight;
     look(2u - frame, base, shares, colour, weight);
     if (lesson.bins.x != NO_BIN && weight > LEAST_WEIGHT) {
         lesson.bins.y = bin_of(normal_at(1u - frame, seen - 1u, base, shares));
-        lesson.units[1] = quantised(colour, scale_of(1u - frame));
+        lesson.units[1] = quantised(colour, scale_of_images());
     }
     return lesson;
 }
@@ -128,7 +137,7 @@ void main() {
     }
     barrier();
     bool is_usual = lesson.object == usual[0];
-    if (DEPARTURES == 0u) {
+    if (STAGE == 0u) {
         for (uint kind = 0u; kind < 2u; ++kind) {
             if (lesson.bins[kind] != NO_BIN) {
                 bool is_shared = is_usual && lesson.bins[kind] == usual[1u + kind];
@@ -141,13 +150,19 @@ void main() {
         for (uint i = 0u; i < 3u && own.x != NO_COLOUR && other.x != NO_COLOUR; ++i) {
             int d = int(lesson.units[0][i]) - int(own[i]);
             int e = int(lesson.units[1][i]) - int(other[i]);
-            uint to = is_usual ? 0u : PRODUCTS + 4u * (2u * lesson.object + frame);
-            multiply(d, e, is_usual, to);
-            multiply(e, e, is_usual, to + 2u);
+            uint to = is_usual ? 0u : kept_of(lesson.object, frame);
+            if (STAGE == 2u) {
+                int share = share_of(lesson.object, frame);
+                add(uint(abs(d - (share * e + 128 >> 8))), 0u, is_usual, to);
+                add(uint(abs(int(lesson.units[0][i]) - int(lesson.units[1][i]))), 0u, is_usual, to + 2u);
+            } else {
+                multiply(d, e, is_usual, to);
+                multiply(e, e, is_usual, to + 2u);
+            }
         }
     }
     barrier();
-    if (DEPARTURES == 0u && lane < 10u) {
+    if (STAGE == 0u && lane < 10u) {
         uint kind = lane / 5u;
         uint channel = lane % 5u;
         if (gathered[kind][channel] > 0u) {
@@ -159,7 +174,8 @@ void main() {
             }
         }
     }
-    if (DEPARTURES == 1u && lane < 2u && (departed[2u * lane] | departed[2u * lane + 1u]) != 0u) {
-        add(departed[2u * lane], departed[2u * lane + 1u], false, PRODUCTS + 4u * (2u * usual[0] + frame) + 2u * lane);
+    if (STAGE != 0u && lane < 2u && (departed[2u * lane] | departed[2u * lane + 1u]) != 0u) {
+        uint to = kept_of(usual[0], frame) + 2u * lane;
+        add(departed[2u * lane], departed[2u * lane + 1u], false, to);
     }
 }

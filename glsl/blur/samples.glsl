@@ -15,4 +15,4 @@ const uint BRIGHTEST = 18u;        // the largest value
 const uint HEADS = 20u;            // where what is left of each of four lists begins; the second's eight words later
 const uint TAILS = 24u;            // and where it ends
 const uint OVERFLOWS = 36u;        // whether there was no room for a list
-const uint PRODUCTS = 64u;         // four words an object and frame: d e and e e, 64 bits each
+const uint PRODUCTS = 64u;         // eight words an object and frame: sums of 64 bits of d e, of e e, and of two kinds of errors

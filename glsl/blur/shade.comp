@@ -47,38 +47,35 @@ vec4 mixed(Sides sides, float moved) {
     return sides.known == 3u ? both : sides.colours[sides.known >> 1];
 }
 
-// What a frame shows of an object at a normal; w below 0: nothing.
-vec4 typical(uint object, uint frame, uint kind, uint bin) {
+// What an object looks like in a frame at a normal, or what its places do in the other (kind 1); w below 0: unknown.
+vec4 typical(uint object, uint frame, uint kind, vec3 normal) {
+    uint bin = bin_of(normal);
     if (object >= params.completion.x || bin == NO_BIN) {
         return vec4(-1.0);
     }
     uvec4 units = tables[table_of(object, frame, kind) + bin];
-    float scale = scale_of(kind == 0u ? frame : 1u - frame);
-    return units.x == NO_COLOUR ? vec4(-1.0) : vec4(units) * (scale / UNITS);
+    return units.x == NO_COLOUR ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
 }
 
-float number_of(uint at, bool is_signed) {
-    uint low = completing[at];
-    uint high = completing[at + 1u];
-    return (is_signed ? float(int(high)) : float(high)) * 4294967296.0 + float(low);
+// Whether the other frame's colours are nearer to an object's than predictions, where both are known.
+bool is_better_known(uint object, uint frame) {
+    uint errors = products_of(object, frame) + 4u;
+    uvec2 predicted = uvec2(completing[errors], completing[errors + 1u]);
+    uvec2 known = uvec2(completing[errors + 2u], completing[errors + 3u]);
+    return predicted.y > known.y || (predicted.y == known.y && predicted.x > known.x);
 }
 
 // The colour in the frame that hides it of what the other one shows: typical of its normal, and as far off as has been
-// seen to stay.
+// seen to stay. w below 0: unknown.
 vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     uint object = fragment.base.w >> 1;
-    vec4 colour = typical(object, frame, 0u, bin_of(normal_at(frame, fragment.place, fragment.base, fragment.shares)));
-    if (colour.w < 0.0) {
-        return colour;
+    vec4 own = typical(object, frame, 0u, normal_at(frame, fragment.place, fragment.base, fragment.shares));
+    vec4 other = typical(object, frame, 1u, normal_at(1u - frame, fragment.place, fragment.base, fragment.shares));
+    if (own.w < 0.0 || other.w < 0.0 || is_better_known(object, frame)) {
+        return vec4(-1.0);
     }
-    vec4 other = typical(object, frame, 1u, bin_of(normal_at(1u - frame, fragment.place, fragment.base, fragment.shares)));
-    uint products = PRODUCTS + 4u * (2u * object + frame);
-    float square = number_of(products + 2u, false);
-    if (other.w >= 0.0 && square > 0.0) {
-        float slope = number_of(products, true) / square * (scale_of(frame) / scale_of(1u - frame));
-        colour += clamp(slope, 0.0, 1.0) * (known - other);
-    }
-    return clamp(colour, vec4(0.0), vec4(vec3(scale_of(frame)), 1.0));
+    vec4 colour = own + float(share_of(object, frame)) * (1.0 / 256.0) * (known - other);
+    return clamp(colour, vec4(0.0), vec4(vec3(scale_of_images()), 1.0));
 }
 
 // Colour and state of a sample.
@@ -95,8 +92,8 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
     }
     if (sides.known == 0u && COMPLETION == 1u) {
         for (uint frame = 0u; frame < 2u; ++frame) {
-            uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.shares));
-            sides.colours[frame] = typical(fragment.base.w >> 1, frame, 0u, bin);
+            vec3 normal = normal_at(frame, fragment.place, fragment.base, fragment.shares);
+            sides.colours[frame] = typical(fragment.base.w >> 1, frame, 0u, normal);
             sides.known |= sides.colours[frame].w >= 0.0 ? 1u << frame : 0u;
         }
     } else if ((mask == 1u || mask == 2u) && COMPLETION != 0u && !is_still(fragment.base)) {

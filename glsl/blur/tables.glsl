@@ -1,5 +1,5 @@
-// Colours by world normal: of each object, and each of frames i (0) and i + 1 (1), what it shows at normals (0), and what
-// the other shows of the same places (1).
+// Colours by world normal: of each object, and each of frames i (0) and i + 1 (1), what is typical of it (0), and of the
+// places that it shows in the other one (1).
 
 const uint SIDE = 32u;
 const uint BINS = SIDE * SIDE;
@@ -44,14 +44,34 @@ vec3 normal_at(uint frame, uint place, uvec4 base, vec3 shares) {
     return (base.w & 1u) == 0u && dot(a, cross(b, c)) > 0.0 ? -normal : normal;
 }
 
-// The least power of two that no channel is above, 1 to 16.
-float scale_of(uint frame) {
-    float most = min(max(uintBitsToFloat(completing[SCALES + frame]), 1.0), 16.0);
+// The least power of two that no channel of either image is above, 1 to 16.
+float scale_of_images() {
+    float most = min(max(uintBitsToFloat(max(completing[SCALES], completing[SCALES + 1u])), 1.0), 16.0);
     float scale = 1.0;
     for (uint i = 0u; i < 4u; ++i) {
         scale = scale < most ? 2.0 * scale : scale;
     }
     return scale;
+}
+
+// Where the sums of an object begin.
+uint products_of(uint object, uint frame) {
+    return PRODUCTS + 8u * (2u * object + frame);
+}
+
+float number_at(uint at, bool is_signed) {
+    uint low = completing[at];
+    uint high = completing[at + 1u];
+    return (is_signed ? float(int(high)) : float(high)) * 4294967296.0 + float(low);
+}
+
+// How much of a departure from the typical colour stays from one frame to the other, in 1/256: the least-squares slope. All,
+// where nothing departs.
+int share_of(uint object, uint frame) {
+    uint products = products_of(object, frame);
+    float square = number_at(products + 2u, false);
+    float share = square > 0.0 ? clamp(number_at(products, true) / square, 0.0, 1.0) : 1.0;
+    return int(share * 256.0 + 0.5);
 }
 
 uvec4 quantised(vec4 colour, float scale) {

@@ -1,6 +1,7 @@
 // The image that repetitions converge to: emission and absorption along each pixel's ray, depth bin by depth bin (E2 of the
 // derivation: optical depth -n ln(1 - G) of each particle). Within a bin colours mix in proportion to the optical depths, and lean towards those
-// of its neighbours: a bin is laid when the one behind it is known. Sums are integers: nothing depends on the order of the lists.
+// of its neighbours: a bin is laid when the one behind it is known. Sums are integers: nothing depends on the order of the lists. Loops end at
+// their bottom, as those of `accumulate` do.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -157,12 +158,13 @@ float narrow_rise(vec2 centre, vec2 zeta, float near, float pixel, float chance)
 }
 
 // Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
-void add_particle(uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
+void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
     vec3 view = particles[row].view.xyz;
     vec3 colour = particles[row].colour.rgb / brightest;
     int class_index = int(particles[row].draw.w);
-    float weight = uintBitsToFloat(particles[row].light.z);
-    float chance = uintBitsToFloat(particles[row].light.w);
+    vec2 weights = uintBitsToFloat(particles[row].light.zw);
+    float weight = is_one ? weights.x : 0.0;
+    float chance = weights.y;
     float pixel = params.focal.w * view.z;
     bool narrow = is_narrow(pixel);
     float near = params.lens.z - view.z;
@@ -318,7 +320,8 @@ void main() {
         clearest = floatBitsToUint(1.0);
     }
     barrier();
-    for (uint bin = first; bin < last; ++bin) {
+    uint bin = first;
+    do {
         // What is left of the tile's lists: particles that begin in the window before the bin or in it.
         if (lane < params.counts.z) {
             uint cell = cell_index(lane, tile.x >> lane, tile.y >> lane) * buckets;
@@ -336,7 +339,8 @@ void main() {
         uint to = is_seen ? min(from + control.segment_entries, total) : 0u;
         vec2 depths = vec2(scale.x + float(bin) / scale.y, scale.x + float(bin + 1u) / scale.y);
         depths = max(depths, vec2(params.lens.z));
-        for (uint at = from; at < to; at += LANES) {
+        uint at = from;
+        do {
             if (at + lane < to) {
                 uint index = at + lane;
                 uint level = 0u;
@@ -358,15 +362,19 @@ void main() {
             }
             barrier();
             uint length = queue_length[block];
-            for (uint i = 0u; i < length; ++i) {
-                add_particle(queue[block][i], depths, ray, params.focal.w, brightest);
-            }
+            uint i = 0u;
+            do {
+                bool is_one = i < length;
+                add_particle(is_one, is_one ? queue[block][i] : 0u, depths, ray, params.focal.w, brightest);
+                ++i;
+            } while (i < length);
             barrier();
             if (lane < BLOCKS) {
                 queue_length[lane] = 0u;
             }
             barrier();
-        }
+            at += LANES;
+        } while (at < to);
         if (is_last_segment) {
             lay_bin(middle(max(bin, 1u) - 1u, scale));
         }
@@ -380,7 +388,8 @@ void main() {
         }
         atomicMax(clearest, floatBitsToUint(max(own, 0.0)));
         barrier();
-    }
+        ++bin;
+    } while (bin < last);
     bool is_done = last == buckets && is_last_segment;
     if (is_done) {
         lay_bin(middle(last - 1u, scale));

@@ -2,13 +2,14 @@
 
 use ash::vk;
 
+use crate::blur::layout::TOON;
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostImage, check_image};
-use crate::view::Camera;
+use crate::view::{Camera, Light};
 
 /// Triangles that refinement may make, unless a host says otherwise.
 pub const MOST_TRIANGLES: u32 = 1_000_000;
@@ -34,6 +35,8 @@ pub struct Desc {
     pub group_triangles: u32,
     /// Whether frames may bring images of frames i - 1 and i + 2.
     pub outer: bool,
+    /// Whether there may be outputs without images, whose frames are drawn; needs normal groups and base colours.
+    pub toon: bool,
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
     pub most_triangles: u32,
@@ -59,6 +62,9 @@ impl Desc {
     }
 }
 
+/// Vertices of a mesh's triangles, as they were before they were welded, and colours of the vertices, linear RGB.
+pub type VertexColours<'a> = (&'a [[u32; 3]], &'a [[f32; 3]]);
+
 /// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
 pub struct TopologyInput {
@@ -68,8 +74,10 @@ pub struct TopologyInput {
     pub neighbour_starts: HostBuffer,
     /// The lists.
     pub neighbours: HostBuffer,
-    /// The normal groups; not needed unless `completion = "surface"`.
+    /// The normal groups; not needed unless `completion = "surface"` or frames are drawn.
     pub groups: Option<GroupInput>,
+    /// Base colours, for frames that are drawn: four `f32` a corner of a triangle, linear RGB, not negative; unused.
+    pub colours: Option<HostBuffer>,
 }
 
 /// Which corners of triangles share a normal. Usage of all buffers: `TRANSFER_SRC`.
@@ -97,6 +105,14 @@ impl GroupInput {
 }
 
 impl TopologyInput {
+    /// The rows of [`TopologyInput::colours`] of a mesh. `given`: none is white.
+    pub fn colour_rows(mesh: &Mesh, given: Option<VertexColours>) -> Vec<[f32; 4]> {
+        let white = [1.0; 4];
+        let Some((triangles, colours)) = given else { return vec![white; 3 * mesh.triangles().len()] };
+        let colour = |vertex: &u32| colours.get(*vertex as usize).map_or(white, |[r, g, b]| [*r, *g, *b, 1.0]);
+        triangles.iter().flatten().map(colour).collect()
+    }
+
     /// The rows of [`TopologyInput::triangles`] of a mesh.
     pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
         let place = |id: &u32| mesh.objects().partition_point(|object| object.id < *id);
@@ -205,6 +221,40 @@ impl Counts {
     }
 }
 
+/// How frames are drawn that the host has no images of, with [`Settings::toon`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToonInput {
+    /// Frame i + 1, as the interval has it if there is one.
+    pub view: View,
+    /// What lights them.
+    pub light: Light,
+}
+
+/// A frame that has been drawn, and all that it was drawn from that can change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    view: View,
+    light: Light,
+    background: [f32; 4],
+}
+
+impl Drawn {
+    /// Where its image is among [`crate::blur::layout::TOON`].
+    pub(super) fn place(&self) -> usize {
+        self.view.frame as usize % TOON.len()
+    }
+
+    /// Its number.
+    pub(super) fn frame(&self) -> u32 {
+        self.view.frame
+    }
+
+    /// What sees it.
+    pub(super) fn camera(&self) -> &Camera {
+        &self.view.camera
+    }
+}
+
 /// One output, i + 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
@@ -215,8 +265,10 @@ pub struct Frame<'a> {
     /// What moves; none: nothing, and the output is the image of frame i + 1.
     pub interval: Option<IntervalInput<'a>>,
     /// Images of frames i and i + 1: linear light (or a format that is read as such), premultiplied, of the target's size
-    /// and format. Usage: `TRANSFER_SRC`.
-    pub images: [HostImage; 2],
+    /// and format. Usage: `TRANSFER_SRC`. None: they are drawn.
+    pub images: Option<[HostImage; 2]>,
+    /// How they are drawn; needed where there are no images.
+    pub toon: Option<ToonInput>,
     /// Images of frames i - 1 and i + 2, as these: they show places that neither of these does. Without: what follows
     /// from colours elsewhere. They need [`Desc::outer`].
     pub outer: [Option<HostImage>; 2],
@@ -244,10 +296,16 @@ impl TopologyInput {
         holds("the mesh's lists of neighbours", &self.neighbour_starts, 4 * (u64::from(desc.points) + 1))?;
         holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))?;
         match &self.groups {
-            None if desc.settings.completion == Completion::Surface => {
-                refuse("the mesh's normal groups", "completion = \"surface\" needs them".to_owned())
+            None if desc.toon || desc.settings.completion == Completion::Surface => {
+                let why = "completion = \"surface\" and frames that are drawn need them";
+                refuse("the mesh's normal groups", why.to_owned())
             }
             groups => groups.iter().try_for_each(|groups| groups.validate(desc)),
+        }?;
+        match &self.colours {
+            Some(colours) => holds("the mesh's colours", colours, 48 * u64::from(desc.triangles)),
+            None if desc.toon => refuse("the mesh's colours", "frames that are drawn need them".to_owned()),
+            None => Ok(()),
         }
     }
 }
@@ -345,22 +403,16 @@ impl Frame<'_> {
         }
         if let Some(interval) = &self.interval {
             interval.validate(desc)?;
-            let fresh = |frame: u32| self.poses.is_some_and(|p| (p.first..p.first + p.count).contains(&frame));
-            let place = |frame: u32| resident.get((frame % desc.frames_resident) as usize).copied().flatten();
-            // What a new pose takes the place of is gone.
-            let is_covered = |frame: u32| {
-                self.poses.is_some_and(|p| {
-                    (p.first..p.first + p.count).any(|new| new % desc.frames_resident == frame % desc.frames_resident)
-                })
-            };
-            let is_there = |frame: &u32| fresh(*frame) || (place(*frame) == Some(*frame) && !is_covered(*frame));
-            if let Some(frame) = interval.frames().find(|frame| !is_there(frame)) {
-                return refuse("poses", format!("that of frame {frame} is needed and not on the device"));
-            }
+            interval.frames().try_for_each(|frame| self.needs(frame, desc, resident))?;
         }
         check_image("target", &self.target, desc.size, desc.target_format)?;
-        check_image("the image of frame i", &self.images[0], desc.size, desc.target_format)?;
-        check_image("the image of frame i + 1", &self.images[1], desc.size, desc.target_format)?;
+        match &self.images {
+            Some([previous, next]) => {
+                check_image("the image of frame i", previous, desc.size, desc.target_format)?;
+                check_image("the image of frame i + 1", next, desc.size, desc.target_format)?;
+            }
+            None => self.validate_toon(desc, resident)?,
+        }
         for (name, image) in ["the image of frame i - 1", "the image of frame i + 2"].into_iter().zip(&self.outer) {
             if let Some(image) = image {
                 check_image(name, image, desc.size, desc.target_format)?;
@@ -373,5 +425,55 @@ impl Frame<'_> {
             Background::Copy(_) => refuse("background", "an image; expected a colour or none".to_owned()),
             _ => Ok(()),
         }
+    }
+
+    /// Whether this output brings the pose of a frame.
+    pub(super) fn brings(&self, frame: u32) -> bool {
+        self.poses.is_some_and(|p| (p.first..p.first + p.count).contains(&frame))
+    }
+
+    fn needs(&self, frame: u32, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
+        let place = |frame: u32| frame % desc.frames_resident;
+        let is_resident = resident.get(place(frame) as usize).copied().flatten() == Some(frame);
+        // What a new pose takes the place of is gone.
+        let is_covered = self.poses.is_some_and(|p| (p.first..p.first + p.count).any(|new| place(new) == place(frame)));
+        match self.brings(frame) || (is_resident && !is_covered) {
+            true => Ok(()),
+            false => refuse("poses", format!("that of frame {frame} is needed and not on the device")),
+        }
+    }
+
+    fn validate_toon(&self, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
+        let Some(toon) = &self.toon else {
+            return refuse("images", "none, and no light to draw frames with".to_owned());
+        };
+        if !desc.toon {
+            return refuse("images", "none; the effect was not made to draw frames".to_owned());
+        }
+        toon.light.validate()?;
+        toon.view.camera.validate()?;
+        self.needs(toon.view.frame, desc, resident)?;
+        let Some(interval) = &self.interval else { return Ok(()) };
+        let [_, previous, next, _] = &interval.views;
+        match toon.view == *next && previous.frame.checked_add(1) == Some(next.frame) {
+            true => Ok(()),
+            false => refuse("images", format!("frame {} is drawn, the interval's is {}", toon.view.frame, next.frame)),
+        }
+    }
+
+    /// Colour where no frame shows anything but the mesh, and under frames that are drawn.
+    pub(super) fn background(&self) -> [f32; 4] {
+        match self.background {
+            Background::Clear(colour) => colour,
+            _ => [0.0; 4],
+        }
+    }
+
+    /// Frames i and i + 1 as they are drawn if there are no images of them; i only if there is an interval.
+    pub(super) fn drawn(&self) -> [Option<Drawn>; 2] {
+        let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 2] };
+        let background = self.background();
+        let previous = self.interval.as_ref().map(|interval| interval.views[1]);
+        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light, background }))
     }
 }

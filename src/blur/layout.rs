@@ -4,7 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_SEGMENTS, Piece, ROUNDS, Round, Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams,
+    Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
@@ -43,6 +44,9 @@ buffers! {
     NEXT = "Next",
     FINISHED = "Finished",
     BLOCKS_SUMS = "Blocks",
+    BASE_COLOURS = "BaseColours",
+    TOON_PARAMS = "ToonBuffer",
+    TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
     NEXT_NAMES = "NextNames",
     DISTORTED_NAMES = "DistortedNames",
@@ -52,6 +56,7 @@ buffers! {
     NEXT_LAYER = "NextLayer",
     SUBFRAME_LAYER = "SubframeLayer",
     MASK_LAYER = "MaskLayer",
+    LINES = "Lines",
     CORNER_GROUPS = "CornerGroups",
     GROUP_STARTS = "GroupStarts",
     GROUP_TRIANGLES = "GroupTriangles",
@@ -72,7 +77,8 @@ pub const MOST_TABLES: u32 = 256;
 const BINS: u64 = 1024;
 /// Words of what completion works on, before those of each object.
 pub const COMPLETING_WORDS: usize = 64;
-/// The most samples that completion fills from their neighbours, so that one round of it is within the loop budget.
+/// The most samples in one of completion's lists. A round of so many would not be within the loop budget: it and what would
+/// come after it are left out, and samples keep the side that is known.
 const MOST_LISTED: u64 = 1 << 21;
 
 /// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
@@ -93,8 +99,10 @@ pub const HOST_INTERVAL: [BufferId; 6] = [
 ];
 /// The host's normal groups: of each corner, where lists of their triangles begin, triangles.
 pub const HOST_GROUPS: [BufferId; 3] = [BufferId(BUFFERS + 10), BufferId(BUFFERS + 11), BufferId(BUFFERS + 12)];
+/// The host's base colours.
+pub const HOST_COLOURS: BufferId = BufferId(BUFFERS + 13);
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 13;
+pub const HOST_BUFFERS: usize = 14;
 
 /// Which triangle each pixel of frames i and i + 1 sees.
 pub const SEEN: [ImageId; 2] = [ImageId(0), ImageId(1)];
@@ -116,8 +124,16 @@ pub const OUTER_SEEN: [ImageId; 2] = [ImageId(10), ImageId(11)];
 pub const OUTER_DEPTH: [ImageId; 2] = [ImageId(12), ImageId(13)];
 /// The host's images of these, as shaders see them.
 pub const OUTER_FRAMES: [ImageId; 2] = [ImageId(14), ImageId(15)];
+/// Frames that are drawn because the host has no images of them: frame f stands in place f modulo their number.
+pub const TOON: [ImageId; 2] = [ImageId(16), ImageId(17)];
+/// An after-image, at four samples a pixel.
+pub const GHOST: ImageId = ImageId(18);
+/// Its format.
+pub const GHOST_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+/// Its depth.
+pub const GHOST_DEPTH: ImageId = ImageId(19);
 /// Own images.
-pub const IMAGES: u16 = 16;
+pub const IMAGES: u16 = 20;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(IMAGES);
 /// The host's images of frames i and i + 1.
@@ -134,6 +150,8 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "seen_next" => Some(SEEN[1]),
         "distorted" => Some(DISTORTED),
         "sampled" => Some(SAMPLED),
+        "ghost" => Some(GHOST),
+        "ghost_depth" => Some(GHOST_DEPTH),
         "depth_previous" => Some(SEEN_DEPTH[0]),
         "depth_next" => Some(SEEN_DEPTH[1]),
         "frame_previous" => Some(FRAMES[0]),
@@ -199,6 +217,11 @@ impl Layout {
         Ok(layout)
     }
 
+    /// Whether anything needs the mesh's normals.
+    pub fn has_normals(&self, desc: &Desc) -> bool {
+        desc.toon || self.tables > 0
+    }
+
     fn set(&mut self, id: BufferId, bytes: u64) {
         self.sizes.set(id, bytes);
     }
@@ -240,20 +263,25 @@ impl Layout {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);
+        self.set(BASE_COLOURS, if desc.toon { 48 * u64::from(desc.triangles) } else { 0 });
+        self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
+        self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });
+        // Four samples a pixel.
+        self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
         self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
         self.size_completion(desc, pixels);
     }
 
     fn size_completion(&mut self, desc: &Desc, pixels: u64) {
         let tables = u64::from(self.tables);
-        if tables > 0 {
+        if self.has_normals(desc) {
             self.set(CORNER_GROUPS, 16 * u64::from(desc.triangles));
             self.set(GROUP_STARTS, 4 * (u64::from(desc.groups) + 1));
             self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
             self.set(NORMALS, 2 * 16 * u64::from(desc.groups));
         }
         self.set(COVER, 4 * pixels);
-        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 16 * tables);
+        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
         self.set(SUMS, 4 * 4 * 9 * BINS * tables);
         self.set(TABLES, 4 * 16 * BINS * tables);
         self.set(SAMPLE_COLOURS, 4 * 16 * pixels);
@@ -308,6 +336,19 @@ impl Layout {
             usage: vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::SAMPLED,
             ..seen
         };
+        let drawn = ImageDesc {
+            name: "blur drawn frame",
+            extent: if desc.toon { desc.size } else { [1; 2] },
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+            ..frame
+        };
+        let ghost = ImageDesc {
+            name: "blur ghost",
+            extent: if desc.settings.ghosts.count > 0 { extent } else { [1; 2] },
+            format: GHOST_FORMAT,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            ..seen
+        };
         // What no frame brings is never drawn.
         let outside = if desc.outer { desc.size } else { [1, 1] };
         [
@@ -327,17 +368,25 @@ impl Layout {
             ImageDesc { name: "blur depth after", extent: outside, ..depth },
             ImageDesc { name: "blur frame before", extent: outside, ..frame },
             ImageDesc { name: "blur frame after", extent: outside, ..frame },
+            drawn,
+            drawn,
+            ghost,
+            ImageDesc { name: "blur ghost depth", extent: ghost.extent, ..depth },
         ]
     }
 
     /// Device memory, before alignment.
     pub fn memory(&self, desc: &Desc) -> Memory {
         let groups = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
-        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, groups[0], groups[1], groups[2]];
+        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, BASE_COLOURS, groups[0], groups[1], groups[2]];
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             // The host's format may take up to 16 bytes.
-            let texel = if image.format == desc.target_format { 16 } else { 4 };
+            let texel = match image.format {
+                format if format == desc.target_format => 16,
+                GHOST_FORMAT => 8,
+                _ => 4,
+            };
             memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;
         }
         memory

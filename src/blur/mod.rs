@@ -19,7 +19,8 @@ use gpu_allocator::vulkan::Allocator;
 
 pub use crate::host::Background;
 pub use frame::{
-    Counts, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, TopologyInput, Trajectories, View,
+    Counts, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput, TopologyInput,
+    Trajectories, VertexColours, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -48,6 +49,8 @@ pub struct Blur {
     on_device: OnDevice,
     /// The frame whose pose stands in each place.
     resident: Vec<Option<u32>>,
+    /// The frame that is drawn in each place.
+    drawn: [Option<frame::Drawn>; layout::TOON.len()],
     has_mesh: bool,
 }
 
@@ -88,7 +91,8 @@ impl Blur {
         let (steps, bytes) = steps::capacity(&desc);
         let plan = Plan::with_capacity(steps, bytes);
         let resident = vec![None; desc.frames_resident as usize];
-        Ok(Blur { desc, layout, passes, plan, on_device, resident, has_mesh: false })
+        let drawn = Default::default();
+        Ok(Blur { desc, layout, passes, plan, on_device, resident, drawn, has_mesh: false })
     }
 
     /// Changes the size of the picture. The next frame must bring the mesh, and poses that it needs. On error the effect is
@@ -132,12 +136,14 @@ impl Blur {
         timing: &mut Timing,
     ) -> Result<()> {
         frame.validate(&self.desc, !self.has_mesh, &self.resident)?;
-        let Blur { desc, layout, passes, plan, .. } = self;
-        Steps { plan, passes, desc, layout }.fill(frame);
+        let Blur { desc, layout, passes, plan, drawn, .. } = self;
+        Steps { plan, passes, desc, layout, drawn }.fill(frame);
         self.hand_over(frame);
         // SAFETY: the caller's.
         unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
         self.has_mesh = true;
+        self.drawn.iter_mut().for_each(|place| *place = place.filter(|drawn| !frame.brings(drawn.frame())));
+        steps::drawn(&self.desc, frame).into_iter().flatten().for_each(|new| self.drawn[new.place()] = Some(new));
         if let Some(poses) = &frame.poses {
             for new in poses.first..poses.first + poses.count {
                 self.resident[(new % self.desc.frames_resident) as usize] = Some(new);
@@ -152,6 +158,7 @@ impl Blur {
         for (place, id) in layout::HOST_TOPOLOGY.into_iter().enumerate() {
             resources.set_host_buffer(id, topology.map(|buffers| buffers[place]));
         }
+        resources.set_host_buffer(layout::HOST_COLOURS, frame.mesh.and_then(|mesh| mesh.colours));
         let groups = frame.mesh.and_then(|mesh| mesh.groups);
         let groups = groups.map(|groups| [groups.corners, groups.starts, groups.triangles]);
         for (place, id) in layout::HOST_GROUPS.into_iter().enumerate() {
@@ -173,8 +180,8 @@ impl Blur {
             resources.set_host_buffer(id, buffers.and_then(|buffers| buffers[place]));
         }
         resources.set_host_image(layout::TARGET, Some(frame.target));
-        for (id, image) in layout::HOST_FRAMES.into_iter().zip(frame.images) {
-            resources.set_host_image(id, Some(image));
+        for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
+            resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
             resources.set_host_image(id, image);
@@ -246,6 +253,9 @@ fn validate(desc: &Desc) -> Result<()> {
     if desc.triangles > desc.most_triangles || desc.most_triangles > BASE_MASK {
         let allowed = format!("from the mesh's own {} to {BASE_MASK}", desc.triangles);
         return Err(Error::setting("blur's triangles", desc.most_triangles, allowed));
+    }
+    if desc.toon && desc.groups == 0 {
+        return Err(Error::setting("blur's normal groups", 0, "at least 1 where frames are drawn"));
     }
     crate::error::within("blur's segments", desc.segments, 1, MOST_SEGMENTS as u32, "1 to 32")?;
     crate::error::within("blur's resident frames", desc.frames_resident, 4, 1 << 24, "4 to 16777216")

@@ -8,9 +8,9 @@ use glam::{DMat3, DVec3};
 use crate::blur::frame::{self, Desc, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 pub use crate::blur::motion::{Cluster, Piece};
-use crate::blur::settings::Settings;
+use crate::blur::settings::{Settings, Toon};
 use crate::layout::push_constants;
-use crate::view::Camera;
+use crate::view::{Camera, Light, LightSource};
 
 /// Triangles of a workgroup of the refinement.
 pub const BLOCK: u32 = 128;
@@ -26,6 +26,12 @@ pub const MOST_SEGMENTS: usize = 32;
 pub const PIECE_SEGMENTS: usize = 12;
 /// The most frames that they go through.
 pub const MOST_KNOTS: usize = 64;
+/// The most speed lines of a picture.
+pub const MOST_LINES: u32 = 16_384;
+/// Vertices of a speed line: two triangles for each of 16 parts.
+pub const LINE_VERTICES: u32 = 96;
+/// The most tones of a frame that is drawn.
+pub const MOST_TONES: usize = 256;
 /// The least length of an edge that is divided, in pixels.
 const LEAST_LENGTH: f32 = 0.25;
 
@@ -106,14 +112,31 @@ pub struct Control {
     pub refined: [u32; 4],
 }
 
+/// `ToonParams`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ToonParams {
+    pub light: [f32; 4],
+    pub ink: [f32; 4],
+    pub lens: [f32; 4],
+    pub counts: [u32; 4],
+    pub tones: [[f32; 4]; MOST_TONES],
+}
+
 push_constants! {
+    /// Of `lines_choose`.
+    ChooseConstants { round: u32, strips: u32 }
+    /// Of `speed_lines`.
+    SpeedConstants { colour: [f32; 4], length_of: f32, width: f32 }
+    /// Of `ghost` and `ghost_blend`.
+    GhostConstants { back: f32, opacity: f32 }
     /// Of `seams`.
     SeamConstants { from: u32 }
     /// Of `settle`.
     SettleConstants { from: u32 }
     /// Of `count`, `scan` and `emit`.
     RoundConstants { round: u32 }
-    /// Of `visibility`.
+    /// Of `visibility` and `toon`.
     VisibilityConstants { frame: u32 }
     /// Of the benchmark's `bench_extent`.
     BenchExtentConstants { first: u32, end: u32 }
@@ -231,10 +254,9 @@ impl BlurParams {
         outer: [bool; 2],
     ) -> BlurParams {
         let settings = &desc.settings;
-        let [width, height] = desc.size;
-        let mut params = BlurParams::zeroed();
-        params.views = interval.views.map(|view| View::new(&view, desc));
-        params.image = [width, height, desc.seed, interval.counts.generation];
+        let height = desc.size[1];
+        let mut params = BlurParams::of_views(desc, &interval.views, background);
+        params.image[3] = interval.counts.generation;
         let knots = match interval.trajectories {
             frame::Trajectories::Poses(knots) => knots.len() as u32,
             frame::Trajectories::Pieces(_) => 0,
@@ -248,11 +270,53 @@ impl BlurParams {
         // Each product of two sums of two products is off by less than 2^-22 of this.
         let margin = interval.counts.farthest * 6e-7;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
-        params.background = background;
         let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
         params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {
             *to = [segment.begin, segment.end, 0.0, 0.0];
+        }
+        params
+    }
+
+    /// What the kernels of a frame that stands still are told.
+    pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: [f32; 4]) -> BlurParams {
+        let mut params = BlurParams::zeroed();
+        params.views = views.map(|view| View::new(&view, desc));
+        params.image = [desc.size[0], desc.size[1], desc.seed, 0];
+        params.counts = [desc.points, desc.triangles, 0, 0];
+        params.lens[0] = views[1].camera.near as f32;
+        params.background = background;
+        params
+    }
+}
+
+/// Width of the ink in samples, of which a pixel has two a side.
+fn ink_width(toon: &Toon) -> f32 {
+    2.0 * toon.outline.width
+}
+
+/// Samples from which a line can reach a sample.
+pub fn ink_reach(toon: &Toon) -> u32 {
+    ink_width(toon).ceil() as u32 - 1
+}
+
+impl ToonParams {
+    /// What the kernels that draw a frame are told.
+    pub fn new(desc: &Desc, camera: &Camera, light: &Light) -> ToonParams {
+        let toon = &desc.settings.toon;
+        let mut params = ToonParams::zeroed();
+        params.light = match light.source {
+            LightSource::Direction(way) => row(-way.normalize(), 0.0),
+            LightSource::Position(place) => row(place, 1.0),
+        };
+        let [r, g, b] = toon.outline.colour;
+        params.ink = [r, g, b, toon.outline.strength];
+        let span = camera.half_extent(desc.size).y / f64::from(desc.size[1]);
+        params.lens = [span as f32, light.ambient as f32, ink_width(toon), 0.0];
+        params.counts = [toon.tones.len() as u32, desc.groups, 0, 0];
+        for (to, tone) in params.tones.iter_mut().zip(&toon.tones) {
+            let [r, g, b] = tone.colour;
+            *to = [r, g, b, tone.from];
         }
         params
     }

@@ -4,8 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::layout::*;
-use crate::blur::params::PIECE_SEGMENTS;
-use crate::blur::settings::{Completion, Refine, Space};
+use crate::blur::params::{PIECE_SEGMENTS, ink_reach};
+use crate::blur::settings::{Completion, Operator, Refine, Space};
 use crate::plan::{
     Blend, ColourAttachment, Declare, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage,
 };
@@ -49,8 +49,8 @@ pub struct Passes {
     pub(super) sums: PassId,
     pub(super) cover: PassId,
     pub(super) normals: PassId,
-    /// Colours at normals, and how far others are off.
-    pub(super) learn: [PassId; 2],
+    /// Colours at normals, how far others are off, and how good predictions are.
+    pub(super) learn: [PassId; 3],
     pub(super) fill: PassId,
     pub(super) shade: PassId,
     pub(super) sides: PassId,
@@ -60,6 +60,20 @@ pub struct Passes {
     pub(super) inward: [PassId; 2],
     pub(super) compose: PassId,
     pub(super) composite: PassId,
+    pub(super) colours: PassId,
+    pub(super) toon_params: PassId,
+    pub(super) toon_project: PassId,
+    pub(super) toon_see: PassId,
+    pub(super) toon_lines: PassId,
+    /// Into each place.
+    pub(super) toon: [PassId; TOON.len()],
+    pub(super) toon_background: PassId,
+    pub(super) toon_frames: PassId,
+    pub(super) ghost: PassId,
+    pub(super) ghost_blend: PassId,
+    pub(super) lines_begin: PassId,
+    pub(super) lines_choose: PassId,
+    pub(super) lines: PassId,
 }
 
 impl Passes {
@@ -135,9 +149,8 @@ impl Passes {
             sums: d.writes("blur.learn", &[SUMS]),
             cover: d.compute("blur.cover", &glsl::cover::SHADER),
             normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
-            learn: [0, 1].map(|departures| {
-                d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, departures]))
-            }),
+            learn: [0, 1, 2]
+                .map(|stage| d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, stage]))),
             fill: d.compute("blur.learn", &glsl::fill::SHADER),
             shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion])),
             sides: d.compute("blur.layers", &glsl::sides::SHADER),
@@ -147,6 +160,31 @@ impl Passes {
                 .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]))),
             compose: d.add(Pass::compute("blur.compose", &glsl::compose::SHADER).specialise([u32::from(desc.layers)])),
             composite: d.add(composite(desc)),
+            colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [BASE_COLOURS])),
+            toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
+            toon_project: d.compute("blur.toon", &glsl::project::SHADER),
+            toon_see: {
+                let extent = desc.size.map(|side| 2 * side);
+                d.add(drawing("blur.toon", &glsl::visibility_vertex::SHADER, SAMPLED, SAMPLED_DEPTH, extent))
+            },
+            toon_lines: {
+                let second = u32::from(desc.settings.toon.outline.operator == Operator::Second);
+                d.add(Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]))
+            },
+            toon: TOON.map(|image| d.add(toon(desc, image))),
+            toon_background: d.transfer("blur.background", &from_toon(&[TARGET])),
+            toon_frames: d.transfer("blur.frames", &from_toon(&FRAMES)),
+            ghost: d.add(ghost(desc).specialise([screen])),
+            ghost_blend: {
+                let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghost_blend_fragment::SHADER);
+                d.add(over_target("blur.ghosts", Topology::Quads, vertex, fragment, desc))
+            },
+            lines_begin: d.writes("blur.lines", &[TRAILING]),
+            lines_choose: d.compute("blur.lines", &glsl::lines_choose::SHADER),
+            lines: {
+                let (vertex, fragment) = (&glsl::speed_lines_vertex::SHADER, &glsl::speed_lines_fragment::SHADER);
+                d.add(over_target("blur.lines", Topology::Triangles, vertex, fragment, desc).specialise([screen]))
+            },
             list: d.list,
         }
     }
@@ -167,16 +205,16 @@ fn drawing(name: &'static str, vertex: &'static Shader, image: ImageId, depth: I
         vertex,
         fragment: &glsl::name_fragment::SHADER,
         colour: Some(ColourAttachment { image, format, clear: Some([0; 4]), blend }),
-        depth: Some(DepthAttachment {
-            image: depth,
-            format: vk::Format::D32_SFLOAT,
-            clear: Some(0.0),
-            compare: vk::CompareOp::GREATER,
-            layer: 0,
-        }),
+        depth: Some(nearest(depth)),
         extent,
     };
     Pass::raster(name, raster)
+}
+
+/// Depth that is near / W.
+fn nearest(image: ImageId) -> DepthAttachment {
+    let (format, compare) = (vk::Format::D32_SFLOAT, vk::CompareOp::GREATER);
+    DepthAttachment { image, format, clear: Some(0.0), compare, layer: 0 }
 }
 
 /// The picture over what the target has of frame i + 1.
@@ -191,4 +229,52 @@ fn composite(desc: &Desc) -> Pass {
         extent: desc.size,
     };
     Pass::raster("blur.composite", raster)
+}
+
+/// Copies of drawn frames.
+fn from_toon(to: &[ImageId]) -> Vec<(Resource, Usage)> {
+    let to = to.iter().map(|image| ((*image).into(), Usage::COPY_TARGET));
+    TOON.iter().map(|image| ((*image).into(), Usage::COPY_SOURCE)).chain(to).collect()
+}
+
+/// A frame from what its samples see.
+fn toon(desc: &Desc, image: ImageId) -> Pass {
+    let (format, blend) = (desc.target_format, Blend::Replace);
+    let raster = Raster {
+        topology: Topology::Quads,
+        vertex: &glsl::composite_vertex::SHADER,
+        fragment: &glsl::toon_fragment::SHADER,
+        colour: Some(ColourAttachment { image, format, clear: None, blend }),
+        depth: None,
+        extent: desc.size,
+    };
+    let toon = &desc.settings.toon;
+    let inked = u32::from(toon.outline.strength > 0.0);
+    Pass::raster("blur.toon", raster).specialise([inked, ink_reach(toon)])
+}
+
+/// An after-image's surface.
+fn ghost(desc: &Desc) -> Pass {
+    let blend = Blend::Replace;
+    let raster = Raster {
+        topology: Topology::Triangles,
+        vertex: &glsl::ghost_vertex::SHADER,
+        fragment: &glsl::ghost_fragment::SHADER,
+        colour: Some(ColourAttachment { image: GHOST, format: GHOST_FORMAT, clear: Some([0; 4]), blend }),
+        depth: Some(nearest(GHOST_DEPTH)),
+        extent: desc.size.map(|side| 2 * side),
+    };
+    Pass::raster("blur.ghosts", raster)
+}
+
+/// What is blended over the target.
+fn over_target(
+    name: &'static str,
+    topology: Topology,
+    vertex: &'static Shader,
+    fragment: &'static Shader,
+    desc: &Desc,
+) -> Pass {
+    let colour = ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over };
+    Pass::raster(name, Raster { topology, vertex, fragment, colour: Some(colour), depth: None, extent: desc.size })
 }

@@ -105,20 +105,18 @@ impl Default for Ghosts {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Toon {
-    /// The tones, ascending, at least one: luminance where each begins, and its colour.
+    /// The tones, ascending, at least one: luminance where each begins, and what it multiplies the mesh's base colour by.
+    /// Default: a cool shadow up to 0.45, and from there the base colour.
     pub tones: Vec<Tone>,
-    /// The ink line.
+    /// The ink line; by default from second differences, because meshes have slopes.
     pub outline: Outline,
 }
 
 impl Default for Toon {
     fn default() -> Self {
         Toon {
-            tones: vec![
-                Tone { from: 0.0, colour: [0.35, 0.10, 0.08] },
-                Tone { from: 0.45, colour: [0.80, 0.30, 0.20] },
-            ],
-            outline: Outline::default(),
+            tones: vec![Tone { from: 0.0, colour: [0.38, 0.36, 0.50] }, Tone { from: 0.45, colour: [1.0, 1.0, 1.0] }],
+            outline: Outline { operator: Operator::Second, ..Outline::default() },
         }
     }
 }

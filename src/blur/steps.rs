@@ -2,19 +2,18 @@
 
 use std::mem::offset_of;
 
-use crate::blur::frame::{Desc, Frame, IntervalInput, PoseInput, Trajectories};
+use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, Control, Knot, MOST_KNOTS, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants,
-    VisibilityConstants,
+    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES, ROUNDS,
+    Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
-use crate::blur::settings::Completion;
-use crate::host::Background;
+use crate::blur::settings::{Completion, Settings};
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 17] = [
+const MOTION_STEPS: [&str; 19] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -32,6 +31,8 @@ const MOTION_STEPS: [&str; 17] = [
     "blur.complete",
     "blur.compose",
     "blur.composite",
+    "blur.ghosts",
+    "blur.lines",
 ];
 
 /// Lanes of a workgroup of `fill`, of which there is one a table.
@@ -52,6 +53,8 @@ pub struct Steps<'a> {
     pub desc: &'a Desc,
     /// Its sizes.
     pub layout: &'a Layout,
+    /// Frames that are drawn already, each in its place.
+    pub drawn: &'a [Option<Drawn>; TOON.len()],
 }
 
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
@@ -59,22 +62,37 @@ pub fn still(desc: &Desc, frame: &Frame) -> Option<&'static str> {
     match &frame.interval {
         None => Some("nothing moves"),
         Some(interval) if interval.counts.clusters == 0 => Some("nothing moves"),
-        Some(_) if desc.settings.strength == 0.0 => Some("strength is 0"),
+        Some(_) if desc.settings.strength == 0.0 && !draws_behind(desc) => Some("strength is 0"),
         Some(_) if desc.triangles == 0 => Some("the mesh has no triangles"),
         Some(_) => None,
     }
+}
+
+/// Whether there are speed lines or after-images.
+fn draws_behind(desc: &Desc) -> bool {
+    desc.settings.lines.count > 0 || desc.settings.ghosts.count > 0
+}
+
+/// Frames i and i + 1 where an output needs them and the host has no images of them.
+pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 2] {
+    let [previous, next] = frame.drawn();
+    [previous.filter(|_| still(desc, frame).is_none()), next]
 }
 
 impl Steps<'_> {
     /// Fills it.
     pub fn fill(&mut self, frame: &Frame) {
         self.plan.clear();
-        let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
-        self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
+        if frame.images.is_some() {
+            let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
+            self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
+            self.plan.skip("blur.toon", "images are given");
+        }
         match &frame.mesh {
-            Some(_) => {
+            Some(mesh) => {
                 self.mesh();
                 self.groups();
+                self.colours(mesh);
             }
             None => self.plan.skip("blur.mesh", "unchanged"),
         }
@@ -85,25 +103,121 @@ impl Steps<'_> {
         let still = still(self.desc, frame);
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
-            return MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
-        };
-        let background = match frame.background {
-            Background::Clear(colour) => colour,
-            _ => [0.0; 4],
+            MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
+            return self.toon(frame, false);
         };
         let outer = frame.outer.map(|image| image.is_some());
-        let params = BlurParams::new(self.desc, self.layout, interval, background, outer);
+        let params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
+        self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
+        self.toon(frame, true);
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
         self.draw(outer);
-        self.frames(outer);
-        self.learn();
-        self.shade();
+        self.frames(frame, outer);
+        if self.desc.settings.strength == 0.0 {
+            // The target has frame i + 1, and only what is behind the mesh is missing.
+            let steps = ["blur.cover", "blur.normals", "blur.learn", "blur.shade", "blur.compose", "blur.composite"];
+            steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
+        } else {
+            self.learn();
+            self.shade();
+        }
+        self.ghosts();
+        self.lines(interval);
+    }
+
+    /// After-images, the earliest first.
+    fn ghosts(&mut self) {
+        let ghosts = self.desc.settings.ghosts;
+        if ghosts.count == 0 {
+            return self.plan.skip("blur.ghosts", "none are asked for");
+        }
+        for ghost in (1..=ghosts.count).rev() {
+            let share = (ghosts.count + 1 - ghost) as f32 / ghosts.count as f32;
+            let constants = GhostConstants { back: ghost as f32 * ghosts.step, opacity: ghosts.opacity * share };
+            let draw = Command::DrawIndirect { arguments: CONTROL, offset: offset_of!(Control, draw) as u64 };
+            self.plan.step_with(self.passes.ghost, draw, &constants);
+            self.plan.step_with(self.passes.ghost_blend, Command::Draw { vertices: 4 }, &constants);
+        }
+    }
+
+    /// Speed lines.
+    fn lines(&mut self, interval: &IntervalInput) {
+        let lines = self.desc.settings.lines;
+        if lines.count == 0 {
+            return self.plan.skip("blur.lines", "none are asked for");
+        }
+        let clusters = interval.counts.clusters;
+        let strips = lines.count.min(MOST_LINES / clusters);
+        if strips == 0 {
+            return self.plan.skip("blur.lines", "there are too many clusters");
+        }
+        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: u32::MAX });
+        for round in 0..3 {
+            let constants = ChooseConstants { round, strips };
+            self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
+        }
+        let [r, g, b] = lines.colour;
+        let constants = SpeedConstants {
+            colour: [r, g, b, lines.opacity],
+            length_of: lines.length,
+            width: Settings::scaled(lines.width, self.desc.size[1]),
+        };
+        let vertices = LINE_VERTICES * clusters * strips;
+        self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
+    }
+
+    /// Draws what the host has no images of, and begins the target with it. `projected`: the parameters and clip
+    /// coordinates of all frames are there.
+    fn toon(&mut self, frame: &Frame, projected: bool) {
+        let frames = drawn(self.desc, frame);
+        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return };
+        let stays =
+            |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
+        let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
+        if !projected && missing != [None; 2] {
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
+            self.plan.update(self.passes.params, PARAMS, &params);
+            self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
+        }
+        if missing != [None; 2] {
+            self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        }
+        for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
+            match missing {
+                Some(drawn) => self.draw_toon(index, &drawn, input),
+                None if wanted.is_some() => self.plan.skip("blur.toon", "the frame is there since an earlier output"),
+                None => {}
+            }
+        }
+        let (from, to, extent) = (TOON[next.place()], TARGET, self.desc.size);
+        self.plan.step(self.passes.toon_background, Command::CopyImage { from, to, extent });
+    }
+
+    /// Draws a frame, of i - 1 to i + 2 that of this `index`.
+    fn draw_toon(&mut self, index: u32, drawn: &Drawn, input: &ToonInput) {
+        let params = ToonParams::new(self.desc, drawn.camera(), &input.light);
+        self.plan.update(self.passes.toon_params, TOON_PARAMS, &params);
+        let Desc { size: [width, height], triangles, .. } = *self.desc;
+        let constants = VisibilityConstants { frame: index };
+        self.plan.step_with(self.passes.toon_see, Command::Draw { vertices: 3 * triangles }, &constants);
+        if self.desc.settings.toon.outline.strength > 0.0 {
+            let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
+            self.plan.step(self.passes.toon_lines, samples);
+        }
+        self.plan.step_with(self.passes.toon[drawn.place()], Command::Draw { vertices: 4 }, &constants);
+    }
+
+    fn colours(&mut self, mesh: &TopologyInput) {
+        let bytes = 48 * u64::from(self.desc.triangles);
+        if mesh.colours.is_some() && self.desc.toon && bytes > 0 {
+            self.plan.step(self.passes.colours, Command::CopyBuffer { from: HOST_COLOURS, to: BASE_COLOURS, bytes });
+        }
     }
 
     fn mesh(&mut self) {
@@ -116,7 +230,7 @@ impl Steps<'_> {
     }
 
     fn groups(&mut self) {
-        if self.layout.tables == 0 {
+        if !self.layout.has_normals(self.desc) {
             return;
         }
         let Desc { triangles, groups, group_triangles, .. } = *self.desc;
@@ -164,7 +278,6 @@ impl Steps<'_> {
     }
 
     fn trajectory(&mut self, interval: &IntervalInput) {
-        self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         match interval.trajectories {
             Trajectories::Poses(knots) => {
                 let current = &interval.views[1].camera;
@@ -235,9 +348,14 @@ impl Steps<'_> {
         self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
     }
 
-    fn frames(&mut self, outer: [bool; 2]) {
-        for (from, to) in HOST_FRAMES.into_iter().zip(FRAMES) {
-            self.plan.step(self.passes.frames, Command::CopyImage { from, to, extent: self.desc.size });
+    fn frames(&mut self, frame: &Frame, outer: [bool; 2]) {
+        let drawn = drawn(self.desc, frame);
+        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip(drawn) {
+            let (pass, from) = match drawn {
+                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place()]),
+                None => (self.passes.frames, from),
+            };
+            self.plan.step(pass, Command::CopyImage { from, to, extent: self.desc.size });
         }
         for i in [0, 1].into_iter().filter(|i| outer[*i]) {
             let command = Command::CopyImage { from: HOST_OUTER[i], to: OUTER_FRAMES[i], extent: self.desc.size };
@@ -260,6 +378,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.learn[0], pixels);
         self.plan.step(self.passes.fill, Command::Dispatch { threads: [FILL_LANES * 4 * self.layout.tables, 1, 1] });
         self.plan.step(self.passes.learn[1], pixels);
+        self.plan.step(self.passes.learn[2], pixels);
     }
 
     /// Samples that get their colour from neighbours: no group runs where there are none.
@@ -289,12 +408,17 @@ impl Steps<'_> {
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
     let steps = 48
+        + 24
+        + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
         + MEAN_DISPATCHES as usize
         + 2
         + desc.segments as usize
         + desc.settings.seam_smoothing as usize
         + 3 * (ROUNDS as usize + 1);
-    let bytes = size_of::<BlurParams>() + size_of::<Control>() + MOST_KNOTS * size_of::<Knot>();
+    let bytes = TOON.len() * size_of::<ToonParams>()
+        + size_of::<BlurParams>()
+        + size_of::<Control>()
+        + MOST_KNOTS * size_of::<Knot>();
     (steps, 4 * COMPLETING_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
 }

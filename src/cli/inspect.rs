@@ -164,7 +164,7 @@ fn particles(path: &Path) -> Result<Report, ReadError> {
 
 fn shot(name: &str) -> Result<Report, Failure> {
     let shot = Shot::load(name, &[])?;
-    let effects = [("smoke", shot.smoke.is_some()), ("flame", shot.flame.is_some())];
+    let effects = [("smoke", shot.smoke.is_some()), ("flame", shot.flame.is_some()), ("blur", shot.blur.is_some())];
     let effects = effects.into_iter().filter(|(_, has)| *has).map(|(name, _)| name).collect();
     Ok(Report::Shot { size: shot.size, frames: shot.frames, fps: shot.fps, effects })
 }

@@ -43,7 +43,7 @@ threads is the same bit for bit, because smoke is always stepped from the shot's
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// The shot: a TOML file, or builtin:smoke, :cloud, :flame or :campfire (`celfx shot` prints them)
+    /// The shot: a TOML file, or builtin:smoke, :cloud, :flame, :campfire or :blur (`celfx shot` prints them)
     shot: String,
     /// Frames to render, both ends included, within those of the shot [default: all]
     #[arg(long, value_name = "A-B", value_parser = frame_range)]
@@ -97,6 +97,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let shot = Shot::load(&options.shot, &options.set)?;
     let frames = options.frames.unwrap_or(shot.frames);
     check_light(&shot)?;
+    check_blur(&shot)?;
     let [first, last] = frames;
     if first < shot.frames[0] || last > shot.frames[1] {
         let [a, b] = shot.frames;
@@ -117,7 +118,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     .flatten()
     .collect();
     let timed = options.profile.is_some() || !common.quiet;
-    let layers = layers::names(shot.smoke.is_some(), shot.flame.is_some());
+    let layers = layers::names(shot.smoke.is_some(), shot.flame.is_some(), shot.blur.is_some());
     let job = Job { shot, first, outputs, layers, strips, timed, common };
     let missing = job.missing(last, options.resume)?;
     // Only what this run will write itself: another one may be at the other frames.
@@ -160,7 +161,7 @@ impl Job<'_> {
     /// Renders the `missing` frames, which are some.
     fn render(&self, missing: &[u32]) -> Result<Vec<FrameTimes>, Failure> {
         let has_layers = self.outputs.has_layers();
-        let mut inputs = Inputs::new(&self.shot)?;
+        let mut inputs = Inputs::new(&self.shot, self.common)?;
         let effects = inputs.effects(&self.shot, missing, has_layers)?;
         let background = background(&self.shot)?;
         let mut renderer =
@@ -197,6 +198,9 @@ impl Job<'_> {
         for step in steps {
             interrupt::check()?;
             let (frame, frame_times) = renderer.step(&step?)?;
+            if let Some(warning) = renderer.warning() {
+                self.say(&warning);
+            }
             if let Some(frame) = frame {
                 times.extend(frame_times);
                 send(frame)?;
@@ -279,6 +283,18 @@ fn check_light(shot: &Shot) -> Result<(), Failure> {
             let (name, light) = (&shot.name, flame.settings.light);
             let allowed = "only with smoke in the shot for the fire to tint: add a table [smoke], or leave it out";
             Err(Failure::usage(format!("{name}: flame.light = {light}: allowed: {allowed}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Behind a blur there is nothing but a colour.
+fn check_blur(shot: &Shot) -> Result<(), Failure> {
+    match (&shot.blur, &shot.background) {
+        (Some(_), Background::Image(path)) => {
+            let (name, path) = (&shot.name, path.display());
+            let allowed = "a colour or \"none\" in a shot with [blur]";
+            Err(Failure::usage(format!("{name}: background = \"{path}\": allowed: {allowed}")))
         }
         _ => Ok(()),
     }

@@ -154,3 +154,85 @@ where
     }
     Ok(())
 }
+
+/// What all effects do alike once they are made: an effect has its `desc`, the `plan` of the frame recorded last, and is
+/// `on_device`. `host_images`: those that its frames hand over.
+macro_rules! effect_methods {
+    ($effect:ident, host_images: $host_images:expr) => {
+        impl $effect {
+            /// Changes the size of the picture. The next frame must bring all that a first one does. On error the effect is
+            /// as it was.
+            ///
+            /// # Errors
+            /// As [`Self::new`].
+            ///
+            /// # Safety
+            /// As [`Self::new`], and the GPU is done with every frame recorded so far.
+            pub unsafe fn resize(&mut self, host: &Host, allocator: &mut Allocator, size: [u32; 2]) -> Result<()> {
+                let desc = Desc { size, ..self.desc.clone() };
+                // SAFETY: the caller's.
+                unsafe {
+                    let mut old = std::mem::replace(self, Self::new(host, allocator, desc)?);
+                    old.destroy(host, allocator);
+                }
+                Ok(())
+            }
+
+            /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
+            pub fn set_mode(&mut self, mode: $crate::gpu::profiler::Mode) {
+                self.on_device.set_mode(mode);
+            }
+
+            /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left;
+            /// none of them may touch the host's images or buffers, or what later frames go on from.
+            ///
+            /// # Errors
+            /// A step does not fit the effect's buffers.
+            ///
+            /// # Safety
+            /// As for [`Self::record`].
+            #[cfg(feature = "cli")]
+            pub(crate) unsafe fn replay(
+                &mut self,
+                host: &Host,
+                commands: vk::CommandBuffer,
+                plan: &Plan,
+            ) -> Result<()> {
+                // SAFETY: the caller's.
+                unsafe { self.on_device.replay(host, commands, plan, &$host_images) }
+            }
+
+            /// The list of the frame recorded last.
+            pub fn plan(&self) -> &Plan {
+                &self.plan
+            }
+
+            /// The declared passes, which the plan's steps refer to.
+            pub fn passes(&self) -> &[$crate::plan::Pass] {
+                &self.on_device.passes
+            }
+
+            /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in
+            /// [`layout`]. The last access to it was a shader's or a transfer's write.
+            pub fn buffer(&self, id: $crate::plan::BufferId) -> (vk::Buffer, u64, u64) {
+                self.on_device.buffer(id)
+            }
+
+            /// What the effect was made for.
+            pub fn desc(&self) -> &Desc {
+                &self.desc
+            }
+
+            /// Destroys what celfx made.
+            ///
+            /// # Safety
+            /// The GPU is done with every recorded frame; `host` and `allocator` are those it was made with. Nothing else is
+            /// called afterwards.
+            pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+                // SAFETY: the caller's.
+                unsafe { self.on_device.destroy(host, allocator) };
+            }
+        }
+    };
+}
+pub(crate) use effect_methods;

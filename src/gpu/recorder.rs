@@ -336,6 +336,17 @@ impl Walk<'_> {
         Ok(())
     }
 
+    /// Brings an own image into the layout in which a copy is fastest, or `back`.
+    unsafe fn leave_general(&self, id: ImageId, usage: &Usage, back: bool) {
+        if let ImageSlot::Own(image) = &self.resources.images[usize::from(id.0)] {
+            let copied = used(usage);
+            let general = ImageState { layout: vk::ImageLayout::GENERAL, ..copied };
+            let (from, to) = if back { (copied, general) } else { (general, copied) };
+            // SAFETY: the caller's.
+            unsafe { transition(self.host, self.commands, image.handle, vk::ImageAspectFlags::COLOR, from, to) };
+        }
+    }
+
     unsafe fn transfer(&self, step: &Step, pass: &Pass) -> Result<()> {
         let device = self.host.device;
         // SAFETY: the caller's.
@@ -368,20 +379,14 @@ impl Walk<'_> {
                         .src_subresource(layers)
                         .dst_subresource(layers)
                         .extent(vk::Extent3D { width, height, depth: 1 })];
-                    let source = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
+                    let source = (self.resources.image(from), vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
                     let target = (self.resources.image(to), vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-                    let is_own = matches!(self.resources.images[usize::from(to.0)], ImageSlot::Own(_));
                     // An own image leaves its layout for the copy: the copy is all that touches it at its stage.
-                    let state = |layout| ImageState { layout, ..used(&Usage::COPY_TARGET) };
-                    let (general, copied) = (state(vk::ImageLayout::GENERAL), state(target.1));
-                    let turn = |from, to| {
-                        if is_own {
-                            transition(self.host, self.commands, target.0, vk::ImageAspectFlags::COLOR, from, to);
-                        }
-                    };
-                    turn(general, copied);
+                    self.leave_general(from, &Usage::COPY_SOURCE, false);
+                    self.leave_general(to, &Usage::COPY_TARGET, false);
                     device.cmd_copy_image(self.commands, source.0, source.1, target.0, target.1, &regions);
-                    turn(copied, general);
+                    self.leave_general(from, &Usage::COPY_SOURCE, true);
+                    self.leave_general(to, &Usage::COPY_TARGET, true);
                 }
                 Command::CopyDepth { from, to, extent: [width, height] } => {
                     let layers = vk::ImageSubresourceLayers {

@@ -1,4 +1,4 @@
-//! Pictures: PNG, EXR, animated GIF. All in memory is linear light with premultiplied alpha, rows from the top, unless
+//! Pictures: PNG, EXR, JPEG (read only), animated GIF (written only). All in memory is linear light with premultiplied alpha, rows from the top, unless
 //! said; 8-bit pixels are sRGB with straight alpha.
 
 use std::fs::{self, File};
@@ -117,10 +117,19 @@ pub(super) fn limits() -> image::Limits {
 
 /// Reads a PNG of any bit depth as sRGB (a profile in the file is not looked at) into linear premultiplied pixels.
 pub fn read_png(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
+    read_coded(path, image::ImageFormat::Png, "PNG")
+}
+
+/// Reads a JPEG as sRGB (a profile in the file is not looked at) into linear pixels.
+pub fn read_jpeg(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
+    read_coded(path, image::ImageFormat::Jpeg, "JPEG")
+}
+
+fn read_coded(path: &Path, format: image::ImageFormat, name: &str) -> Result<Picture<[f32; 4]>, ReadError> {
     let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
-    let mut reader = image::ImageReader::with_format(BufReader::new(file), image::ImageFormat::Png);
+    let mut reader = image::ImageReader::with_format(BufReader::new(file), format);
     reader.limits(limits());
-    let expected = format!("a whole PNG picture of at most {MAX_SIDE} pixels a side");
+    let expected = format!("a whole {name} picture of at most {MAX_SIDE} pixels a side");
     let picture = reader.decode().map_err(|error| ReadError::file(path, error, expected))?.into_rgba16();
     let table: Vec<f32> = (0..=u16::MAX).map(|v| linear_from_srgb(f64::from(v) / 65535.0) as f32).collect();
     let linear = |&image::Rgba([r, g, b, a]): &image::Rgba<u16>| {

@@ -1,11 +1,11 @@
-//! Pictures by file name: PNG (8-bit sRGB, straight alpha) or EXR (linear 32-bit float, premultiplied).
+//! Pictures by file name: PNG (8-bit sRGB, straight alpha) or EXR (linear 32-bit float, premultiplied). JPEG can be read.
 
 use std::path::Path;
 
-use super::image::{Picture, read_exr, read_png, write_exr, write_png};
+use super::image::{Picture, read_exr, read_jpeg, read_png, write_exr, write_png};
 use super::{ReadError, WriteError};
 
-/// The formats of pictures.
+/// The formats of pictures that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// 8-bit sRGB with straight alpha.
@@ -26,14 +26,21 @@ impl Format {
     }
 }
 
-/// Reads a PNG or EXR file into linear premultiplied pixels. An EXR file needs channels R, G and B; without A it is
-/// opaque.
+/// Reads a PNG, EXR or JPEG file into linear premultiplied pixels. An EXR file needs channels R, G and B; without A it
+/// is opaque.
 pub fn read(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
     match Format::of(path) {
         Some(Format::Png) => read_png(path),
         Some(Format::Exr) => read_exr_pixels(path),
-        None => Err(ReadError::file(path, "not a known kind of picture", "a name that ends in .png or .exr")),
+        None if is_jpeg(path) => read_jpeg(path),
+        None => {
+            Err(ReadError::file(path, "not a known kind of picture", "a name that ends in .png, .exr, .jpg or .jpeg"))
+        }
     }
+}
+
+fn is_jpeg(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("jpg") || e.eq_ignore_ascii_case("jpeg"))
 }
 
 fn read_exr_pixels(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
@@ -83,6 +90,9 @@ mod tests {
         let grey = folder.0.join("y.exr");
         write_exr(&grey, [1, 1], &[0.25f32]).expect("written");
         assert!(read(&grey).expect_err("no colour").to_string().contains("channels Y"));
-        assert!(read(&folder.0.join("a.bmp")).expect_err("unknown").to_string().contains(".png or .exr"));
+        assert!(read(&folder.0.join("a.bmp")).expect_err("unknown").to_string().contains(".png, .exr, .jpg"));
+        image::RgbImage::from_raw(8, 8, vec![188; 192]).expect("pixels").save(folder.0.join("a.jpg")).expect("written");
+        let jpeg = read(&folder.0.join("a.jpg")).expect("readable");
+        assert!(jpeg.size == [8, 8] && (jpeg.pixels[9][0] - 0.5).abs() < 0.01 && jpeg.pixels[9][3] == 1.0, "{jpeg:?}");
     }
 }

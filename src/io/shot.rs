@@ -9,10 +9,14 @@
 //! volume = "plume.####.npz"                 # relative to the shot's file
 //! [flame]
 //! particles = "fire.####.npz"
+//! [blur]
+//! scene = "walk.glb"
+//! images = "frames/####.png"
 //! ```
 //!
-//! `celfx shot builtin:campfire` prints one with every key.
+//! `celfx shot builtin:campfire` and `celfx shot builtin:blur` print every key.
 
+mod camera;
 mod keys;
 mod read;
 mod texture;
@@ -27,13 +31,16 @@ use glam::DVec3;
 
 use super::ReadError;
 use super::particles::ParticleSequence;
-use super::pattern::PatternError;
+use super::pattern::{Pattern, PatternError};
 use super::picture::Format;
+use super::scene::{self, AnimatedMesh, Clock};
 use super::volume::{Grids, VolumeSequence};
+use crate::blur;
 use crate::error::Error;
 use crate::flame::{self, settings::Colour};
 use crate::smoke::settings::Settings;
 use crate::view::{Camera, Light, LightSource};
+use camera::CameraTrack;
 use track::Track;
 use tree::Tree;
 
@@ -43,6 +50,7 @@ pub const BUILTIN: &[(&str, &str)] = &[
     ("builtin:cloud", include_str!("shot/cloud.toml")),
     ("builtin:flame", include_str!("shot/flame.toml")),
     ("builtin:campfire", include_str!("shot/campfire.toml")),
+    ("builtin:blur", include_str!("shot/blur.toml")),
 ];
 
 /// What is behind the effects.
@@ -80,6 +88,19 @@ pub struct Flame {
     pub settings: flame::Settings,
 }
 
+/// `[blur]`: its input and its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blur {
+    /// Where the animated mesh comes from.
+    pub scene: scene::Source,
+    /// The animation of the file that is played; none: its first.
+    pub animation: Option<String>,
+    /// The frames that are blurred, one picture each; none: they are drawn.
+    pub images: Option<Pattern>,
+    /// Everything else; validated.
+    pub settings: blur::Settings,
+}
+
 #[derive(Clone, Debug, PartialEq)]
 enum LightTrack {
     Direction(Track<DVec3>),
@@ -107,12 +128,9 @@ pub struct Shot {
     pub smoke: Option<Smoke>,
     /// The fire.
     pub flame: Option<Flame>,
-    eye: Track<DVec3>,
-    target: Track<DVec3>,
-    up: Track<DVec3>,
-    vertical_fov: Track<f64>,
-    near: Track<f64>,
-    far: Track<f64>,
+    /// The motion blur of an animated mesh.
+    pub blur: Option<Blur>,
+    camera: CameraTrack,
     light: LightTrack,
     ambient: Track<f64>,
 }
@@ -170,35 +188,29 @@ impl Shot {
 
     fn from_tree(tree: &Tree, folder: &Path) -> Result<Shot, ShotError> {
         tree.check_keys()?;
-        let camera = Camera::default();
         let light = Light::default();
-        if tree.get("camera.file").is_some() {
-            return Err(tree.not_allowed("camera.file"));
-        }
+        let (frames, fps) = (tree.frames()?, tree.fps()?);
         let shot = Shot {
             name: tree.name.clone(),
             folder: folder.to_owned(),
             size: tree.size()?,
-            frames: tree.frames()?,
-            fps: tree.fps()?,
+            frames,
+            fps,
             seed: tree.seed()?,
             background: match tree.background()? {
                 Background::Image(path) => Background::Image(folder.join(path)),
                 other => other,
             },
-            eye: tree.vector("camera.eye", camera.eye)?,
-            target: tree.vector("camera.target", camera.target)?,
-            up: tree.vector("camera.up", camera.up)?,
-            vertical_fov: tree.number("camera.vertical_fov", camera.vertical_fov)?,
-            near: tree.number("camera.near", camera.near)?,
-            far: tree.number("camera.far", camera.far)?,
+            camera: CameraTrack::new(tree, folder, frames, fps)?,
             light: light_track(tree, light)?,
             ambient: tree.number("light.ambient", light.ambient)?,
             smoke: tree.get("smoke").map(|_| smoke(tree, folder)).transpose()?,
             flame: tree.get("flame").map(|_| flame(tree, folder)).transpose()?,
+            blur: tree.get("blur").map(|_| blur(tree, folder, frames)).transpose()?,
         };
-        if shot.smoke.is_none() && shot.flame.is_none() {
-            let message = "the shot holds no effect: add a table [smoke] or [flame] (every key of it has a default)";
+        if shot.smoke.is_none() && shot.flame.is_none() && shot.blur.is_none() {
+            let message =
+                "the shot holds no effect: add a table [smoke], [flame] or [blur] (every key of it has a default)";
             return Err(ShotError::Wrong { place: tree.name.clone(), message: message.to_owned() });
         }
         shot.check_frames(tree)?;
@@ -222,16 +234,16 @@ impl Shot {
         self.flame.as_ref().map(sequence).transpose()
     }
 
-    /// The camera at `frame`.
-    pub fn camera(&self, frame: u32) -> Camera {
-        Camera {
-            eye: self.eye.at(frame),
-            target: self.target.at(frame),
-            up: self.up.at(frame),
-            vertical_fov: self.vertical_fov.at(frame),
-            near: self.near.at(frame),
-            far: self.far.at(frame),
-        }
+    /// The animated mesh, read or made; none without blur.
+    pub fn scene(&self) -> Result<Option<AnimatedMesh>, ReadError> {
+        let clock = Clock { first: self.frames[0], fps: self.fps };
+        let open = |Blur { scene, animation, .. }: &Blur| AnimatedMesh::open(scene, animation.as_deref(), clock);
+        self.blur.as_ref().map(open).transpose()
+    }
+
+    /// The camera at `frame`, which may lie between two.
+    pub fn camera(&self, frame: impl Into<f64>) -> Camera {
+        self.camera.at(frame.into())
     }
 
     /// The light at `frame`.
@@ -257,8 +269,7 @@ impl Shot {
 
     fn is_still(&self) -> bool {
         let (LightTrack::Direction(light) | LightTrack::Position(light)) = &self.light;
-        [&self.eye, &self.target, &self.up, light].into_iter().all(Track::is_constant)
-            && [&self.vertical_fov, &self.near, &self.far, &self.ambient].into_iter().all(Track::is_constant)
+        self.camera.is_constant() && light.is_constant() && self.ambient.is_constant()
     }
 }
 
@@ -333,6 +344,43 @@ fn flame(tree: &Tree, folder: &Path) -> Result<Flame, ShotError> {
         hold: tree.flag("flame.hold")?,
         settings,
     })
+}
+
+fn blur(tree: &Tree, folder: &Path, [first, last]: [u32; 2]) -> Result<Blur, ShotError> {
+    const ELSEWHERE: &[&str] = &["scene", "animation", "images"];
+    let tones = tree.word("blur.toon.tones");
+    let elsewhere = [ELSEWHERE, if tones.is_some() { &["toon.tones"] } else { &[] }].concat();
+    let mut settings: blur::Settings = tree.settings("blur", &elsewhere)?;
+    if let Some(file) = tones {
+        settings.toon.tones = texture::tones(&folder.join(file))?;
+    }
+    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
+    let scene = tree.text("blur.scene")?.unwrap_or_else(|| "builtin:run".to_owned());
+    let scene = scene::Source::named(&scene, folder).map_err(|e| pattern_error(tree, "blur.scene", &e))?;
+    let animation = tree.text("blur.animation")?;
+    if let (scene::Source::Builtin(_), Some(name)) = (&scene, &animation) {
+        let message = format!("blur.animation = \"{name}\": allowed: only with a glTF file as blur.scene");
+        return Err(tree.wrong("blur.animation", message));
+    }
+    let is_cache = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    match &scene {
+        scene::Source::File(path) if is_cache(path) && settings.trajectory == blur::settings::Trajectory::Exact => {
+            let message = "blur.trajectory = \"exact\": allowed: \"spline\"; an .npz file has no poses between frames";
+            return Err(tree.wrong("blur.trajectory", message.to_owned()));
+        }
+        _ => {}
+    }
+    let images = match tree.text("blur.images")? {
+        Some(pattern) => {
+            let pattern = Pattern::parse(&pattern).and_then(|pattern| {
+                pattern.check_frames(first, last)?;
+                Ok(pattern.below(folder))
+            });
+            Some(pattern.map_err(|e| pattern_error(tree, "blur.images", &e))?)
+        }
+        None => None,
+    };
+    Ok(Blur { scene, animation, images, settings })
 }
 
 /// A refused name of an input, with its place in the shot.

@@ -3,7 +3,7 @@
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-use crate::blur::Blur;
+use crate::blur::{self, Blur};
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame, SceneFormat};
 use crate::gpu::profiler::Mode;
@@ -18,30 +18,44 @@ pub struct Effects {
     pub smoke: Option<smoke::Desc>,
     /// The flame. With smoke its scene is the smoke's depth, whatever this says.
     pub flame: Option<flame::Desc>,
+    /// The blur, which is behind the others. `frames_resident` is how many frames the sequence has.
+    pub blur: Option<blur::Desc>,
 }
 
 impl From<smoke::Desc> for Effects {
     fn from(desc: smoke::Desc) -> Effects {
-        Effects { smoke: Some(desc), flame: None }
+        Effects { smoke: Some(desc), ..Effects::default() }
     }
 }
 
 impl From<flame::Desc> for Effects {
     fn from(desc: flame::Desc) -> Effects {
-        Effects { smoke: None, flame: Some(desc) }
+        Effects { flame: Some(desc), ..Effects::default() }
+    }
+}
+
+impl From<blur::Desc> for Effects {
+    fn from(desc: blur::Desc) -> Effects {
+        Effects { blur: Some(desc), ..Effects::default() }
     }
 }
 
 impl Effects {
     /// The size of the picture that all of them make.
     pub(super) fn size(&self) -> Result<[u32; 2]> {
+        let sizes = [
+            ("smoke", self.smoke.as_ref().map(|desc| desc.size)),
+            ("flame", self.flame.as_ref().map(|desc| desc.size)),
+            ("blur", self.blur.as_ref().map(|desc| desc.size)),
+        ];
+        let mut sizes = sizes.into_iter().filter_map(|(name, size)| Some((name, size?)));
         let refuse = |why: String| Err(Error::HostResource { name: "effects", why });
-        match (self.smoke.as_ref().map(|desc| desc.size), self.flame.as_ref().map(|desc| desc.size)) {
-            (Some(smoke), Some(flame)) if smoke != flame => {
-                refuse(format!("smoke of {smoke:?} pixels, flame of {flame:?}; expected one size"))
+        let Some((first, size)) = sizes.next() else { return refuse("none; expected at least one".to_owned()) };
+        match sizes.find(|(_, other)| *other != size) {
+            Some((name, other)) => {
+                refuse(format!("{first} of {size:?} pixels, {name} of {other:?}; expected one size"))
             }
-            (Some(size), _) | (None, Some(size)) => Ok(size),
-            (None, None) => refuse("none; expected at least one".to_owned()),
+            None => Ok(size),
         }
     }
 
@@ -61,6 +75,8 @@ pub enum EffectBuffer {
     Smoke(BufferId),
     /// Of [`flame::layout`].
     Flame(BufferId),
+    /// Of [`blur::layout`].
+    Blur(BufferId),
 }
 
 /// An effect that has been made. What differs from one to the other is how it is made and what its frames are.

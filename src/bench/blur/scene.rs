@@ -155,6 +155,7 @@ impl Scene {
             groups: self.mesh.group_triangles().starts.len() as u32 - 1,
             group_triangles: self.mesh.group_triangles().items.len() as u32,
             outer: false,
+            toon: false,
             most_triangles: most_triangles.max(triangles),
             segments: Desc::segments_of(settings),
             frames_resident: self.poses.len() as u32,

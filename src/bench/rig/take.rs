@@ -180,6 +180,7 @@ impl TakeUpload {
                     starts: buffer(GROUP_STARTS),
                     triangles: buffer(GROUP_TRIANGLES),
                 }),
+                colours: None,
             }),
             poses: self.is_first.then(|| PoseInput {
                 first: self.poses[0],
@@ -197,7 +198,8 @@ impl TakeUpload {
                 hull: buffer(HULL),
                 seams: buffer(SEAMS),
             }),
-            images: [image(&self.images[0]), image(&self.images[1])],
+            images: Some([image(&self.images[0]), image(&self.images[1])]),
+            toon: None,
             outer: [None; 2],
             target,
             background,

@@ -3,11 +3,14 @@
 use super::input::Step;
 use super::layers;
 use super::outputs::Frame;
+use crate::blur;
+use crate::blur::params::Control;
 use crate::cli::{Common, Failure};
 use crate::gpu::headless::{Headless, Messages, Options};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
-use crate::offline::{Effects, Offline, Scene};
+use crate::offline::{BlurScene, EffectBuffer, Effects, Offline, Scene};
+use crate::plan::Plan;
 use crate::profile::FrameTimes;
 use crate::smoke::Sequence;
 
@@ -20,6 +23,8 @@ pub(super) struct Renderer<'a> {
     /// Particles of the frame rendered last.
     particles: usize,
     timed: bool,
+    /// What is to be said of the frame rendered last.
+    warning: Option<String>,
 }
 
 impl<'a> Renderer<'a> {
@@ -36,16 +41,17 @@ impl<'a> Renderer<'a> {
         let headless = Headless::new(&options)?;
         let messages = headless.messages();
         let mut offline = Offline::new(headless, effects.clone())?;
-        if layers {
-            offline.set_layers(&layers::buffers(&effects))?;
-        }
+        let mut buffers = if layers { layers::buffers(&effects) } else { Vec::new() };
+        // The last one tells how the refinement ended.
+        buffers.extend(effects.blur.iter().map(|_| EffectBuffer::Blur(blur::layout::CONTROL)));
+        offline.set_layers(&buffers)?;
         match (&shot.background, background) {
             (_, Some(picture)) => offline.set_backdrop(&picture.pixels)?,
             (Background::Colour([r, g, b]), None) => offline.set_background([*r, *g, *b, 1.0]),
             _ => offline.set_background([0.0; 4]),
         }
         check(&messages)?;
-        Ok(Renderer { offline, messages, shot, effects, particles: 0, timed })
+        Ok(Renderer { offline, messages, shot, effects, particles: 0, timed, warning: None })
     }
 
     /// The device, the memory that the effects take, and what the shot left to its input, for people.
@@ -62,7 +68,7 @@ impl<'a> Renderer<'a> {
 
     /// Takes a step, and renders it if that is asked for. With smoke, steps come without gaps from the shot's first frame.
     pub(super) fn step(&mut self, step: &Step) -> Result<(Option<Frame>, Option<FrameTimes>), Failure> {
-        let Renderer { offline, shot, effects, particles, .. } = self;
+        let Renderer { offline, shot, effects, particles, warning, .. } = self;
         let Step { number, rendered, .. } = *step;
         offline.set_timed(self.timed && rendered);
         offline.frame(&Scene {
@@ -73,17 +79,32 @@ impl<'a> Renderer<'a> {
             volume: step.volume.as_deref(),
             particles: step.particles.as_deref(),
             depth: None,
+            blur: step.blur.as_ref().map(|blur| BlurScene {
+                frame: &blur.frame,
+                images: [0, 1].map(|i| blur.images[i].as_deref().map(|picture| &picture.pixels[..])),
+            }),
             accumulate: false,
             rendered,
             number,
         })?;
         check(&self.messages)?;
         *particles = step.particles.as_ref().map_or(*particles, |particles| particles.position.len());
+        let is_still = offline.blur().is_some_and(|blur| is_skipped(blur.plan(), "blur.refine"));
+        *warning = step.blur.as_ref().and_then(|_| ended(offline, effects, number));
         let frame = rendered.then(|| {
-            let layers = layers::decode(effects, &offline.layers(), *particles);
+            let is_alone = effects.smoke.is_none() && effects.flame.is_none();
+            let picture = offline.picture();
+            let motion = step.blur.as_ref().map(|blur| &blur.frame);
+            let blurred = motion.map(|motion| layers::Blurred { motion, picture, is_alone, is_still });
+            let layers = layers::decode(effects, &offline.layers(), *particles, blurred.as_ref());
             Frame { number, pixels: offline.picture().to_vec(), layers }
         });
         Ok((frame, offline.times()))
+    }
+
+    /// What is to be said of the frame rendered last.
+    pub(super) fn warning(&mut self) -> Option<String> {
+        self.warning.take()
     }
 
     /// Destroys everything; what validation says about that is an error too.
@@ -91,6 +112,34 @@ impl<'a> Renderer<'a> {
         drop(self.offline);
         check(&self.messages)
     }
+}
+
+fn is_skipped(plan: &Plan, name: &str) -> bool {
+    plan.skipped.iter().any(|(skipped, _)| *skipped == name)
+}
+
+/// Says it where a frame's refinement did not come to its own end.
+fn ended(offline: &mut Offline, effects: &Effects, number: u32) -> Option<String> {
+    let desc = effects.blur.as_ref()?;
+    if is_skipped(offline.blur()?.plan(), "blur.refine") {
+        return None;
+    }
+    let layers = offline.layers();
+    let control: Control = layers.last()?.get(..size_of::<Control>()).map(bytemuck::pod_read_unaligned)?;
+    let [triangles, _, end, open] = control.refined;
+    let (key, value) = match desc.settings.refine {
+        blur::settings::Refine::Error => ("blur.tolerance", desc.settings.tolerance),
+        blur::settings::Refine::Length => ("blur.edge", desc.settings.edge),
+    };
+    let why = match end {
+        0 => return None,
+        1 => "there is room for no more".to_owned(),
+        _ => format!("{} rounds are the most", blur::params::ROUNDS),
+    };
+    Some(format!(
+        "frame {number}: the blur's refinement ended at {triangles} triangles, {open} of which are coarser than \
+         {key} = {value} asks for: {why}. Raise {key}, or use a simpler mesh"
+    ))
 }
 
 /// A message of validation is an error.

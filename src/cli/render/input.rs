@@ -1,17 +1,21 @@
-//! What frames are rendered from: the shot's volumes and particles, read ahead of the renderer.
+//! What frames are rendered from: the shot's volumes, particles, poses and images, read ahead of the renderer.
 
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 use super::Failure;
+use crate::cli::Common;
 use crate::flame::settings::{Colour, Settings};
 use crate::flame::{self, mean_spacing};
 use crate::io::ReadError;
+use crate::io::image::Picture;
 use crate::io::particles::{ParticleSequence, Particles};
+use crate::io::pattern::Pattern;
+use crate::io::picture;
 use crate::io::sequence::{Input, Sequence};
 use crate::io::shot::Shot;
 use crate::io::volume::{Volume, VolumeSequence};
-use crate::offline::{Effects, TARGET_FORMAT};
+use crate::offline::{BlurError, BlurFrame, BlurInput, Effects, TARGET_FORMAT};
 use crate::smoke;
 use crate::view::LightSource;
 
@@ -22,7 +26,20 @@ const DEFAULT_SPREAD: f32 = 0.1;
 pub(super) struct Inputs {
     volumes: Option<VolumeSequence>,
     particles: Option<ParticleSequence>,
+    blur: Option<BlurInput>,
+    images: Option<Images>,
 }
+
+/// The pictures of the frames that are blurred.
+struct Images {
+    pattern: Pattern,
+    size: [u32; 2],
+    /// The last two that were read.
+    last: Vec<(u32, Image)>,
+}
+
+/// A picture in memory.
+pub(super) type Image = Arc<Picture<[f32; 4]>>;
 
 /// A frame, and what it brings.
 pub(super) struct Step {
@@ -34,15 +51,46 @@ pub(super) struct Step {
     pub(super) volume: Option<Arc<Volume>>,
     /// Its particles; none where they are those of the last rendered step, and where it is not rendered.
     pub(super) particles: Option<Arc<Particles>>,
+    /// What its blur is made from; none where it is not rendered.
+    pub(super) blur: Option<Blurred>,
+}
+
+/// What a blurred frame is made from.
+pub(super) struct Blurred {
+    /// The motion.
+    pub(super) frame: BlurFrame,
+    /// The pictures of the frames that it is between.
+    pub(super) images: [Option<Image>; 2],
 }
 
 /// A step, or why there are no more.
-pub(super) type Read = Result<Step, ReadError>;
+pub(super) type Read = Result<Step, Failure>;
+
+impl From<BlurError> for Failure {
+    fn from(error: BlurError) -> Failure {
+        match error {
+            BlurError::Read(error) => error.into(),
+            BlurError::Effect(error) => error.into(),
+        }
+    }
+}
 
 impl Inputs {
-    /// Nothing is read yet.
-    pub(super) fn new(shot: &Shot) -> Result<Inputs, Failure> {
-        Ok(Inputs { volumes: shot.volumes()?, particles: shot.particles()? })
+    /// Of all this only the animated mesh is read now.
+    pub(super) fn new(shot: &Shot, common: &Common) -> Result<Inputs, Failure> {
+        let images = match shot.blur.as_ref().and_then(|blur| blur.images.clone()) {
+            Some(pattern) => Some(Images::new(pattern, shot)?),
+            None => None,
+        };
+        let blur = match (shot.scene()?, &shot.blur) {
+            (Some(scene), Some(blur)) => {
+                let of_shot = shot.clone();
+                let camera = move |frame: f64| of_shot.camera(frame);
+                Some(BlurInput::new(scene, camera, shot.frames, &blur.settings, shot.size, common.threads())?)
+            }
+            _ => None,
+        };
+        Ok(Inputs { volumes: shot.volumes()?, particles: shot.particles()?, blur, images })
     }
 
     /// What the effects are made for that render the `missing` frames, and keep their layers if that is asked for.
@@ -86,6 +134,7 @@ impl Inputs {
                 skipping: true,
             });
         }
+        effects.blur = self.blur.as_ref().map(|blur| blur.desc(shot.size, shot.seed, self.images.is_none(), layers));
         Ok(effects)
     }
 
@@ -99,7 +148,7 @@ impl Inputs {
         let (mut volume, mut particles) = (None, None);
         for number in steps {
             let rendered = missing.binary_search(&number).is_ok();
-            let mut read = || {
+            let mut read = || -> Read {
                 Ok(Step {
                     number,
                     rendered,
@@ -107,6 +156,10 @@ impl Inputs {
                     particles: match rendered {
                         true => fresh(&mut self.particles, number, &mut particles)?,
                         false => None,
+                    },
+                    blur: match (rendered, &mut self.blur) {
+                        (true, Some(blur)) => Some(blurred(blur, &mut self.images, number)?),
+                        _ => None,
                     },
                 })
             };
@@ -117,6 +170,56 @@ impl Inputs {
                 return;
             }
         }
+    }
+}
+
+fn blurred(blur: &mut BlurInput, images: &mut Option<Images>, number: u32) -> Result<Blurred, Failure> {
+    let frame = blur.frame(number)?;
+    let [before, after] = frame.images();
+    let images = match images {
+        Some(images) => [Some(images.frame(before)?), Some(images.frame(after)?)],
+        None => [None, None],
+    };
+    Ok(Blurred { frame, images })
+}
+
+impl Images {
+    /// An error if one of the shot's frames has none.
+    fn new(pattern: Pattern, shot: &Shot) -> Result<Images, ReadError> {
+        let [first, last] = shot.frames;
+        let is_missing = |frame: &u32| !pattern.path(*frame).is_file();
+        let missing: Vec<u32> = (first..=last).filter(is_missing).collect();
+        if let Some(frame) = missing.first() {
+            let (all, missing) = (last - first + 1, missing.len());
+            let why = format!("no such file; {missing} of the shot's {all} frames have no image");
+            let expected = format!("one for each of the frames {first} to {last}");
+            return Err(ReadError::file(&pattern.path(*frame), why, expected));
+        }
+        Ok(Images { pattern, size: shot.size, last: Vec::new() })
+    }
+
+    fn frame(&mut self, frame: u32) -> Result<Image, ReadError> {
+        if let Some((_, image)) = self.last.iter().find(|(last, _)| *last == frame) {
+            return Ok(image.clone());
+        }
+        let path = self.pattern.path(frame);
+        let image = picture::read(&path)?;
+        let [width, height] = self.size;
+        if image.size != self.size {
+            let why = format!("the image has {} x {} pixels", image.size[0], image.size[1]);
+            return Err(ReadError::file(&path, why, format!("{width} x {height}, as the shot's size")));
+        }
+        let is_finite = |pixel: &[f32; 4]| pixel.iter().all(|x| x.is_finite());
+        if let Some(at) = image.pixels.iter().position(|pixel| !is_finite(pixel)) {
+            let place = format!("pixel ({}, {})", at % width as usize, at / width as usize);
+            return Err(ReadError::at(&path, place, format!("is {:?}", image.pixels[at]), "finite numbers"));
+        }
+        let image = Arc::new(image);
+        if self.last.len() > 1 {
+            self.last.remove(0);
+        }
+        self.last.push((frame, image.clone()));
+        Ok(image)
     }
 }
 

@@ -100,35 +100,49 @@ impl Tree {
         }
     }
 
-    /// The settings of the table `effect`, each of its own type; ranges are not checked yet. Those of `elsewhere` are
-    /// read by who asks and stay at their default.
+    /// The settings of the table `effect`, each of its own type; ranges are not checked yet. Those of `elsewhere`, dotted
+    /// where they are in a table, are read by who asks and stay at their default.
     pub(super) fn settings<T: DeserializeOwned + Default>(&self, effect: &str, elsewhere: &[&str]) -> Result<T> {
         let Some(Node { kind: Kind::Table(entries), .. }) = self.get(effect) else { return Ok(T::default()) };
-        let mut table = toml::Table::new();
-        for (key, node) in entries.iter().filter(|(key, _)| !elsewhere.contains(&key.as_str())) {
-            self.check_type::<T>(effect, key, node)?;
-            table.insert(key.clone(), tree::value(node));
-        }
+        let table = self.checked::<T>(effect, "", entries, elsewhere)?;
         T::deserialize(table).map_err(|e| self.wrong(effect, e.message().to_owned()))
     }
 
-    /// Reads each key of an effect (dotted where it is in a table) on its own, so that an error names the one that it is
-    /// in.
-    fn check_type<T: DeserializeOwned>(&self, effect: &str, key: &str, node: &Node) -> Result<()> {
-        let path = format!("{effect}.{key}");
-        match &node.kind {
-            // Every key of the outline has a default, so each can be read without the others.
-            Kind::Table(entries) if path == "smoke.outline" => {
-                entries.iter().try_for_each(|(leaf, node)| self.check_type::<T>(effect, &format!("{key}.{leaf}"), node))
+    /// The entries of an effect's table, or of one within it whose name with a dot is `inside`. Each key has been read on
+    /// its own, so that an error names the one that it is in.
+    fn checked<T: DeserializeOwned>(
+        &self,
+        effect: &str,
+        inside: &str,
+        entries: &[(String, Node)],
+        elsewhere: &[&str],
+    ) -> Result<toml::Table> {
+        let mut table = toml::Table::new();
+        for (key, node) in entries {
+            let dotted = format!("{inside}{key}");
+            let path = format!("{effect}.{dotted}");
+            if elsewhere.contains(&dotted.as_str()) {
+                continue;
             }
-            _ => {
-                let inside = |value, name: &str| Value::Table(toml::Table::from_iter([(name.to_owned(), value)]));
-                let alone = key.rsplit('.').fold(tree::value(node), inside);
-                T::deserialize(alone).map(drop).map_err(|_| self.not_allowed(&path))
-            }
+            let value = match &node.kind {
+                Kind::Table(entries) if HAVE_DEFAULTS.contains(&path.as_str()) => {
+                    Value::Table(self.checked::<T>(effect, &format!("{dotted}."), entries, elsewhere)?)
+                }
+                _ => {
+                    let within = |value, name: &str| Value::Table(toml::Table::from_iter([(name.to_owned(), value)]));
+                    let alone = dotted.rsplit('.').fold(tree::value(node), within);
+                    T::deserialize(alone).map_err(|_| self.not_allowed(&path))?;
+                    tree::value(node)
+                }
+            };
+            table.insert(key.clone(), value);
         }
+        Ok(table)
     }
 }
+
+/// Tables each key of which has a default, so that it can be read without the others.
+const HAVE_DEFAULTS: [&str; 5] = ["smoke.outline", "blur.lines", "blur.ghosts", "blur.toon", "blur.toon.outline"];
 
 fn whole(value: &Value) -> Option<u32> {
     value.as_integer().and_then(|n| u32::try_from(n).ok())

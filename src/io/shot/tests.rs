@@ -79,8 +79,9 @@ fn built_in_shots_name_every_key_of_their_effects() {
         let has = |key: &str| shown.iter().any(|(shown, ..)| shown == key);
         let effect = |key: &str, table: &str| key == table || key.starts_with(&format!("{table}."));
         let is_left_out = |key: &str| {
-            key == "camera.file"
+            (key == "camera.file" && shot.blur.is_none())
                 || key.starts_with("smoke.emitter.")
+                || (effect(key, "blur") && shot.blur.is_none())
                 || (effect(key, "smoke") && shot.smoke.is_none())
                 || (effect(key, "flame") && shot.flame.is_none())
         };
@@ -133,6 +134,12 @@ fn built_in_shots_say_the_defaults() {
             assert_eq!(*settings, expected, "{name}");
             assert_eq!(settings.light > 0.0, shot.smoke.is_some(), "{name}: fire tints smoke where there is some");
         }
+        if let Some(Blur { scene, animation, images, settings }) = &shot.blur {
+            assert_eq!(*scene, scene::Source::Builtin(crate::simulate::mesh::Builtin::Run));
+            assert_eq!((animation, images), (&None, &None));
+            let tooth_width = Some(crate::blur::Settings::default().tooth_width());
+            assert_eq!(*settings, crate::blur::Settings { tooth_width, ..crate::blur::Settings::default() });
+        }
     }
 }
 
@@ -148,6 +155,8 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
                 Err(error) if key == "flame.size_pixels" => {
                     assert!(error.to_string().contains("not together with flame.size"), "{error}");
                 }
+                // The built-in scene has none.
+                Err(error) if key == "blur.animation" => assert!(error.to_string().contains("glTF"), "{error}"),
                 loaded => drop(loaded.expect(&key)),
             }
             tried.push(key);
@@ -159,6 +168,10 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
         }
         expected.extend(shot.flame.is_some().then_some("flame.size_pixels"));
+        if shot.blur.is_some() {
+            expected.extend(camera::INSTEAD_OF_FILE);
+            expected.extend(["blur.animation", "blur.images", "blur.teeth"]);
+        }
         expected.sort_unstable();
         tried.sort_unstable();
         assert_eq!(tried, expected, "{name}");
@@ -186,6 +199,13 @@ fn the_list_of_keys_is_that_of_the_settings() {
     assert_eq!(known("smoke.emitter"), fields::<Settings>("emitter = { zzz = 1 }"));
     let flame = without("flame", &["particles", "hold", "colour"]);
     assert_eq!(flame, fields::<crate::flame::Settings>("zzz = 1"));
+    let blur = without("blur", &["scene", "animation", "images"]);
+    assert_eq!(blur, fields::<crate::blur::Settings>("zzz = 1"));
+    for table in ["lines", "ghosts", "toon"] {
+        let text = format!("{table} = {{ zzz = 1 }}");
+        assert_eq!(known(&format!("blur.{table}")), fields::<crate::blur::Settings>(&text), "{table}");
+    }
+    assert_eq!(known("blur.toon.outline"), fields::<crate::blur::Settings>("toon = { outline = { zzz = 1 } }"));
 }
 
 #[test]
@@ -203,6 +223,8 @@ fn unknown_keys_name_file_line_and_the_nearest_key() {
         ),
         ("[smok]", "shot.toml:1: smok: unknown key; did you mean smoke?"),
         ("[flame]\nrepetition = 4", "shot.toml:2: flame.repetition: unknown key; did you mean flame.repetitions?"),
+        ("[blur]\nstrenght = 2", "shot.toml:2: blur.strenght: unknown key; did you mean blur.strength?"),
+        ("[blur.lines]\nlenth = 2", "shot.toml:2: blur.lines.lenth: unknown key; did you mean blur.lines.length?"),
         ("[flame.size]\nx = 4", "shot.toml:1: flame.size = { ... }: allowed: metres, 0 to 1e6"),
     ] {
         assert_eq!(refused(text, &[]), message);
@@ -243,6 +265,19 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[flame]\nparticles = 3", "shot.toml:2: flame.particles = 3: ", "\"builtin:random\""),
         ("[flame]\nparticles = \"builtin:sph\"", "shot.toml:2: flame.particles = \"builtin:sph\": ", "not built yet"),
         ("[flame]\nparticles = \"#.%d.npz\"", "shot.toml:2: flame.particles = \"#.%d.npz\": ", "one is allowed"),
+        ("[blur]\nstrength = 5", "shot.toml:2: blur.strength = 5: ", "frames, 0 (off) to 4"),
+        ("[blur]\nstrength = \"soft\"", "shot.toml:2: blur.strength = \"soft\": ", "frames, 0 (off) to 4"),
+        ("[blur]\nteeth = 3\ntooth_width = 3", "shot.toml:2: blur.teeth = 3: ", "not together"),
+        ("[blur]\nclusters = \"lda\"", "shot.toml:2: blur.clusters = \"lda\": ", "\"ldf\""),
+        ("[blur]\nlines = { count = -1 }", "shot.toml:2: blur.lines.count = -1: ", "0 (off) to 1024"),
+        ("[blur]\nghosts = { count = 16, step = 1 }", "shot.toml:2: blur.ghosts.count = 16: ", "8 frames"),
+        ("[blur.toon]\ntones = [[2, [0, 0, 0]]]", "shot.toml:2: blur.toon.tones", "0 to 1"),
+        ("[blur.toon.outline]\nwidth = 0", "shot.toml:2: blur.toon.outline.width = 0: ", "pixels, 1 to 16"),
+        ("[blur]\nscene = \"builtin:rum\"", "shot.toml:2: blur.scene = \"builtin:rum\": ", "builtin:run"),
+        ("[blur]\nimages = \"a.png\"", "shot.toml:2: blur.images = \"a.png\": ", "####"),
+        ("[blur]\nanimation = \"Run\"", "shot.toml:2: blur.animation = \"Run\": ", "only with a glTF file"),
+        ("[blur]\nscene = \"a.npz\"\ntrajectory = \"exact\"", "shot.toml:3: blur.trajectory = \"exact\": ", ".npz"),
+        ("blur = 3", "shot.toml:1: blur = 3: ", "a table"),
         ("flame = 3", "shot.toml:1: flame = 3: ", "a table"),
         ("smoke = 3", "shot.toml:1: smoke = 3: ", "a table"),
         ("size = [0, 64]\n[smoke]", "shot.toml:1: size = [0, 64]: ", "1 to 16384"),
@@ -256,7 +291,8 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[smoke]\n[camera]\nvertical_fov = 180", "shot.toml:3: camera.vertical_fov = 180: ", "below 180"),
         ("[smoke]\n[camera]\neye = [[2, [0, 1, 4]], [1, [0, 1, 5]]]", "shot.toml:3: camera.eye = ", "ascending"),
         ("[smoke]\n[camera]\neye = [0, 1, 0]", "shot.toml:2: camera.target = ", "differ from camera.eye"),
-        ("[smoke]\n[camera]\nfile = \"a.glb\"", "shot.toml:3: camera.file = \"a.glb\": ", "not supported yet"),
+        ("[smoke]\n[camera]\nfile = \"builtin:ran\"", "shot.toml:3: camera.file = \"builtin:ran\": ", "builtin:run"),
+        ("[smoke]\n[camera]\nfile = \"a.glb\"\nup = [0, 1, 0]", "shot.toml:4: camera.up: ", "not both"),
         ("[smoke]\n[light]\nambient = 2", "shot.toml:3: light.ambient = 2: ", "0 to 1"),
         ("[smoke]\n[light]\ndirection = [0, 0, 0]", "shot.toml:3: light.direction = ", "not all 0"),
     ] {
@@ -266,13 +302,9 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
 }
 
 #[test]
-fn what_is_not_built_is_said() {
-    assert_eq!(
-        refused("blur.length = 3", &[]),
-        "shot.toml:1: blur: the effect [blur] is not built yet; there are [smoke] and [flame]"
-    );
+fn a_shot_without_effects_is_told_which_there_are() {
     let message = refused("size = [8, 8]", &[]);
-    assert!(message.contains("holds no effect") && message.contains("[smoke] or [flame]"), "{message}");
+    assert!(message.contains("holds no effect") && message.contains("[smoke], [flame] or [blur]"), "{message}");
 }
 
 #[test]
@@ -343,6 +375,22 @@ fn keyframes_move_camera_and_light() {
 }
 
 #[test]
+fn a_camera_can_be_a_scenes() {
+    let text = "frames = [3, 9]\n[blur]\n[camera]\nfile = \"builtin:run\"\nfar = 50";
+    let shot = load(text, &[]).expect("a shot");
+    let scene = shot.scene().expect("built in").expect("a blur");
+    for frame in [3.0, 4.5, 9.0] {
+        let expected = Camera { far: 50.0, ..scene.camera(frame).expect("its own") };
+        assert_eq!(shot.camera(frame), expected, "{frame}");
+    }
+    assert_ne!(shot.camera(3).eye, shot.camera(4).eye);
+    assert_eq!(load(text, &["camera.eye=[9, 1, 0]"]).expect("instead").camera(3).eye.x, 9.0);
+    assert!(load(text, &["blur.teeth=3"]).is_ok());
+    let missing = load("[blur]\n[camera]\nfile = \"a.npz\"", &[]).expect_err("missing");
+    assert!(matches!(&missing, ShotError::Input(e) if e.path.ends_with("a.npz")), "{missing}");
+}
+
+#[test]
 fn paths_are_relative_to_the_shot() {
     let folder = Folder::new();
     fs::create_dir(folder.0.join("shots")).expect("temporary folder");
@@ -378,6 +426,12 @@ fn paths_are_relative_to_the_shot() {
     assert_eq!(flame_of(&shot).settings.colour, Colour::Ramp(ramp));
     let mut particles = shot.particles().expect("a pattern").expect("fire");
     assert_eq!(particles.frame(3).expect_err("missing").path, folder.0.join("shots/p.0003.npz"));
+    fs::write(&file, "[blur]\nscene = \"a.glb\"\nimages = \"i/####.jpg\"\n[blur.toon]\ntones = \"t.png\"")
+        .expect("temporary folder");
+    let blur = load().expect("a shot").blur.expect("a blur");
+    assert_eq!(blur.scene, scene::Source::File(folder.0.join("shots/a.glb")));
+    assert_eq!(blur.images.expect("images").path(7), folder.0.join("shots/i/0007.jpg"));
+    assert_eq!(blur.settings.toon.tones.len(), 3);
     fs::write(&file, "[flame]\ncolour = \"u.png\"").expect("temporary folder");
     let missing = load().expect_err("no ramp");
     assert!(matches!(&missing, ShotError::Input(e) if e.path == folder.0.join("shots/u.png")), "{missing}");

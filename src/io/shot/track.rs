@@ -43,9 +43,9 @@ impl<T: Between> Track<T> {
         Some(Track { first, rest: keyframes.collect() })
     }
 
-    /// The value at `frame`.
-    pub(super) fn at(&self, frame: u32) -> T {
-        let frame = f64::from(frame);
+    /// The value at `frame`, which may lie between two.
+    pub(super) fn at(&self, frame: impl Into<f64>) -> T {
+        let frame = frame.into();
         let after = self.rest.partition_point(|(to, _)| *to <= frame);
         let (from, value) = after.checked_sub(1).and_then(|i| self.rest.get(i)).copied().unwrap_or(self.first);
         match self.rest.get(after) {

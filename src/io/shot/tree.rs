@@ -3,6 +3,7 @@
 use toml::Value;
 use toml::de::{DeTable, DeValue};
 
+use super::camera::INSTEAD_OF_FILE;
 use super::{ShotError, keys};
 
 /// Where a key was given.
@@ -67,10 +68,14 @@ impl Tree {
             }
             Err(_) => Kind::Leaf(Value::String(value.to_owned())),
         };
-        // A light is one or the other: naming one on the command line takes the place of the file's.
+        // Of what excludes each other, naming one on the command line takes the place of the file's.
         match key {
             "light.direction" => self.remove("light.position"),
             "light.position" => self.remove("light.direction"),
+            "blur.teeth" => self.remove("blur.tooth_width"),
+            "blur.tooth_width" => self.remove("blur.teeth"),
+            "camera.file" => INSTEAD_OF_FILE.into_iter().for_each(|key| self.remove(key)),
+            _ if INSTEAD_OF_FILE.contains(&key) => self.remove("camera.file"),
             _ => {}
         }
         self.insert(key, Node { place: Place::Set, kind });
@@ -94,10 +99,6 @@ impl Tree {
         let Kind::Table(entries) = &node.kind else { return Ok(()) };
         for (key, child) in entries {
             let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-            if path == "blur" {
-                let message = "blur: the effect [blur] is not built yet; there are [smoke] and [flame]";
-                return Err(self.wrong(&path, message.to_owned()));
-            }
             let Some(allowed) = keys::allowed(&path) else {
                 return Err(ShotError::Wrong { place: self.place_of(&child.place, &path), message: unknown(&path) });
             };

@@ -217,6 +217,10 @@ fn what_is_hidden_has_the_colour_of_its_normal() {
     let mut other = strips;
     other[0].object = 5;
     assert!(close(predicted(&other, Completion::Surface), grey(0.8), 1e-3));
+    // It is textured: what is known of it stays.
+    (other[1].object, other[1].normals) = (5, other[0].normals);
+    other[1].boxes[1] = [100.0, 0.0, 103.0, 8.0];
+    assert!(close(predicted(&other, Completion::Surface), grey(0.8), 1e-3));
 }
 
 #[test]

@@ -176,8 +176,6 @@ fn seams_take_few_triangles() {
     let at_seams = |base: u32| !is_within_a_cluster(&mesh, &interval, base);
     let whole = (0..mesh.triangles().len() as u32).filter(|base| at_seams(*base)).count();
     let parts = refined.triangles.iter().filter(|triangle| at_seams(triangle.base)).count();
-    let between = refined.vertices.iter().filter(|vertex| vertex.label == BETWEEN).count();
-    assert!(between > 0, "{} rounds", refined.rounds);
     assert!(whole > 0 && parts < 12 * whole, "{parts} of {whole}");
 }
 

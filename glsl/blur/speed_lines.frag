@@ -1,0 +1,29 @@
+// A speed line's pixel, where it is behind the mesh.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "params.glsl"
+#include "behind.glsl"
+layout(push_constant) uniform SpeedConstants {
+    vec4 colour;
+    float length_of;
+    float width;
+} constants;
+layout(location = 0) in float aside;
+layout(location = 1) in float share;
+layout(location = 0) out vec4 drawn;
+
+void main() {
+    float covered = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        covered += is_behind(2 * ivec2(gl_FragCoord.xy) + ivec2(i & 1, i >> 1), gl_FragCoord.z) ? 0.25 : 0.0;
+    }
+    // How much of the pixel is between the line's sides.
+    float side = 0.5 * constants.width * (1.0 - share);
+    float within = clamp(side - aside + 0.5, 0.0, 1.0) - clamp(-side - aside + 0.5, 0.0, 1.0);
+    float opacity = constants.colour.w * (1.0 - share) * max(within, 0.0) * covered;
+    drawn = vec4(constants.colour.rgb * opacity, opacity);
+    if (opacity == 0.0) {
+        discard;
+    }
+}

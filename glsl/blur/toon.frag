@@ -1,0 +1,112 @@
+// A frame of flat tones with ink lines, at four samples a pixel.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "params.glsl"
+#include "toon.glsl"
+layout(binding = 1) uniform utexture2D sampled;
+layout(std430, binding = 2) readonly buffer Triangles { uvec4 triangles[]; };
+layout(std430, binding = 3) readonly buffer Clip { vec4 clip[]; };
+layout(std430, binding = 4) readonly buffer Poses { float poses[]; };
+layout(std430, binding = 5) readonly buffer BaseColours { vec4 base_colours[]; };
+layout(std430, binding = 6) readonly buffer Normals { vec4 normals[]; };
+layout(std430, binding = 7) readonly buffer Lines { float lines[]; };
+layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]; };
+layout(std430, binding = 8) readonly buffer ToonBuffer { ToonParams toon; };
+layout(push_constant) uniform VisibilityConstants {
+    uint frame;  // 0 to 3: frames i - 1 to i + 2
+} constants;
+layout(constant_id = 0) const uint INKED = 1u;  // 0: no line
+layout(constant_id = 1) const int REACH = 1;    // samples from which a line can reach a sample
+layout(location = 0) out vec4 colour;
+
+float cross2(vec2 a, vec2 b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+vec3 pose(uint point) {
+    uint at = 3u * (params.views[constants.frame].slot.x * params.counts.x + point);
+    return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
+}
+
+// The way to the light from a place of a triangle.
+vec3 to_light(uvec4 triangle, vec3 shares) {
+    if (toon.light.w == 0.0) {
+        return toon.light.xyz;
+    }
+    vec3 a = toon.light.xyz - pose(triangle.x);
+    vec3 b = toon.light.xyz - pose(triangle.y);
+    vec3 c = toon.light.xyz - pose(triangle.z);
+    vec3 way = shares.x * a + shares.y * b + shares.z * c;
+    return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
+}
+
+// Unit normal of a group; 0 where it has no area. There are those of frames i and i + 1.
+vec3 normal_of(uint group) {
+    vec3 sum = normals[(constants.frame - 1u) * toon.counts.y + group].xyz;
+    float largest = max(max(abs(sum.x), abs(sum.y)), abs(sum.z));
+    return largest > 0.0 ? normalize(sum / largest) : vec3(0.0);
+}
+
+vec3 tone_of(uint index, vec2 at) {
+    uvec4 triangle = triangles[index];
+    uint first = constants.frame * params.counts.x;
+    vec3 a = clip[first + triangle.x].xyz;
+    vec3 b = clip[first + triangle.y].xyz;
+    vec3 c = clip[first + triangle.z].xyz;
+    // Not divided by depth, so that corners may be behind the camera.
+    vec2 p = a.xy - at * a.z;
+    vec2 q = b.xy - at * b.z;
+    vec2 r = c.xy - at * c.z;
+    vec3 shares = vec3(cross2(q, r), cross2(r, p), cross2(p, q));
+    float sum = shares.x + shares.y + shares.z;
+    shares = sum != 0.0 ? shares / sum : vec3(1.0 / 3.0);
+    uvec4 groups = corner_groups[index];
+    vec3 normal = shares.x * normal_of(groups.x) + shares.y * normal_of(groups.y) + shares.z * normal_of(groups.z);
+    float length_of = length(normal);
+    normal = length_of > 0.0 ? normal / length_of : vec3(0.0);
+    // The side that is seen.
+    normal = sum > 0.0 ? -normal : normal;
+    float lit = max(dot(normal, to_light(triangle, shares)), 0.0);
+    float luminance = toon.lens.y + (1.0 - toon.lens.y) * lit;
+    vec3 tone = toon.tones[0].rgb;
+    for (uint i = 1u; i < toon.counts.x && luminance >= toon.tones[i].w; ++i) {
+        tone = toon.tones[i].rgb;
+    }
+    vec3 base = shares.x * base_colours[3u * index].rgb + shares.y * base_colours[3u * index + 1u].rgb
+        + shares.z * base_colours[3u * index + 2u].rgb;
+    return tone * max(base, vec3(0.0));
+}
+
+// The line, widened: the strongest of the samples near enough, fading over the last sample.
+float line_of(ivec2 at) {
+    ivec2 size = 2 * ivec2(params.image.xy);
+    ivec2 low = max(at - REACH, ivec2(0));
+    ivec2 high = min(at + REACH, size - 1);
+    float opacity = 0.0;
+    for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) {
+            float share = clamp(toon.lens.z - length(vec2(ivec2(x, y) - at)), 0.0, 1.0);
+            opacity = max(opacity, share * lines[uint(y * size.x + x)]);
+        }
+    }
+    return opacity;
+}
+
+vec4 sample_at(ivec2 at) {
+    uint name = texelFetch(sampled, at, 0).x;
+    if (name == 0u) {
+        return params.background;
+    }
+    vec3 tone = tone_of(name - 1u, 0.5 * (vec2(at) + 0.5));
+    float line = INKED != 0u ? line_of(at) : 0.0;
+    return vec4(mix(tone, toon.ink.rgb, line), 1.0);
+}
+
+void main() {
+    ivec2 at = 2 * ivec2(gl_FragCoord.xy);
+    // Four equal samples are the pixel, to the bit.
+    vec4 above = sample_at(at) + sample_at(at + ivec2(1, 0));
+    vec4 below = sample_at(at + ivec2(0, 1)) + sample_at(at + ivec2(1, 1));
+    colour = 0.25 * (above + below);
+}

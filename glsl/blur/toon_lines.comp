@@ -1,0 +1,53 @@
+// Strength of the ink line at each of four samples a pixel, before its width, as smoke has it: from differences of depth in
+// units of eight samples' footprints. A line is also where another object or nothing is beside a sample.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "params.glsl"
+#include "toon.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 1) uniform utexture2D sampled;
+layout(binding = 2) uniform texture2D sampled_depth;
+layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
+layout(std430, binding = 4) readonly buffer ToonBuffer { ToonParams toon; };
+layout(std430, binding = 5) writeonly buffer Lines { float lines[]; };
+layout(constant_id = 0) const uint SECOND = 0u;  // 1: second differences
+
+ivec2 inside(ivec2 at) {
+    return clamp(at, ivec2(0), 2 * ivec2(params.image.xy) - 1);
+}
+
+float depth_at(ivec2 at) {
+    return params.lens.x / texelFetch(sampled_depth, at, 0).x;
+}
+
+float line_at(ivec2 at) {
+    uint own = texelFetch(sampled, at, 0).x;
+    if (own == 0u) {
+        return 0.0;
+    }
+    float centre = depth_at(at);
+    vec4 beside;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 there = inside(at + ivec2(i == 1 || i == 3 ? 1 : -1, i == 0 || i == 3 ? 1 : -1));
+        uint other = texelFetch(sampled, there, 0).x;
+        if (other == 0u || triangles[other - 1u].w >> 1 != triangles[own - 1u].w >> 1) {
+            return 1.0;
+        }
+        beside[i] = depth_at(there);
+    }
+    float per_unit = 1.0 / (8.0 * toon.lens.x * centre);
+    float first = SECOND != 0u ? (beside.x - centre) + (beside.y - centre) : beside.x - beside.y;
+    float second = SECOND != 0u ? (beside.z - centre) + (beside.w - centre) : beside.z - beside.w;
+    first *= per_unit;
+    second *= per_unit;
+    return 1.0 - max(0.0, 1.0 - toon.ink.w * (first * first + second * second));
+}
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(at, 2 * ivec2(params.image.xy)))) {
+        return;
+    }
+    lines[uint(at.y) * 2u * params.image.x + uint(at.x)] = line_at(at);
+}

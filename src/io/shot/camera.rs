@@ -1,0 +1,233 @@
+//! What sees a shot: keyframes, the camera of a scene, or matrices.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3, DVec4};
+
+use super::ShotError;
+use super::track::Track;
+use super::tree::Tree;
+use crate::io::ReadError;
+use crate::io::array::{Archive, Array};
+use crate::io::scene::{self, AnimatedMesh, Clock};
+use crate::view::Camera;
+
+/// Keys that `camera.file` takes the place of.
+pub(super) const INSTEAD_OF_FILE: [&str; 4] = ["camera.eye", "camera.target", "camera.up", "camera.vertical_fov"];
+/// Most values of an array of matrices.
+const MAX_VALUES: u64 = 1 << 28;
+const MATRICES: &str = "[frames, 4, 4] of floats, at least one for each frame of the shot";
+/// By how much the rows of a matrix may be off those of a camera.
+const TOLERANCE: f64 = 1e-3;
+
+/// A camera over time.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct CameraTrack {
+    source: Source,
+    /// Nearest and farthest depth where the shot says them.
+    near: Option<Track<f64>>,
+    far: Option<Track<f64>>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Source {
+    Keys {
+        eye: Track<DVec3>,
+        target: Track<DVec3>,
+        up: Track<DVec3>,
+        vertical_fov: Track<f64>,
+    },
+    Scene(SceneCamera),
+    /// One a frame, from the shot's first one on.
+    Frames {
+        first: u32,
+        cameras: Vec<Camera>,
+    },
+}
+
+/// The camera of a scene, which has one.
+#[derive(Clone, Debug)]
+struct SceneCamera {
+    source: scene::Source,
+    clock: Clock,
+    scene: Arc<AnimatedMesh>,
+}
+
+impl PartialEq for SceneCamera {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.source, self.clock) == (&other.source, other.clock)
+    }
+}
+
+impl CameraTrack {
+    /// As the shot says it; `frames` are its first and last one.
+    pub(super) fn new(tree: &Tree, folder: &Path, frames: [u32; 2], fps: f64) -> Result<CameraTrack, ShotError> {
+        let default = Camera::default();
+        let given = |key: &str, default| tree.get(key).map(|_| tree.number(key, default)).transpose();
+        let source = match tree.text("camera.file")? {
+            Some(file) => {
+                if let Some(key) = INSTEAD_OF_FILE.into_iter().find(|key| tree.get(key).is_some()) {
+                    return Err(tree.wrong(key, format!("{key}: a camera is of a file or of keys, not both")));
+                }
+                Source::of_file(tree, &file, folder, frames, fps)?
+            }
+            None => Source::Keys {
+                eye: tree.vector("camera.eye", default.eye)?,
+                target: tree.vector("camera.target", default.target)?,
+                up: tree.vector("camera.up", default.up)?,
+                vertical_fov: tree.number("camera.vertical_fov", default.vertical_fov)?,
+            },
+        };
+        Ok(CameraTrack { source, near: given("camera.near", default.near)?, far: given("camera.far", default.far)? })
+    }
+
+    /// The camera at a frame, which may lie between two. Matrices are those of the frame before.
+    pub(super) fn at(&self, frame: f64) -> Camera {
+        let own = match &self.source {
+            Source::Keys { eye, target, up, vertical_fov } => Camera {
+                eye: eye.at(frame),
+                target: target.at(frame),
+                up: up.at(frame),
+                vertical_fov: vertical_fov.at(frame),
+                ..Camera::default()
+            },
+            Source::Scene(camera) => camera.scene.camera(frame).unwrap_or_default(),
+            Source::Frames { first, cameras } => {
+                let place = (frame - f64::from(*first)).max(0.0) as usize;
+                cameras.get(place).or(cameras.last()).copied().unwrap_or_default()
+            }
+        };
+        Camera {
+            near: self.near.as_ref().map_or(own.near, |near| near.at(frame)),
+            far: self.far.as_ref().map_or(own.far, |far| far.at(frame)),
+            ..own
+        }
+    }
+
+    /// Whether it is the same at every frame, as far as the shot's text tells.
+    pub(super) fn is_constant(&self) -> bool {
+        let is_still = match &self.source {
+            Source::Keys { eye, target, up, vertical_fov } => {
+                [eye, target, up].into_iter().all(Track::is_constant) && vertical_fov.is_constant()
+            }
+            _ => false,
+        };
+        is_still && [&self.near, &self.far].into_iter().flatten().all(Track::is_constant)
+    }
+}
+
+impl Source {
+    fn of_file(tree: &Tree, file: &str, folder: &Path, frames: [u32; 2], fps: f64) -> Result<Source, ShotError> {
+        if file.to_ascii_lowercase().ends_with(".npz") {
+            let cameras = matrices(&folder.join(file), frames)?;
+            return Ok(Source::Frames { first: frames[0], cameras });
+        }
+        let source = scene::Source::named(file, folder).map_err(|e| super::pattern_error(tree, "camera.file", &e))?;
+        let clock = Clock { first: frames[0], fps };
+        let scene = AnimatedMesh::open(&source, None, clock)?;
+        if scene.camera(f64::from(frames[0])).is_none() {
+            let expected = "a glTF file with a perspective camera in its scene";
+            return Err(ReadError::file(&folder.join(file), "has no camera", expected).into());
+        }
+        Ok(Source::Scene(SceneCamera { source, clock, scene: Arc::new(scene) }))
+    }
+}
+
+/// The cameras of an `.npz` file: `view_projection` [frames, 4, 4], which makes clip coordinates of column vectors.
+fn matrices(path: &Path, [first, last]: [u32; 2]) -> Result<Vec<Camera>, ReadError> {
+    const NAME: &str = "view_projection";
+    let mut archive = Archive::open(path)?;
+    let count = (last - first) as usize + 1;
+    match archive.float_shape(NAME)? {
+        None => return Err(archive.missing(NAME, MATRICES)),
+        Some(shape) if !matches!(shape[..], [n, 4, 4] if n >= count as u64) => {
+            let expected = format!("[{count}, 4, 4] for frames {first} to {last} of the shot");
+            return Err(archive.wrong_shape(NAME, &shape, &expected));
+        }
+        Some(_) => {}
+    }
+    let values = archive.read(NAME, MAX_VALUES)?.map(|array: Array<f64>| array.values).unwrap_or_default();
+    let camera = |(row, matrix): (usize, &[f64])| {
+        let rows: [DVec4; 4] = std::array::from_fn(|i| DVec4::from_slice(&matrix[4 * i..]));
+        camera_of(rows).map_err(|why| {
+            let expected = "the matrix of a pinhole camera with square pixels, without shear or shift";
+            ReadError::at(path, format!("array `{NAME}`, row {row}"), why, expected)
+        })
+    };
+    values.chunks_exact(16).take(count).enumerate().map(camera).collect()
+}
+
+/// The camera with a matrix of these rows: X, Y, depth and W of a point. Y may be up or down. What depth is made of is
+/// not looked at.
+fn camera_of([x, y, _, w]: [DVec4; 4]) -> Result<Camera, String> {
+    let scale = w.truncate().length();
+    if !(scale > 0.0 && [x, y, w].into_iter().all(DVec4::is_finite)) {
+        return Err("W does not depend on where a point is, or is not finite".to_owned());
+    }
+    let (x, y, w) = (x / scale, y / scale, w / scale);
+    let rows = [x, y, w].map(DVec4::truncate);
+    let [right, across, forward] = rows;
+    // Y is down where the three are a left-handed system.
+    let up = if right.cross(across).dot(forward) > 0.0 { -across } else { across };
+    let eye = DMat3::from_cols(right, across, forward).transpose();
+    if eye.determinant().abs() < 1e-12 {
+        return Err("its rows X, Y and W depend on each other".to_owned());
+    }
+    let eye = eye.inverse() * -DVec3::new(x.w, y.w, w.w);
+    let skew = right.dot(forward).abs() / right.length()
+        + up.dot(forward).abs() / up.length()
+        + right.dot(up).abs() / (right.length() * up.length());
+    if skew > TOLERANCE {
+        return Err(format!("its rows X, Y and W are not at right angles (off by {skew:.4})"));
+    }
+    let vertical_fov = 2.0 * (1.0 / up.length()).atan().to_degrees();
+    Ok(Camera { eye, target: eye + forward, up: up.normalize(), vertical_fov, ..Camera::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::array::tests::{npy, write_archive};
+    use crate::io::tests::Folder;
+
+    /// The rows of a camera's matrix for pictures twice as wide as high.
+    fn rows(camera: &Camera, down: f64) -> [DVec4; 4] {
+        let rotation = camera.rotation();
+        let half = camera.half_extent([2, 1]);
+        let row = |axis: usize, scale: f64| {
+            let row = rotation.row(axis) * scale;
+            row.extend(-row.dot(camera.eye))
+        };
+        [row(0, 1.0 / half.x), row(1, down / half.y), DVec4::W, row(2, 1.0)]
+    }
+
+    #[test]
+    fn a_matrix_is_taken_apart_whichever_way_y_is() {
+        let camera = Camera { eye: DVec3::new(1.0, 2.0, 5.0), target: DVec3::new(0.5, 1.0, 0.0), ..Camera::default() };
+        for down in [1.0, -1.0] {
+            let found = camera_of(rows(&camera, down).map(|row| row * 3.0)).unwrap();
+            assert!((found.eye - camera.eye).length() < 1e-9, "{found:?}");
+            assert!((found.vertical_fov - camera.vertical_fov).abs() < 1e-9);
+            let differs = found.rotation() - camera.rotation();
+            assert!(differs.to_cols_array().iter().all(|x| x.abs() < 1e-9), "{differs:?}");
+        }
+        assert!(camera_of([DVec4::ZERO; 4]).is_err());
+        let mut sheared = rows(&camera, 1.0);
+        sheared[0] += 0.1 * sheared[3];
+        assert!(camera_of(sheared).unwrap_err().contains("right angles"));
+    }
+
+    #[test]
+    fn matrices_come_one_a_frame() {
+        let folder = Folder::new();
+        let path = folder.0.join("camera.npz");
+        let camera = Camera::default();
+        let bytes: Vec<u8> =
+            (0..2).flat_map(|_| rows(&camera, 1.0)).flat_map(|row| row.to_array()).flat_map(f64::to_le_bytes).collect();
+        write_archive(&path, &[("view_projection", npy("'<f8'", false, "(2, 4, 4)", &bytes))]);
+        assert_eq!(matrices(&path, [5, 6]).unwrap().len(), 2);
+        let error = matrices(&path, [5, 7]).unwrap_err().to_string();
+        assert!(error.contains("[2, 4, 4]") && error.contains("frames 5 to 7"), "{error}");
+    }
+}

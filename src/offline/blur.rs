@@ -1,0 +1,251 @@
+//! What frames of a blur are made from: the poses of an animated mesh around each, and what moves between two of them.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+use crate::blur::motion::WINDOW;
+use crate::blur::params::MOST_SEGMENTS;
+use crate::blur::settings::{Settings, Trajectory};
+use crate::blur::{
+    self, Counts, Interval, Knot, MOST_TRIANGLES, Mesh, MeshInput, Motion, Pose, TopologyInput, View, Window,
+};
+use crate::error::Error;
+use crate::io::ReadError;
+use crate::io::scene::{AnimatedMesh, shading_groups};
+use crate::view::Camera;
+
+/// Frames to each side of an interval in which different poses are looked for, where poses are held.
+pub(super) const FARTHEST: u32 = 4 * WINDOW as u32;
+/// Steps between two frames with `trajectory = "exact"`.
+const STEPS: u32 = 8;
+
+/// Positions of the points of a mesh in a frame.
+pub type Positions = Arc<Vec<[f32; 3]>>;
+
+/// Why a frame of a blur cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BlurError {
+    /// The mesh has a pose that nothing can be made of.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// What follows from the poses cannot be made.
+    #[error(transparent)]
+    Effect(#[from] Error),
+}
+
+/// The animated mesh of a shot. Frames may be asked for in any order, and each depends on the shot alone; poses are kept
+/// for as long as the next frame may need them.
+pub struct BlurInput {
+    scene: AnimatedMesh,
+    camera: Box<dyn Fn(f64) -> Camera + Send>,
+    /// First and last of the shot.
+    frames: [u32; 2],
+    settings: Settings,
+    mesh: Arc<Mesh>,
+    colours: Arc<Vec<[f32; 4]>>,
+    motion: Motion,
+    poses: BTreeMap<u32, Positions>,
+    threads: usize,
+}
+
+impl fmt::Debug for BlurInput {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("BlurInput").field("frames", &self.frames).finish_non_exhaustive()
+    }
+}
+
+/// What one output, number i + 1, is made from, but for the images.
+#[derive(Clone, Debug)]
+pub struct BlurFrame {
+    /// The mesh: that of the whole shot.
+    pub mesh: Arc<Mesh>,
+    /// Base colours: [`TopologyInput::colour_rows`] of the shot's mesh.
+    pub colours: Arc<Vec<[f32; 4]>>,
+    /// What moves from frame i to frame i + 1. Nothing in the shot's first frame, which has none before it.
+    pub interval: Interval,
+    /// How much of it there is.
+    pub counts: Counts,
+    /// Frames i - 1, i, i + 1, i + 2; where there is no such frame, the nearest of the others.
+    pub views: [View; 4],
+    /// The frames that trajectories go through, where the device can make them.
+    pub knots: Option<Vec<Knot>>,
+    /// Number of the first of `poses`.
+    pub first: u32,
+    /// Poses of consecutive frames: at least those of the views and of the knots.
+    pub poses: Vec<Positions>,
+}
+
+impl BlurFrame {
+    /// Number of frame i, and of frame i + 1.
+    pub fn images(&self) -> [u32; 2] {
+        [self.views[1].frame, self.views[2].frame]
+    }
+}
+
+impl BlurInput {
+    /// Looks at all of the shot's poses, `frames[0]` to `frames[1]`: vertices are one point that are at one place in all
+    /// of them. `camera` is that of a frame, which may lie between two, for pictures of `size` pixels. With at most so
+    /// many threads.
+    ///
+    /// # Errors
+    /// A vertex that is not at a finite position, which it names with the frame; a setting out of range.
+    pub fn new(
+        scene: AnimatedMesh,
+        camera: impl Fn(f64) -> Camera + Send + 'static,
+        frames: [u32; 2],
+        settings: &Settings,
+        size: [u32; 2],
+        threads: usize,
+    ) -> Result<BlurInput, BlurError> {
+        let [first, last] = frames;
+        let weld = scene.weld(first, last, threads)?;
+        let topology = scene.topology();
+        let groups = shading_groups(topology, &weld, &scene.pose(f64::from(first))?);
+        // Vertices of one point share a normal if they have the same one here: any that tells the groups apart.
+        let normals: Vec<[f32; 3]> = groups.iter().map(|group| [f32::from_bits(*group), 0.0, 0.0]).collect();
+        let mesh = Mesh::new(&MeshInput {
+            vertices: scene.vertices(),
+            triangles: &topology.triangles,
+            objects: Some(&topology.object),
+            weld: Some(&weld),
+            normals: Some(&normals),
+        })?;
+        let motion = Motion::new(settings, size)?;
+        let colours = TopologyInput::colour_rows(&mesh, Some((&topology.triangles, &topology.colour)));
+        Ok(BlurInput {
+            colours: Arc::new(colours),
+            camera: Box::new(camera),
+            frames,
+            settings: settings.clone(),
+            mesh: Arc::new(mesh),
+            motion,
+            poses: BTreeMap::new(),
+            threads,
+            scene,
+        })
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// What an effect is made for that blurs this mesh in pictures of `size` pixels, with every frame's pose on the
+    /// device: [`crate::offline::Offline`] keeps fewer of them where they take too much of its memory. `toon`: frames are
+    /// drawn, because there are no images of them.
+    pub fn desc(&self, size: [u32; 2], seed: u32, toon: bool, layers: bool) -> blur::Desc {
+        let settings = &self.settings;
+        let inner = if settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
+        let triangles = self.mesh.triangles().len() as u32;
+        let [first, last] = self.frames;
+        blur::Desc {
+            size,
+            target_format: super::TARGET_FORMAT,
+            points: self.mesh.points() as u32,
+            triangles,
+            neighbours: self.mesh.neighbours().items.len() as u32,
+            objects: self.mesh.objects().len() as u32,
+            groups: self.mesh.group_triangles().starts.len() as u32 - 1,
+            group_triangles: self.mesh.group_triangles().items.len() as u32,
+            outer: false,
+            toon,
+            most_triangles: MOST_TRIANGLES.max(triangles.saturating_mul(4)).min(crate::blur::params::BASE_MASK),
+            segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
+            frames_resident: (last - first + 1).max(4),
+            seed,
+            settings: settings.clone(),
+            layers,
+            skipping: true,
+        }
+    }
+
+    /// What output `number` is made from.
+    ///
+    /// # Errors
+    /// As [`BlurInput::new`]; a camera too far from the mesh.
+    pub fn frame(&mut self, number: u32) -> Result<BlurFrame, BlurError> {
+        let [first, last] = self.frames;
+        let number = number.clamp(first, last);
+        let current = if number == first { first } else { number - 1 };
+        let begin = self.reach(current, |frame| frame.checked_sub(1).filter(|before| *before >= first), current)?;
+        let end = match number == first {
+            // Nothing comes before it: it is the last of its own sequence.
+            true => first,
+            false => self.reach(number, |frame| Some(frame + 1).filter(|after| *after <= last), current)?,
+        };
+        // The next output's window begins no earlier.
+        self.poses = self.poses.split_off(&begin);
+        let cameras: Vec<Camera> = (begin..=end).map(|frame| (self.camera)(f64::from(frame))).collect();
+        let positions: Vec<Positions> = self.poses.range(begin..=end).map(|(_, pose)| pose.clone()).collect();
+        let poses = positions.iter().zip(&cameras).map(|(positions, camera)| Pose { positions, camera, cut: false });
+        let poses: Vec<Pose> = poses.collect();
+        let between = self.between(current, number)?;
+        let between: Vec<Pose> =
+            between.iter().map(|(positions, camera)| Pose { positions, camera, cut: false }).collect();
+        let window = Window { frame: current, poses: &poses, current: (current - begin) as usize, between: &between };
+        let interval = self.motion.interval(&self.mesh, &window, self.threads)?;
+        let knots = self.motion.knots(&window);
+        let view = |frame: i64| {
+            let frame = frame.clamp(begin.into(), end.into()) as u32;
+            View { frame, camera: cameras[(frame - begin) as usize] }
+        };
+        let views = [-1, 0, 1, 2].map(|offset| view(i64::from(current) + offset));
+        let counts = Counts::of(&interval, self.mesh.neighbours());
+        let (mesh, colours) = (self.mesh.clone(), self.colours.clone());
+        Ok(BlurFrame { mesh, colours, interval, counts, views, knots, first: begin, poses: positions })
+    }
+
+    /// Reads poses from a frame on, each followed by `next`, until enough of them differ; the last one that was read.
+    /// `current` is frame i.
+    fn reach(&mut self, from: u32, next: impl Fn(u32) -> Option<u32>, current: u32) -> Result<u32, BlurError> {
+        let wanted = WINDOW + self.settings.reach().ceil() as usize;
+        let (mut at, mut changes) = (from, 0);
+        self.read(at)?;
+        while let Some(frame) = next(at).filter(|frame| changes < wanted && frame.abs_diff(current) <= FARTHEST) {
+            self.read(frame)?;
+            changes += usize::from(!self.is_held(at, frame));
+            at = frame;
+        }
+        Ok(at)
+    }
+
+    /// Whether two frames show the same.
+    fn is_held(&self, a: u32, b: u32) -> bool {
+        let camera = |frame: u32| (self.camera)(f64::from(frame));
+        let bits = |frame: u32| self.poses.get(&frame).map(|pose| bytemuck::cast_slice::<_, u8>(pose));
+        camera(a) == camera(b) && bits(a) == bits(b)
+    }
+
+    /// Reads a frame's pose, and those after it that threads can read in the same time and the window will want.
+    fn read(&mut self, frame: u32) -> Result<(), BlurError> {
+        if self.poses.contains_key(&frame) {
+            return Ok(());
+        }
+        let more = (frame..=self.frames[1]).take(self.threads.min(WINDOW));
+        let frames: Vec<u32> = more.take_while(|frame| !self.poses.contains_key(frame)).collect();
+        let times: Vec<f64> = frames.iter().map(|frame| f64::from(*frame)).collect();
+        let poses = self.scene.poses(&times, self.threads)?;
+        for (frame, pose) in frames.into_iter().zip(&poses) {
+            self.poses.insert(frame, self.gathered(pose));
+        }
+        Ok(())
+    }
+
+    fn gathered(&self, pose: &[[f32; 3]]) -> Positions {
+        // A scene's poses have as many vertices as its mesh.
+        Arc::new(self.mesh.gather(pose).unwrap_or_default())
+    }
+
+    /// Poses between two frames, and what sees them.
+    fn between(&self, current: u32, number: u32) -> Result<Vec<(Positions, Camera)>, BlurError> {
+        if self.settings.trajectory != Trajectory::Exact || current == number {
+            return Ok(Vec::new());
+        }
+        let times = (1..STEPS).map(|step| f64::from(current) + f64::from(step) / f64::from(STEPS));
+        let times: Vec<f64> = times.collect();
+        let poses = self.scene.poses(&times, self.threads)?;
+        Ok(poses.iter().zip(times).map(|(pose, time)| (self.gathered(pose), (self.camera)(time))).collect())
+    }
+}

@@ -1,0 +1,350 @@
+//! Frames that the effect draws itself: tones and ink against f64, and what decides that a frame is drawn at all.
+
+use celfx::blur::motion::{Motion, Pose, Window};
+use celfx::blur::settings::{Ghosts, Lines, Outline, Toon};
+use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings};
+use celfx::io::scene::{AnimatedMesh, Clock};
+use celfx::simulate::mesh::Builtin;
+use celfx::smoke::settings::{Operator, Tone};
+use celfx::view::{Light, LightSource};
+use glam::{DVec2, DVec3};
+
+use crate::common::blur::{BlurRig, Shot, desc};
+use crate::scenes::Animation;
+
+const GREY: [f32; 4] = [0.1, 0.2, 0.3, 0.5];
+
+/// A builtin mesh, some of its frames, and an effect that draws them.
+pub struct Film {
+    pub mesh: Mesh,
+    pub animation: Animation,
+    pub settings: Settings,
+    /// Of the file: triangles and colours.
+    pub triangles: Vec<[u32; 3]>,
+    pub colours: Vec<[f32; 3]>,
+    pub rig: BlurRig,
+    light: Light,
+}
+
+impl Film {
+    /// `turned`: vertices and triangles in the opposite order.
+    pub fn new(
+        which: Builtin,
+        vertices: u32,
+        size: [u32; 2],
+        frames: std::ops::Range<u32>,
+        settings: Settings,
+        turned: bool,
+    ) -> Option<Film> {
+        let scene = AnimatedMesh::builtin(which, vertices, Clock { first: 0, fps: which.fps() });
+        let count = scene.vertices();
+        let order: Vec<usize> = if turned { (0..count).rev().collect() } else { (0..count).collect() };
+        let weld = scene.weld(frames.start, frames.end - 1, 1).expect("poses");
+        let topology = scene.topology();
+        let weld: Vec<u32> = order.iter().map(|v| weld[*v]).collect();
+        let objects: Vec<u32> = order.iter().map(|v| topology.object[*v]).collect();
+        let normals: Vec<[f32; 3]> = order.iter().map(|v| topology.normal[*v]).collect();
+        let colours: Vec<[f32; 3]> = order.iter().map(|v| topology.colour[*v]).collect();
+        let place = |v: u32| if turned { count as u32 - 1 - v } else { v };
+        let mut triangles: Vec<[u32; 3]> = topology.triangles.iter().map(|t| t.map(place)).collect();
+        if turned {
+            triangles.reverse();
+        }
+        let mesh = Mesh::new(&MeshInput {
+            vertices: count,
+            triangles: &triangles,
+            objects: Some(&objects),
+            weld: Some(&weld),
+            normals: Some(&normals),
+        })
+        .expect("a mesh");
+        let poses = frames.clone().map(|frame| {
+            let pose = scene.pose(f64::from(frame)).expect("a pose");
+            mesh.gather(&order.iter().map(|v| pose[*v]).collect::<Vec<_>>()).expect("a pose")
+        });
+        let cameras = frames.clone().map(|frame| scene.camera(f64::from(frame)).expect("a camera"));
+        let animation = Animation { poses: poses.collect(), cameras: cameras.collect(), size };
+        let desc = celfx::blur::Desc { toon: true, ..desc(size, &mesh, settings.clone()) };
+        let mut rig = BlurRig::new(desc, mesh.clone())?;
+        rig.colours = Some((triangles.clone(), colours.clone()));
+        let light = Light::default();
+        let mut film = Film { mesh, animation, settings, triangles, colours, rig, light };
+        film.set_light(light, Background::Clear(GREY));
+        Some(film)
+    }
+
+    pub fn set_light(&mut self, light: Light, background: Background) {
+        self.light = light;
+        self.rig.toon = Some((light, background));
+    }
+
+    pub fn interval(&self, i: usize) -> Interval {
+        let animation = &self.animation;
+        let poses: Vec<Pose> = animation
+            .poses
+            .iter()
+            .zip(&animation.cameras)
+            .map(|(positions, camera)| Pose { positions, camera, cut: false })
+            .collect();
+        let window = Window { frame: i as u32, poses: &poses, current: i, between: &[] };
+        let motion = Motion::new(&self.settings, animation.size).expect("settings");
+        motion.interval(&self.mesh, &window, 1).expect("an interval")
+    }
+
+    /// Output i + 1: from an interval, or as if nothing moved.
+    pub fn output(&mut self, i: usize, moves: bool) -> Vec<[f32; 4]> {
+        let interval = moves.then(|| self.interval(i));
+        let poses = self.rig.steps().is_empty().then_some((0, &self.animation.poses[..]));
+        let views = self.animation.views(i);
+        let shot = Shot { poses, interval: interval.as_ref(), views, knots: None };
+        self.rig.frame(&shot).expect("a frame");
+        self.rig.picture()
+    }
+
+    fn reasons(&self) -> Vec<&'static str> {
+        let skipped = &self.rig.blur().plan().skipped;
+        skipped.iter().filter(|(name, _)| *name == "blur.toon").map(|(_, reason)| *reason).collect()
+    }
+
+    /// Unit normals of the corners of each triangle in a frame.
+    fn normals(&self, frame: usize) -> Vec<[DVec3; 3]> {
+        let at = |point: u32| DVec3::from_array(self.animation.poses[frame][point as usize].map(f64::from));
+        let area = |t: &u32| {
+            let [a, b, c] = self.mesh.triangles()[*t as usize].map(at);
+            (b - a).cross(c - a)
+        };
+        let normal = |group: u32| {
+            self.mesh.group_triangles().of(group as usize).iter().map(area).sum::<DVec3>().normalize_or_zero()
+        };
+        self.mesh.normal_groups().iter().map(|groups| groups.map(normal)).collect()
+    }
+
+    /// What each sample of a frame sees.
+    fn samples(&self, frame: usize) -> Vec<Seen> {
+        let [width, height] = self.animation.size.map(|side| 2 * side as usize);
+        let clip = |point: &u32| self.animation.clip(frame, *point as usize);
+        let corners: Vec<[DVec3; 3]> = self.mesh.triangles().iter().map(|t| [0, 1, 2].map(|i| clip(&t[i]))).collect();
+        let normals = self.normals(frame);
+        let mut nearest = vec![(0.0, None, false); width * height];
+        for (index, corners) in corners.iter().enumerate() {
+            let pixels = corners.map(|c| c.truncate() / c.z);
+            let low = pixels.iter().fold(DVec2::INFINITY, |a, b| a.min(*b));
+            let high = pixels.iter().fold(DVec2::NEG_INFINITY, |a, b| a.max(*b));
+            for y in (2.0 * low.y - 2.0).max(0.0) as usize..((2.0 * high.y + 2.0).max(0.0) as usize).min(height) {
+                for x in (2.0 * low.x - 2.0).max(0.0) as usize..((2.0 * high.x + 2.0).max(0.0) as usize).min(width) {
+                    let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / 2.0;
+                    let slot = &mut nearest[y * width + x];
+                    let [p, q, r] = pixels.map(|pixel| pixel - at);
+                    let parts = [q.perp_dot(r), r.perp_dot(p), p.perp_dot(q)];
+                    let sides = [(r - q).length(), (p - r).length(), (q - p).length()];
+                    let area: f64 = parts.iter().sum();
+                    let distance = (0..3).map(|i| parts[i] * area.signum() / sides[i]).fold(f64::INFINITY, f64::min);
+                    slot.2 |= distance.abs() < 1.0 / 64.0;
+                    let weights = DVec3::from_array([0, 1, 2].map(|i| parts[i] / corners[i].z));
+                    let shares = weights / weights.element_sum();
+                    let near = 1.0 / (0..3).map(|i| shares[i] * corners[i].z).sum::<f64>();
+                    if distance > 0.0 && near > slot.0 {
+                        (slot.0, slot.1) = (near, Some((index, shares, weights.element_sum())));
+                    }
+                }
+            }
+        }
+        let seen = |(_, found, unsure): &(f64, Option<(usize, DVec3, f64)>, bool)| {
+            let Some((index, shares, area)) = *found else { return Seen { unsure: *unsure, ..Seen::default() } };
+            self.seen(frame, index, shares, area > 0.0, &normals[index], *unsure)
+        };
+        nearest.iter().map(seen).collect()
+    }
+
+    fn seen(&self, frame: usize, index: usize, shares: DVec3, away: bool, normals: &[DVec3; 3], unsure: bool) -> Seen {
+        let mix = |of: &dyn Fn(usize) -> DVec3| (0..3).map(|i| shares[i] * of(i)).sum::<DVec3>();
+        let normal = mix(&|i| normals[i]).normalize_or_zero() * if away { -1.0 } else { 1.0 };
+        let point = |i: usize| {
+            DVec3::from_array(self.animation.poses[frame][self.mesh.triangles()[index][i] as usize].map(f64::from))
+        };
+        let to_light = match self.light.source {
+            LightSource::Direction(way) => -way.normalize(),
+            LightSource::Position(place) => (place - mix(&point)).normalize(),
+        };
+        let luminance = self.light.ambient + (1.0 - self.light.ambient) * normal.dot(to_light).max(0.0);
+        let tones = &self.settings.toon.tones;
+        let tone = tones.iter().skip(1).rfind(|tone| luminance >= f64::from(tone.from)).unwrap_or(&tones[0]);
+        let near_a_tone = tones.iter().skip(1).any(|tone| (luminance - f64::from(tone.from)).abs() < 1e-4);
+        let vertices = self.triangles[index];
+        let base = mix(&|i| DVec3::from_array(self.colours[vertices[i] as usize].map(f64::from)));
+        let colour = DVec3::from_array(tone.colour.map(f64::from)) * base;
+        let object = 1 + self.mesh.triangle_objects()[index];
+        Seen { object, colour: colour.extend(1.0).to_array(), unsure: unsure || near_a_tone }
+    }
+
+    /// The picture of a frame where it is sure, with a line where objects change only.
+    fn expected(&self, frame: usize) -> Vec<Option<[f64; 4]>> {
+        let samples = self.samples(frame);
+        let size = self.animation.size.map(|side| 2 * side as i32);
+        let at = |x: i32, y: i32| &samples[(y.clamp(0, size[1] - 1) * size[0] + x.clamp(0, size[0] - 1)) as usize];
+        let outline = &self.settings.toon.outline;
+        let (width, reach) = (2.0 * f64::from(outline.width), (2.0 * outline.width).ceil() as i32 - 1);
+        let line = |x: i32, y: i32| {
+            let own = at(x, y).object;
+            own > 0 && [(-1, 1), (1, -1), (-1, -1), (1, 1)].iter().any(|(i, j)| at(x + i, y + j).object != own)
+        };
+        let sample = |x: i32, y: i32| -> Option<[f64; 4]> {
+            let mut opacity: f64 = 0.0;
+            for (j, i) in (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (j, i))) {
+                let inside = (0..size[0]).contains(&(x + i)) && (0..size[1]).contains(&(y + j));
+                let is_line = outline.strength > 0.0 && inside && line(x + i, y + j);
+                let share = (width - f64::from(i * i + j * j).sqrt()).clamp(0.0, 1.0);
+                opacity = opacity.max(if is_line { share } else { 0.0 });
+            }
+            let near = (-reach - 1..=reach + 1).flat_map(|j| (-reach - 1..=reach + 1).map(move |i| (i, j)));
+            if near.map(|(i, j)| at(x + i, y + j)).any(|seen| seen.unsure && outline.strength > 0.0) || at(x, y).unsure
+            {
+                return None;
+            }
+            if at(x, y).object == 0 {
+                return Some(GREY.map(f64::from));
+            }
+            let ink = outline.colour.map(f64::from);
+            let colour = at(x, y).colour;
+            Some([0, 1, 2, 3].map(|c| if c < 3 { colour[c] * (1.0 - opacity) + ink[c] * opacity } else { 1.0 }))
+        };
+        let pixel = |index: i32| {
+            let (x, y) = (index % (size[0] / 2) * 2, index / (size[0] / 2) * 2);
+            let parts = [sample(x, y)?, sample(x + 1, y)?, sample(x, y + 1)?, sample(x + 1, y + 1)?];
+            Some([0, 1, 2, 3].map(|c| parts.iter().map(|part| part[c]).sum::<f64>() / 4.0))
+        };
+        (0..size[0] * size[1] / 4).map(pixel).collect()
+    }
+}
+
+/// What a sample sees.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// Its object, from 1; 0: none.
+    object: u32,
+    colour: [f64; 4],
+    /// Whether rounding may decide.
+    unsure: bool,
+}
+
+fn toon(strength: f32, width: f32) -> Toon {
+    let tone = |from, colour| Tone { from, colour };
+    let tones = vec![tone(0.0, [0.2, 0.25, 0.5]), tone(0.4, [0.6, 0.5, 0.5]), tone(0.8, [1.0, 1.0, 0.9])];
+    Toon { tones, outline: Outline { strength, width, colour: [0.02, 0.0, 0.1], operator: Operator::Roberts } }
+}
+
+#[test]
+fn tones_and_ink_are_those_of_f64() {
+    let place = LightSource::Position(DVec3::new(1.0, 2.0, 2.5));
+    for (which, vertices, strength, width, light) in [
+        (Builtin::Crossing, 1500, 0.0, 1.5, Light::default()),
+        (Builtin::Run, 1500, 0.0, 1.5, Light { source: place, ambient: 0.1 }),
+        // So weak that depth alone makes no line; and few triangles, because what is near an edge is not looked at.
+        (Builtin::Crossing, 100, 1e-9, 1.0, Light::default()),
+        (Builtin::Run, 200, 1e-9, 1.75, Light::default()),
+    ] {
+        let settings = Settings { toon: toon(strength, width), ..Settings::default() };
+        let Some(mut film) = Film::new(which, vertices, [320, 180], 22..26, settings, false) else { return };
+        film.set_light(light, Background::Clear(GREY));
+        let picture = film.output(1, false);
+        let expected = film.expected(2);
+        let (mut looked, mut wrong, mut worst) = (0, 0, 0.0_f64);
+        for (found, expected) in picture.iter().zip(&expected) {
+            let Some(expected) = expected else { continue };
+            let off = (0..4).map(|c| (f64::from(found[c]) - expected[c]).abs()).fold(0.0, f64::max);
+            looked += 1;
+            wrong += usize::from(off > 1e-5);
+            worst = worst.max(off);
+        }
+        eprintln!("{which:?}, strength {strength}: {looked} pixels, {wrong} differ, at most by {worst:.1e}");
+        let covered = expected.iter().flatten().filter(|colour| colour[3] == 1.0).count();
+        assert!(looked > 40_000 && covered > 40, "{looked}, {covered}");
+        assert_eq!(wrong, 0);
+    }
+}
+
+#[test]
+fn depth_makes_lines_and_slopes_none() {
+    let mut settings = Settings { toon: toon(1.0, 1.0), ..Settings::default() };
+    settings.toon.outline.operator = Operator::Second;
+    let dark = |settings: &Settings| {
+        let mut film = Film::new(Builtin::Spin, 1500, [192, 108], 0..4, settings.clone(), false)?;
+        let picture = film.output(1, false);
+        Some(picture.iter().filter(|c| c[3] > 0.9 && c[0] + c[1] < 0.06).count())
+    };
+    let Some(second) = dark(&settings) else { return };
+    settings.toon.outline.strength = 0.0;
+    let none = dark(&settings).expect("a device");
+    assert!(second > none + 200 && second < none + 4000, "{second}, {none}");
+}
+
+#[test]
+fn a_frame_is_drawn_once() {
+    let make = || Film::new(Builtin::Run, 800, [128, 72], 22..28, Settings::default(), false);
+    let (Some(mut film), Some(mut other)) = (make(), make()) else { return };
+    let first = film.output(1, true);
+    assert!(film.reasons().is_empty(), "both frames are drawn");
+    film.output(2, true);
+    assert_eq!(film.reasons(), ["the frame is there since an earlier output"]);
+    let third = film.output(3, true);
+    assert_eq!(film.reasons().len(), 1);
+    // A frame does not depend on those before it.
+    assert!(other.output(3, true) == third);
+    assert!(other.output(1, true) == first);
+    assert!(other.reasons().is_empty());
+    // Another light, another drawing.
+    other.set_light(Light { ambient: 0.9, ..Light::default() }, Background::Clear(GREY));
+    assert!(other.output(1, true) != first && other.reasons().is_empty());
+    // What stands still is the later frame, and all of it may be there.
+    let still = film.output(3, false);
+    assert_eq!(film.reasons(), ["the frame is there since an earlier output"]);
+    let settings = Settings { strength: 0.0, ..Settings::default() };
+    let Some(mut weak) = Film::new(Builtin::Run, 800, [128, 72], 22..28, settings, false) else { return };
+    assert!(weak.output(3, true) == still, "no strength is the later frame, to the bit");
+    assert!(weak.output(3, false) == still && still != third);
+}
+
+#[test]
+fn order_changes_nothing() {
+    let make = |turned| Film::new(Builtin::Crossing, 800, [128, 72], 22..26, Settings::default(), turned);
+    let (Some(mut film), Some(mut other)) = (make(false), make(true)) else { return };
+    assert!(film.output(1, false) == other.output(1, false));
+}
+
+#[test]
+fn without_a_background_there_is_nothing_behind() {
+    let Some(mut film) = Film::new(Builtin::Spin, 800, [128, 72], 0..4, Settings::default(), false) else { return };
+    film.set_light(Light::default(), Background::Keep);
+    let picture = film.output(1, false);
+    let empty = picture.iter().filter(|colour| **colour == [0.0; 4]).count();
+    assert!(empty > 128 * 72 / 3 && picture[0] == [0.0; 4]);
+    let partial = |c: &&[f32; 4]| c[3] > 0.0 && c[3] < 1.0;
+    assert!(picture.iter().filter(partial).count() > 50, "edges are antialiased");
+}
+
+/// Draws pictures to look at: `TOON_PICTURES=folder cargo test --test blur pictures -- --ignored`.
+#[test]
+#[ignore = "makes pictures to look at"]
+fn pictures() {
+    let Some(folder) = std::env::var_os("TOON_PICTURES") else { return };
+    let folder = std::path::Path::new(&folder);
+    for which in [Builtin::Run, Builtin::Spin, Builtin::Crossing] {
+        let size = [1280, 720];
+        let lines = Lines { count: 12, length: 3.0, ..Lines::default() };
+        let ghosts = Ghosts { count: 4, step: 0.5, ..Ghosts::default() };
+        let kinds = [
+            ("frame", Settings::default()),
+            ("smear", Settings::default()),
+            ("lines", Settings { lines, ..Settings::default() }),
+            ("ghosts", Settings { strength: 0.0, ghosts, ..Settings::default() }),
+        ];
+        for (kind, settings) in kinds {
+            let vertices = which.usual_vertices();
+            let Some(mut film) = Film::new(which, vertices, size, 18..30, settings, false) else { return };
+            film.set_light(Light::default(), Background::Clear([0.72, 0.80, 0.85, 1.0]));
+            let picture = film.output(6, kind != "frame");
+            let name = format!("{}-{kind}.png", which.name());
+            celfx::io::image::write_png(&folder.join(name), size, &picture).expect("a picture");
+        }
+    }
+}
