@@ -16,10 +16,10 @@ build: setup
 
 demo: build
 	mkdir -p demo
-	for shot in smoke flame campfire; do \
+	for shot in smoke flame campfire blur; do \
 	  $(CELFX) render builtin:$$shot -o demo/$$shot/%04d.png --sheet demo/$$shot.png --animation demo/$$shot.gif || exit; \
 	done
-	@echo "For each of smoke, flame and campfire: frames in demo/smoke/ and so on, side by side in demo/smoke.png, moving in demo/smoke.gif."
+	@echo "For each of smoke, flame, campfire and blur: frames in demo/smoke/ and so on, side by side in demo/smoke.png, moving in demo/smoke.gif."
 
 # The dev profile and not release: it checks integer overflow and debug assertions. Its opt-level is 1 (Cargo.toml),
 # fast enough for the references.

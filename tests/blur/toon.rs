@@ -1,7 +1,7 @@
 //! Frames that the effect draws itself: tones and ink against f64, and what decides that a frame is drawn at all.
 
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::settings::{Ghosts, Lines, Outline, Toon};
+use celfx::blur::settings::{Outline, Toon};
 use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings};
 use celfx::io::scene::{AnimatedMesh, Clock};
 use celfx::simulate::mesh::Builtin;
@@ -320,31 +320,4 @@ fn without_a_background_there_is_nothing_behind() {
     assert!(empty > 128 * 72 / 3 && picture[0] == [0.0; 4]);
     let partial = |c: &&[f32; 4]| c[3] > 0.0 && c[3] < 1.0;
     assert!(picture.iter().filter(partial).count() > 50, "edges are antialiased");
-}
-
-/// Draws pictures to look at: `TOON_PICTURES=folder cargo test --test blur pictures -- --ignored`.
-#[test]
-#[ignore = "makes pictures to look at"]
-fn pictures() {
-    let Some(folder) = std::env::var_os("TOON_PICTURES") else { return };
-    let folder = std::path::Path::new(&folder);
-    for which in [Builtin::Run, Builtin::Spin, Builtin::Crossing] {
-        let size = [1280, 720];
-        let lines = Lines { count: 12, length: 3.0, ..Lines::default() };
-        let ghosts = Ghosts { count: 4, step: 0.5, ..Ghosts::default() };
-        let kinds = [
-            ("frame", Settings::default()),
-            ("smear", Settings::default()),
-            ("lines", Settings { lines, ..Settings::default() }),
-            ("ghosts", Settings { strength: 0.0, ghosts, ..Settings::default() }),
-        ];
-        for (kind, settings) in kinds {
-            let vertices = which.usual_vertices();
-            let Some(mut film) = Film::new(which, vertices, size, 18..30, settings, false) else { return };
-            film.set_light(Light::default(), Background::Clear([0.72, 0.80, 0.85, 1.0]));
-            let picture = film.output(6, kind != "frame");
-            let name = format!("{}-{kind}.png", which.name());
-            celfx::io::image::write_png(&folder.join(name), size, &picture).expect("a picture");
-        }
-    }
 }
