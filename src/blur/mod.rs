@@ -27,8 +27,8 @@ pub use motion::{Cluster, Interval, Motion, Pose, Window};
 pub use settings::Settings;
 
 use crate::error::{Error, Result};
-use crate::gpu::effect::{Inventory, OnDevice};
-use crate::gpu::profiler::{Mode, Timing};
+use crate::gpu::effect::{Inventory, OnDevice, effect_methods};
+use crate::gpu::profiler::Timing;
 use crate::host::{Host, Memory, check_sides};
 use crate::plan::Plan;
 use layout::Layout;
@@ -93,29 +93,6 @@ impl Blur {
         let resident = vec![None; desc.frames_resident as usize];
         let drawn = Default::default();
         Ok(Blur { desc, layout, passes, plan, on_device, resident, drawn, has_mesh: false })
-    }
-
-    /// Changes the size of the picture. The next frame must bring the mesh, and poses that it needs. On error the effect is
-    /// as it was.
-    ///
-    /// # Errors
-    /// As [`Blur::new`].
-    ///
-    /// # Safety
-    /// As [`Blur::new`], and the GPU is done with every frame recorded so far.
-    pub unsafe fn resize(&mut self, host: &Host, allocator: &mut Allocator, size: [u32; 2]) -> Result<()> {
-        let desc = Desc { size, ..self.desc.clone() };
-        // SAFETY: the caller's.
-        unsafe {
-            let mut old = std::mem::replace(self, Blur::new(host, allocator, desc)?);
-            old.destroy(host, allocator);
-        }
-        Ok(())
-    }
-
-    /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
-    pub fn set_mode(&mut self, mode: Mode) {
-        self.on_device.set_mode(mode);
     }
 
     /// Records a frame. Allocates nothing, submits nothing, waits for nothing.
@@ -188,59 +165,19 @@ impl Blur {
         }
     }
 
-    /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none
-    /// of them may touch the host's images or buffers.
-    ///
-    /// # Errors
-    /// A step does not fit the effect's buffers.
-    ///
-    /// # Safety
-    /// As for [`Blur::record`].
-    #[cfg(feature = "cli")]
-    pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-        let [previous, next] = layout::HOST_FRAMES;
-        let [before, after] = layout::HOST_OUTER;
-        let images = [layout::TARGET, previous, next, before, after];
-        // SAFETY: the caller's.
-        unsafe { self.on_device.replay(host, commands, plan, &images) }
-    }
-
-    /// The list of the frame recorded last.
-    pub fn plan(&self) -> &Plan {
-        &self.plan
-    }
-
     /// The most steps that a frame can have, and the most bytes of its updates.
     pub fn plan_capacity(&self) -> (usize, usize) {
         steps::capacity(&self.desc)
     }
-
-    /// The declared passes, which the plan's steps refer to.
-    pub fn passes(&self) -> &[crate::plan::Pass] {
-        &self.on_device.passes
-    }
-
-    /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in [`layout`].
-    /// The last access to it was a shader's or a transfer's write.
-    pub fn buffer(&self, id: crate::plan::BufferId) -> (vk::Buffer, u64, u64) {
-        self.on_device.buffer(id)
-    }
-
-    /// What the effect was made for.
-    pub fn desc(&self) -> &Desc {
-        &self.desc
-    }
-
-    /// Destroys what celfx made.
-    ///
-    /// # Safety
-    /// The GPU is done with every recorded frame; `host` and `allocator` are those it was made with. Nothing else is
-    /// called afterwards.
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
-        // SAFETY: the caller's.
-        unsafe { self.on_device.destroy(host, allocator) };
-    }
 }
+
+effect_methods!(Blur, host_images: [
+    layout::TARGET,
+    layout::HOST_FRAMES[0],
+    layout::HOST_FRAMES[1],
+    layout::HOST_OUTER[0],
+    layout::HOST_OUTER[1],
+]);
 
 fn validate(desc: &Desc) -> Result<()> {
     desc.settings.validate()?;
