@@ -23,6 +23,11 @@ bool is_free(uint frame, uint cover) {
     return (cover & (MOVING | COVERED) << frame) == 0u;
 }
 
+// A frame's pixel, finished.
+vec4 finished_pixel(vec4 own) {
+    return params.lens.w > 0.0 ? own + (1.0 - own.w) * params.background : own;
+}
+
 // What goes along with the mesh around a pixel.
 struct Skirt {
     Fragment fragment;  // of the nearest pixel that sees what moves
@@ -111,8 +116,8 @@ void main() {
     }
     uint cover = cover_at(pixel);
     bool is_next = is_free(2u, cover);
-    vec4 behind = is_next ? texelFetch(frame_next, pixel, 0)
-        : is_free(1u, cover) ? texelFetch(frame_previous, pixel, 0) : params.background;
+    vec4 behind = is_next ? finished_pixel(texelFetch(frame_next, pixel, 0))
+        : is_free(1u, cover) ? finished_pixel(texelFetch(frame_previous, pixel, 0)) : params.background;
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
         farthest = min(farthest, texelFetch(sampled_depth, 2 * pixel + ivec2(i & 1, i >> 1), 0).x);

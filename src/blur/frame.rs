@@ -235,7 +235,6 @@ pub struct ToonInput {
 pub struct Drawn {
     view: View,
     light: Light,
-    background: [f32; 4],
 }
 
 impl Drawn {
@@ -274,8 +273,8 @@ pub struct Frame<'a> {
     pub outer: [Option<HostImage>; 2],
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
-    /// What is where no image shows anything but the mesh: [`Background::Keep`] is nothing at all, an image is not
-    /// taken yet.
+    /// What is where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`] is
+    /// nothing at all, an image is not taken yet.
     pub background: Background,
 }
 
@@ -472,8 +471,7 @@ impl Frame<'_> {
     /// Frames i and i + 1 as they are drawn if there are no images of them; i only if there is an interval.
     pub(super) fn drawn(&self) -> [Option<Drawn>; 2] {
         let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 2] };
-        let background = self.background();
         let previous = self.interval.as_ref().map(|interval| interval.views[1]);
-        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light, background }))
+        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light }))
     }
 }

@@ -339,7 +339,9 @@ impl Layout {
         let drawn = ImageDesc {
             name: "blur drawn frame",
             extent: if desc.toon { desc.size } else { [1; 2] },
-            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
+                | vk::ImageUsageFlags::TRANSFER_SRC
+                | vk::ImageUsageFlags::SAMPLED,
             ..frame
         };
         let ghost = ImageDesc {

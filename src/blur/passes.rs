@@ -67,7 +67,8 @@ pub struct Passes {
     pub(super) toon_lines: PassId,
     /// Into each place.
     pub(super) toon: [PassId; TOON.len()],
-    pub(super) toon_background: PassId,
+    /// Of each place.
+    pub(super) toon_background: [PassId; TOON.len()],
     pub(super) toon_frames: PassId,
     pub(super) ghost: PassId,
     pub(super) ghost_blend: PassId,
@@ -159,7 +160,7 @@ impl Passes {
             inward: [0, 1]
                 .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]))),
             compose: d.add(Pass::compute("blur.compose", &glsl::compose::SHADER).specialise([u32::from(desc.layers)])),
-            composite: d.add(composite(desc)),
+            composite: d.add(whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc)),
             colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [BASE_COLOURS])),
             toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
             toon_project: d.compute("blur.toon", &glsl::project::SHADER),
@@ -172,8 +173,12 @@ impl Passes {
                 d.add(Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]))
             },
             toon: TOON.map(|image| d.add(toon(desc, image))),
-            toon_background: d.transfer("blur.background", &from_toon(&[TARGET])),
-            toon_frames: d.transfer("blur.frames", &from_toon(&FRAMES)),
+            toon_background: TOON.map(|image| d.add(begin(desc, image))),
+            toon_frames: {
+                let from = TOON.map(|image| (image.into(), Usage::COPY_SOURCE));
+                let to = FRAMES.map(|image| (image.into(), Usage::COPY_TARGET));
+                d.transfer("blur.frames", &[from, to].concat())
+            },
             ghost: d.add(ghost(desc).specialise([screen])),
             ghost_blend: {
                 let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghost_blend_fragment::SHADER);
@@ -217,40 +222,31 @@ fn nearest(image: ImageId) -> DepthAttachment {
     DepthAttachment { image, format, clear: Some(0.0), compare, layer: 0 }
 }
 
-/// The picture over what the target has of frame i + 1.
-fn composite(desc: &Desc) -> Pass {
-    let (format, blend) = (desc.target_format, Blend::Replace);
-    let raster = Raster {
-        topology: Topology::Quads,
-        vertex: &glsl::composite_vertex::SHADER,
-        fragment: &glsl::composite_fragment::SHADER,
-        colour: Some(ColourAttachment { image: TARGET, format, clear: None, blend }),
-        depth: None,
-        extent: desc.size,
-    };
-    Pass::raster("blur.composite", raster)
-}
-
-/// Copies of drawn frames.
-fn from_toon(to: &[ImageId]) -> Vec<(Resource, Usage)> {
-    let to = to.iter().map(|image| ((*image).into(), Usage::COPY_TARGET));
-    TOON.iter().map(|image| ((*image).into(), Usage::COPY_SOURCE)).chain(to).collect()
-}
-
 /// A frame from what its samples see.
 fn toon(desc: &Desc, image: ImageId) -> Pass {
+    let toon = &desc.settings.toon;
+    let inked = u32::from(toon.outline.strength > 0.0);
+    whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise([inked, ink_reach(toon)])
+}
+
+/// A frame that has been drawn, as the target's first content.
+fn begin(desc: &Desc, drawn: ImageId) -> Pass {
+    let fragment = &glsl::background_fragment::SHADER;
+    whole("blur.background", fragment, TARGET, desc).bind(glsl::background_fragment::DRAWN, drawn)
+}
+
+/// Replaces a whole picture, or what its shader does not discard.
+fn whole(name: &'static str, fragment: &'static Shader, image: ImageId, desc: &Desc) -> Pass {
     let (format, blend) = (desc.target_format, Blend::Replace);
     let raster = Raster {
         topology: Topology::Quads,
         vertex: &glsl::composite_vertex::SHADER,
-        fragment: &glsl::toon_fragment::SHADER,
+        fragment,
         colour: Some(ColourAttachment { image, format, clear: None, blend }),
         depth: None,
         extent: desc.size,
     };
-    let toon = &desc.settings.toon;
-    let inked = u32::from(toon.outline.strength > 0.0);
-    Pass::raster("blur.toon", raster).specialise([inked, ink_reach(toon)])
+    Pass::raster(name, raster)
 }
 
 /// An after-image's surface.

@@ -5,8 +5,9 @@ use std::mem::offset_of;
 use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES, ROUNDS,
-    Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams, VisibilityConstants,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS,
+    MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams,
+    VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
@@ -107,7 +108,7 @@ impl Steps<'_> {
             return self.toon(frame, false);
         };
         let outer = frame.outer.map(|image| image.is_some());
-        let params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
+        let params = BlurParams::new(self.desc, self.layout, interval, frame, outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -181,7 +182,7 @@ impl Steps<'_> {
             |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
         let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
         if !projected && missing != [None; 2] {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
+            let params = BlurParams::of_views(self.desc, &[input.view; 4]);
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
@@ -195,8 +196,8 @@ impl Steps<'_> {
                 None => {}
             }
         }
-        let (from, to, extent) = (TOON[next.place()], TARGET, self.desc.size);
-        self.plan.step(self.passes.toon_background, Command::CopyImage { from, to, extent });
+        let constants = BackgroundConstants { background: frame.background() };
+        self.plan.step_with(self.passes.toon_background[next.place()], Command::Draw { vertices: 4 }, &constants);
     }
 
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.

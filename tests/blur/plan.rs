@@ -248,11 +248,11 @@ fn frames_without_images_are_drawn() {
         effect.plan.steps.iter().filter(|step| command(&step.command)).count()
     };
     let is_picture = |command: &Command| matches!(command, Command::Draw { vertices: 4 });
-    assert_eq!(count(&effect, is_picture), 3, "frames i and i + 1, and the composite");
+    assert_eq!(count(&effect, is_picture), 4, "frames i and i + 1, what the target begins with, and the composite");
     // Where nothing moves, the later one is all.
     frame.interval = None;
     effect.fill(&frame);
-    assert_eq!(count(&effect, is_picture), 1);
+    assert_eq!(count(&effect, is_picture), 2);
     assert_eq!(effect.names().last(), Some(&"blur.background"));
 }
 
