@@ -1,5 +1,5 @@
 // The picture: of each pixel the mean of its four samples, each over what the frames show beside the mesh. What lies
-// around the mesh in the frames, outlines, goes with it.
+// around the mesh in images, outlines, goes with it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -23,9 +23,14 @@ bool is_free(uint frame, uint cover) {
     return (cover & (MOVING | COVERED) << frame) == 0u;
 }
 
+// Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
+bool is_drawn() {
+    return params.lens.w > 0.0;
+}
+
 // A frame's pixel, finished.
 vec4 finished_pixel(vec4 own) {
-    return params.lens.w > 0.0 ? own + (1.0 - own.w) * params.background : own;
+    return is_drawn() ? own + (1.0 - own.w) * params.background : own;
 }
 
 // What goes along with the mesh around a pixel.
@@ -39,7 +44,7 @@ Skirt skirt_of(ivec2 pixel, float farthest) {
     Skirt skirt;
     skirt.nearness = 0.0;
     float reach = uintBitsToFloat(params.completion.z);
-    int whole = int(reach);
+    int whole = is_drawn() ? -1 : int(reach);
     float nearest = reach * reach + 0.5;
     for (int y = -whole; y <= whole; ++y) {
         for (int x = -whole; x <= whole; ++x) {

@@ -156,7 +156,8 @@ pub struct Settings {
     pub edge: f32,
     /// What replaces hidden colours.
     pub completion: Completion,
-    /// How far the drawing reaches over the mesh's outline, in pixels, 0 to 16; default 2.
+    /// How far the drawing of images reaches over the mesh's outline, in pixels, 0 to 16; default 2. Frames that are drawn
+    /// here have their lines on the mesh.
     pub skirt: f32,
     /// Speed lines.
     pub lines: Lines,
