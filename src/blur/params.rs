@@ -269,7 +269,8 @@ impl BlurParams {
         params.model = [settings.strength, settings.reference_time, scaled(settings.tolerance), scaled(settings.edge)];
         // Each product of two sums of two products is off by less than 2^-22 of this.
         let margin = interval.counts.farthest * 6e-7;
-        params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
+        let clipped = f32::from(u8::from(settings.is_clipped()));
+        params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, clipped];
         let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
         params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {
