@@ -126,9 +126,9 @@ pub struct ToonParams {
 push_constants! {
     /// Of `lines_choose`.
     ChooseConstants { round: u32, strips: u32 }
-    /// Of `speed_lines`.
-    SpeedConstants { colour: [f32; 4], length_of: f32, width: f32 }
-    /// Of `ghost` and `ghost_blend`.
+    /// Of `lines`.
+    LinesConstants { colour: [f32; 4], length_of: f32, width: f32 }
+    /// Of `ghosts` and `ghosts_blend`.
     GhostConstants { back: f32, opacity: f32 }
     /// Of `seams`.
     SeamConstants { from: u32 }
