@@ -25,7 +25,7 @@ bool is_free(uint frame, uint cover) {
 
 // Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
 bool is_drawn() {
-    return params.lens.w > 0.0;
+    return params.modes.x > 0u;
 }
 
 // A frame's pixel, finished.

@@ -60,6 +60,7 @@ pub struct BlurParams {
     pub pieces: [u32; 4],
     pub model: [f32; 4],
     pub lens: [f32; 4],
+    pub modes: [u32; 4],
     pub background: [f32; 4],
     pub segments: [[f32; 4]; MOST_SEGMENTS],
     pub completion: [u32; 4],
@@ -126,9 +127,9 @@ pub struct ToonParams {
 push_constants! {
     /// Of `lines_choose`.
     ChooseConstants { round: u32, strips: u32 }
-    /// Of `speed_lines`.
-    SpeedConstants { colour: [f32; 4], length_of: f32, width: f32 }
-    /// Of `ghost` and `ghost_blend`.
+    /// Of `lines`.
+    LinesConstants { colour: [f32; 4], length_of: f32, width: f32 }
+    /// Of `ghosts` and `ghosts_blend`.
     GhostConstants { back: f32, opacity: f32 }
     /// Of `background`.
     BackgroundConstants { background: [f32; 4] }
@@ -266,8 +267,8 @@ impl BlurParams {
         params.model = [settings.strength, settings.reference_time, scaled(settings.tolerance), scaled(settings.edge)];
         // Each product of two sums of two products is off by less than 2^-22 of this.
         let margin = interval.counts.farthest * 6e-7;
-        let is_drawn = f32::from(u8::from(frame.images.is_none()));
-        params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, is_drawn];
+        params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
+        params.modes = [frame.images.is_none().into(), settings.is_clipped().into(), 0, 0];
         let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
         params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {

@@ -181,13 +181,13 @@ impl Passes {
             },
             ghost: d.add(ghost(desc).specialise([screen])),
             ghost_blend: {
-                let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghost_blend_fragment::SHADER);
+                let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghosts_blend_fragment::SHADER);
                 d.add(over_target("blur.ghosts", Topology::Quads, vertex, fragment, desc))
             },
             lines_begin: d.writes("blur.lines", &[TRAILING]),
             lines_choose: d.compute("blur.lines", &glsl::lines_choose::SHADER),
             lines: {
-                let (vertex, fragment) = (&glsl::speed_lines_vertex::SHADER, &glsl::speed_lines_fragment::SHADER);
+                let (vertex, fragment) = (&glsl::lines_vertex::SHADER, &glsl::lines_fragment::SHADER);
                 d.add(over_target("blur.lines", Topology::Triangles, vertex, fragment, desc).specialise([screen]))
             },
             list: d.list,
@@ -254,8 +254,8 @@ fn ghost(desc: &Desc) -> Pass {
     let blend = Blend::Replace;
     let raster = Raster {
         topology: Topology::Triangles,
-        vertex: &glsl::ghost_vertex::SHADER,
-        fragment: &glsl::ghost_fragment::SHADER,
+        vertex: &glsl::ghosts_vertex::SHADER,
+        fragment: &glsl::ghosts_fragment::SHADER,
         colour: Some(ColourAttachment { image: GHOST, format: GHOST_FORMAT, clear: Some([0; 4]), blend }),
         depth: Some(nearest(GHOST_DEPTH)),
         extent: desc.size.map(|side| 2 * side),

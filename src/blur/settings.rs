@@ -218,6 +218,12 @@ impl Settings {
         (self.strength - 1.0).max(0.0) + lines.max(ghosts)
     }
 
+    /// Whether triangles that are drawn outside the picture need no refinement. After-images are of the same triangles,
+    /// and may be inside.
+    pub fn is_clipped(&self) -> bool {
+        self.ghosts.count == 0
+    }
+
     /// Checks every value; the error names the key and what is allowed.
     pub fn validate(&self) -> Result<()> {
         let (number, whole) = (within::<f32>, within::<u32>);

@@ -5,8 +5,8 @@ use std::mem::offset_of;
 use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS,
-    MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES,
+    LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, ToonParams,
     VisibilityConstants,
 };
 use crate::blur::passes::Passes;
@@ -164,7 +164,7 @@ impl Steps<'_> {
             self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
         }
         let [r, g, b] = lines.colour;
-        let constants = SpeedConstants {
+        let constants = LinesConstants {
             colour: [r, g, b, lines.opacity],
             length_of: lines.length,
             width: Settings::scaled(lines.width, self.desc.size[1]),
