@@ -4,20 +4,16 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams,
-    Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, Piece, ROUNDS, Round, ToonParams, Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::layout::{LOOP_BUDGET, Sizes, buffers};
+use crate::layout::{Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
-/// The most points of a cluster's hull. An invocation decides on three edges, each in three places, and for each may have
-/// to look at all of a hull after it has searched and walked in four directions (`glsl/blur/extent.glsl`).
-pub const MOST_HULL: u32 = LOOP_BUDGET / 9 - 4 * (16 + 128 + 64) - 3 * MOST_SEGMENTS as u32;
 /// Workgroups that any device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
 

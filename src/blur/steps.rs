@@ -263,7 +263,7 @@ impl Steps<'_> {
         let sizes = [
             16 * points,
             4 * points,
-            24 * u64::from(counts.clusters),
+            size_of::<params::Cluster>() as u64 * u64::from(counts.clusters),
             8 * u64::from(counts.hull),
             4 * u64::from(counts.seams),
         ];
