@@ -60,12 +60,10 @@ struct Knot {
     vec4 weights[12]; // share of its offset in each row of the pieces, four a segment
 };
 
-// Points that are smeared as one. Those from `chain_end` on are so near to the convex chain that rounding can make them
-// extreme.
+// Points that are smeared as one.
 struct Cluster {
     uint object;
-    uint hull_begin;
-    uint chain_end;
+    uint hull_begin;  // in the order of the convex outline: what is on it, and what is so near that rounding can make it extreme
     uint hull_end;
     uint teeth;
     uint points;

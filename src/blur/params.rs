@@ -265,8 +265,9 @@ impl BlurParams {
         params.pieces = [segments.len() as u32, ahead as u32, layout.vertices, layout.triangles];
         let scaled = |pixels| Settings::scaled(pixels, height);
         params.model = [settings.strength, settings.reference_time, scaled(settings.tolerance), scaled(settings.edge)];
-        // Each product of two sums of two products is off by less than 2^-22 of this.
-        let margin = interval.counts.farthest * 6e-7;
+        // Each of two sums of two products is off by less than 2^-23 of this, and what a hull has beside its outline is up
+        // to 5 * 2^-24 of it away.
+        let margin = interval.counts.farthest * 1e-6;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
         params.modes = [frame.images.is_none().into(), settings.is_clipped().into(), 0, 0];
         let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);

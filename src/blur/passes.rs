@@ -48,7 +48,9 @@ pub struct Passes {
     pub(super) completing: PassId,
     pub(super) sums: PassId,
     pub(super) cover: PassId,
+    pub(super) large_groups: PassId,
     pub(super) normals: PassId,
+    pub(super) normals_large: PassId,
     /// Colours at normals, how far others are off, and how good predictions are.
     pub(super) learn: [PassId; 3],
     pub(super) fill: PassId,
@@ -149,7 +151,9 @@ impl Passes {
             completing: d.writes("blur.params", &[COMPLETING]),
             sums: d.writes("blur.learn", &[SUMS]),
             cover: d.compute("blur.cover", &glsl::cover::SHADER),
+            large_groups: d.writes("blur.normals", &[LARGE_GROUPS]),
             normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
+            normals_large: d.add(Pass::compute("blur.normals", &glsl::normals_large::SHADER).specialise([desc.groups])),
             learn: [0, 1, 2]
                 .map(|stage| d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, stage]))),
             fill: d.compute("blur.learn", &glsl::fill::SHADER),

@@ -187,7 +187,7 @@ impl Steps<'_> {
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
         if missing != [None; 2] {
-            self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+            self.normals();
         }
         for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
             match missing {
@@ -264,7 +264,7 @@ impl Steps<'_> {
         let sizes = [
             16 * points,
             4 * points,
-            24 * u64::from(counts.clusters),
+            size_of::<params::Cluster>() as u64 * u64::from(counts.clusters),
             8 * u64::from(counts.hull),
             4 * u64::from(counts.seams),
         ];
@@ -364,6 +364,13 @@ impl Steps<'_> {
         }
     }
 
+    fn normals(&mut self) {
+        let none: [u32; LARGE_WORDS] = [0, 2, 1, 0];
+        self.plan.update_slice(self.passes.large_groups, LARGE_GROUPS, &none);
+        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.plan.step(self.passes.normals_large, Command::DispatchIndirect { arguments: LARGE_GROUPS, offset: 0 });
+    }
+
     fn learn(&mut self) {
         let [width, height] = self.desc.size;
         self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
@@ -373,7 +380,7 @@ impl Steps<'_> {
             let reason = "completion does not follow from the surface";
             return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
         }
-        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.normals();
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Command::Dispatch { threads: [width, height, 2] };
         self.plan.step(self.passes.learn[0], pixels);
@@ -409,7 +416,7 @@ impl Steps<'_> {
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
     let steps = 48
-        + 24
+        + 28
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
         + MEAN_DISPATCHES as usize
@@ -421,5 +428,5 @@ pub fn capacity(desc: &Desc) -> (usize, usize) {
         + size_of::<BlurParams>()
         + size_of::<Control>()
         + MOST_KNOTS * size_of::<Knot>();
-    (steps, 4 * COMPLETING_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
+    (steps, 4 * COMPLETING_WORDS + 2 * 4 * LARGE_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
 }
