@@ -19,10 +19,11 @@ use crate::reference::random::{hash, unit};
 use crate::simulate::mesh::Builtin;
 
 const PASS: &str = "refine";
-const VARIANTS: [(&str, (Refine, f32)); 7] = [
+const VARIANTS: [(&str, (Refine, f32)); 8] = [
     ("length 15", (Refine::Length, 15.0)),
     ("length 8", (Refine::Length, 8.0)),
     ("length 4", (Refine::Length, 4.0)),
+    ("length 3", (Refine::Length, 3.0)),
     ("length 2", (Refine::Length, 2.0)),
     ("error 2", (Refine::Error, 2.0)),
     ("error 1", (Refine::Error, 1.0)),
