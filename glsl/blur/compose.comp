@@ -8,6 +8,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
+#include "tile.glsl"
 layout(binding = 18) uniform utexture2D distorted;
 layout(binding = 19) uniform texture2D distorted_depth;
 layout(binding = 20) uniform texture2D sampled_depth;
@@ -115,7 +116,7 @@ vec4 around(Skirt skirt, vec2 place) {
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 pixel = ivec2(tile_origin() + gl_LocalInvocationID.xy);
     if (!is_in_picture(pixel)) {
         return;
     }

@@ -16,6 +16,7 @@ layout(std430, binding = 8) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 9) writeonly buffer Cover { uint cover[]; };
 layout(std430, binding = 10) buffer Completing { uint completing[]; };
 #include "samples.glsl"
+#include "tile.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
 shared uint most[3];
@@ -68,7 +69,7 @@ void measure(vec4 colour, uint frame) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 at = ivec2(tile_origin() + gl_LocalInvocationID.xy);
     bool is_inside = all(lessThan(at, ivec2(params.image.xy)));
     uint lane = gl_LocalInvocationIndex;
     if (lane < 3u) {

@@ -7,6 +7,7 @@
 #include "samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
+#include "tile.glsl"
 layout(std430, binding = 18) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 19) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 20) readonly buffer Tables { uvec4 tables[]; };
@@ -122,7 +123,7 @@ void multiply(int a, int b, bool is_shared, uint at) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 at = ivec2(tile_origin() + gl_LocalInvocationID.xy);
     uint frame = gl_GlobalInvocationID.z;
     uint lane = gl_LocalInvocationIndex;
     Lesson lesson = lesson_of(frame, at);

@@ -8,6 +8,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
+#include "tile.glsl"
 layout(binding = 18) uniform utexture2D sampled;
 layout(std430, binding = 19) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 20) readonly buffer Normals { vec4 normals[]; };
@@ -109,7 +110,8 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    uvec2 part = 8u * uvec2(gl_WorkGroupID.z & 1u, gl_WorkGroupID.z >> 1);
+    ivec2 at = ivec2(2u * tile_origin() + part + gl_LocalInvocationID.xy);
     uvec2 size = 2u * params.image.xy;
     bool is_inside = all(lessThan(at, ivec2(size)));
     if (gl_LocalInvocationIndex < 2u) {

@@ -58,6 +58,7 @@ buffers! {
     GROUP_TRIANGLES = "GroupTriangles",
     NORMALS = "Normals",
     LARGE_GROUPS = "LargeGroups",
+    TILES = "Tiles",
     COVER = "Cover",
     COMPLETING = "Completing",
     SUMS = "Sums",
@@ -72,6 +73,10 @@ buffers! {
 pub const MOST_TABLES: u32 = 256;
 /// Triangles of a normal group that one invocation sums up; of more, a workgroup does (`glsl/blur/faces.glsl`).
 const FEW_TRIANGLES: u32 = 1024;
+/// Words before the flags of tiles: their number, and dispatches over them.
+pub const TILE_WORDS: usize = 16;
+/// Where in [`TILES`] dispatches of one, two and four workgroups a tile stand, in bytes.
+pub const TILE_DISPATCHES: [u64; 3] = [16, 32, 48];
 /// Words before the list of large groups: dispatch over them.
 pub const LARGE_WORDS: usize = 4;
 /// Bins of a table of colours.
@@ -283,6 +288,8 @@ impl Layout {
             let most_large = u64::from(desc.group_triangles / (FEW_TRIANGLES + 1));
             self.set(LARGE_GROUPS, 4 * (LARGE_WORDS as u64 + most_large));
         }
+        let tiles = desc.size.map(|side| u64::from(side.div_ceil(8)));
+        self.set(TILES, 4 * (TILE_WORDS as u64 + 2 * tiles[0] * tiles[1]));
         self.set(COVER, 4 * pixels);
         self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
         self.set(SUMS, 4 * 4 * 9 * BINS * tables);

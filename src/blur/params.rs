@@ -269,7 +269,8 @@ impl BlurParams {
         // to 5 * 2^-24 of it away.
         let margin = interval.counts.farthest * 1e-6;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
-        params.modes = [frame.images.is_none().into(), settings.is_clipped().into(), 0, 0];
+        let is_whole = desc.layers || !desc.skipping;
+        params.modes = [frame.images.is_none().into(), settings.is_clipped().into(), is_whole.into(), 0];
         let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
         params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {

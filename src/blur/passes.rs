@@ -60,6 +60,8 @@ pub struct Passes {
     pub(super) border: [PassId; 2],
     /// As `border`.
     pub(super) inward: [PassId; 2],
+    pub(super) tiles_begin: PassId,
+    pub(super) tiles: PassId,
     pub(super) compose: PassId,
     pub(super) composite: PassId,
     pub(super) colours: PassId,
@@ -150,6 +152,8 @@ impl Passes {
             groups: d.transfer("blur.mesh", &copies(HOST_GROUPS, [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES])),
             completing: d.writes("blur.params", &[COMPLETING]),
             sums: d.writes("blur.learn", &[SUMS]),
+            tiles_begin: d.writes("blur.tiles", &[TILES, COVER, SAMPLE_STATES]),
+            tiles: d.compute("blur.tiles", &glsl::tiles::SHADER),
             cover: d.compute("blur.cover", &glsl::cover::SHADER),
             large_groups: d.writes("blur.normals", &[LARGE_GROUPS]),
             normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),

@@ -14,7 +14,7 @@ use crate::blur::settings::{Completion, Settings};
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 19] = [
+const MOTION_STEPS: [&str; 20] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -25,6 +25,7 @@ const MOTION_STEPS: [&str; 19] = [
     "blur.distort",
     "blur.layers",
     "blur.frames",
+    "blur.tiles",
     "blur.cover",
     "blur.normals",
     "blur.learn",
@@ -36,6 +37,8 @@ const MOTION_STEPS: [&str; 19] = [
     "blur.lines",
 ];
 
+/// State of a sample that sees nothing (`glsl/blur/samples.glsl`).
+const NOTHING_SEEN: u32 = 4;
 /// Lanes of a workgroup of `fill`, of which there is one a table.
 const FILL_LANES: u32 = 256;
 /// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
@@ -122,9 +125,18 @@ impl Steps<'_> {
         self.frames(frame, outer);
         if self.desc.settings.strength == 0.0 {
             // The target has frame i + 1, and only what is behind the mesh is missing.
-            let steps = ["blur.cover", "blur.normals", "blur.learn", "blur.shade", "blur.compose", "blur.composite"];
+            let steps = [
+                "blur.tiles",
+                "blur.cover",
+                "blur.normals",
+                "blur.learn",
+                "blur.shade",
+                "blur.compose",
+                "blur.composite",
+            ];
             steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
         } else {
+            self.tiles();
             self.learn();
             self.shade();
         }
@@ -371,18 +383,34 @@ impl Steps<'_> {
         self.plan.step(self.passes.normals_large, Command::DispatchIndirect { arguments: LARGE_GROUPS, offset: 0 });
     }
 
-    fn learn(&mut self) {
+    /// A dispatch over tiles, of one, two or four workgroups each.
+    fn over_tiles(kind: usize) -> Command {
+        Command::DispatchIndirect { arguments: TILES, offset: TILE_DISPATCHES[kind] }
+    }
+
+    /// Which tiles are worked on; what the others have is nothing.
+    fn tiles(&mut self) {
         let [width, height] = self.desc.size;
+        let mut head = [0; TILE_WORDS];
+        (head[6], head[10], head[14]) = (1, 2, 4);
+        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: TILES, word: 0 });
+        self.plan.update_slice(self.passes.tiles_begin, TILES, &head);
+        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: COVER, word: 0 });
+        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: SAMPLE_STATES, word: NOTHING_SEEN });
+        self.plan.step(self.passes.tiles, Command::Dispatch { threads: [width, height, 1] });
+    }
+
+    fn learn(&mut self) {
         self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
         self.plan.update_slice(self.passes.completing, COMPLETING, &params::completing(self.desc));
-        self.plan.step(self.passes.cover, Command::Dispatch { threads: [width, height, 1] });
+        self.plan.step(self.passes.cover, Self::over_tiles(0));
         if self.layout.tables == 0 {
             let reason = "completion does not follow from the surface";
             return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
         }
         self.normals();
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
-        let pixels = Command::Dispatch { threads: [width, height, 2] };
+        let pixels = Self::over_tiles(1);
         self.plan.step(self.passes.learn[0], pixels);
         self.plan.step(self.passes.fill, Command::Dispatch { threads: [FILL_LANES * 4 * self.layout.tables, 1, 1] });
         self.plan.step(self.passes.learn[1], pixels);
@@ -399,16 +427,16 @@ impl Steps<'_> {
     }
 
     fn shade(&mut self) {
-        let [width, height] = self.desc.size;
-        self.plan.step(self.passes.shade, Command::Dispatch { threads: [2 * width, 2 * height, 1] });
+        self.plan.step(self.passes.shade, Self::over_tiles(2));
         if self.desc.layers {
+            let [width, height] = self.desc.size;
             self.plan.step(self.passes.sides, Command::Dispatch { threads: [width, height, 1] });
         }
         if self.desc.settings.completion == Completion::Gradient {
             self.inward(1, GRADIENT_DISPATCHES);
         }
         self.inward(0, MEAN_DISPATCHES);
-        self.plan.step(self.passes.compose, Command::Dispatch { threads: [width, height, 1] });
+        self.plan.step(self.passes.compose, Self::over_tiles(0));
         self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
     }
 }
@@ -416,7 +444,7 @@ impl Steps<'_> {
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
     let steps = 48
-        + 28
+        + 33
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
         + MEAN_DISPATCHES as usize
@@ -428,5 +456,8 @@ pub fn capacity(desc: &Desc) -> (usize, usize) {
         + size_of::<BlurParams>()
         + size_of::<Control>()
         + MOST_KNOTS * size_of::<Knot>();
-    (steps, 4 * COMPLETING_WORDS + 2 * 4 * LARGE_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
+    (
+        steps,
+        4 * (COMPLETING_WORDS + TILE_WORDS) + 2 * 4 * LARGE_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>(),
+    )
 }

@@ -190,6 +190,7 @@ fn the_steps_of_a_frame_in_order() {
         "blur.layers",
         "blur.frames",
         "blur.params",
+        "blur.tiles",
         "blur.cover",
         "blur.normals",
         "blur.learn",

@@ -1,0 +1,22 @@
+// Tiles of 8 x 8 pixels that are worked on. Words of `tiles`: their number; from word 4 on dispatches over them, four words
+// each; from word 16 on whether each tile of the picture is one; and their list.
+
+const uint ROW = 64u;        // workgroups of a row of a dispatch over tiles
+const uint DISPATCHES = 3u;  // of one workgroup a tile, of two and of four
+const uint NO_PLACE = 1u << 20;
+
+uint tiles_across() {
+    return (params.image.x + 7u) / 8u;
+}
+
+uint tiles_down() {
+    return (params.image.y + 7u) / 8u;
+}
+
+uint flag_of(uint tile) {
+    return 16u + tile;
+}
+
+uint place_of(uint place) {
+    return 16u + tiles_across() * tiles_down() + place;
+}
