@@ -15,7 +15,9 @@ layout(std430, binding = 21) readonly buffer SampleColours { vec4 sample_colours
 layout(std430, binding = 22) readonly buffer SampleStates { uint sample_states[]; };
 layout(std430, binding = 23) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 24) writeonly buffer ColourLayer { vec4 colour_layer[]; };
+layout(std430, binding = 25) writeonly buffer Tested { float tested[]; };
 layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
+layout(constant_id = 1) const uint HIDDEN = 0;  // 1: what the host has drawn nearer hides it
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
 
@@ -121,6 +123,7 @@ void main() {
     vec4 sum = vec4(0.0);
     vec4 of_mesh = vec4(0.0);
     bool is_behind = true;
+    float nearest = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
         uint index = uint(at.y) * 2u * params.image.x + uint(at.x);
@@ -128,19 +131,28 @@ void main() {
         vec4 colour = (state & MASK) == 4u ? vec4(0.0) : sample_colours[index];
         bool is_part = (state & MASK) != 4u && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
-        if (skirt.nearness * STEP > texelFetch(sampled_depth, at, 0).x) {
+        float nearness = texelFetch(sampled_depth, at, 0).x;
+        nearest = max(nearest, nearness);
+        if (skirt.nearness * STEP > nearness) {
             vec4 beside = around(skirt, 0.5 * (vec2(at) + 0.5));
             own = beside + (1.0 - beside.w) * own;
             colour = beside + (1.0 - beside.w) * colour;
             is_part = is_part || beside != vec4(0.0);
+            nearest = max(nearest, skirt.nearness);
         }
         is_behind = is_behind && !is_part;
         sum += 0.25 * own;
         of_mesh += 0.25 * colour;
     }
-    // An alpha below 0: the pixel is frame i + 1's, which the target has already.
     uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
-    picture[index] = !is_behind ? sum : is_next ? vec4(behind.xyz, -1.0) : behind;
+    vec4 own = is_behind ? behind : sum;
+    // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
+    uint mark = is_behind && is_next ? 0x80000000u : 0u;
+    picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & 0x7fffffffu | mark));
+    if (HIDDEN == 1u) {
+        // What the mesh has left is as far away as the mesh is there in frame i + 1.
+        tested[index] = nearest > 0.0 ? params.lens.x / nearest : depth_at(2u, pixel);
+    }
     if (LAYERS == 1u) {
         colour_layer[index] = of_mesh;
     }

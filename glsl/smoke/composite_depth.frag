@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(push_constant) uniform CompositeConstants { vec2 terms; } constants;  // the host's depth: x + y / view depth
+#include "../common/host_depth.glsl"
 layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 3) readonly buffer Depth { float depth[]; };
 layout(location = 0) out vec4 colour;
@@ -14,5 +14,5 @@ void main() {
     if (colour.a == 0.0) {
         discard;
     }
-    gl_FragDepth = clamp(constants.terms.x + constants.terms.y / depth[index], 0.0, 1.0);
+    gl_FragDepth = host_depth(depth[index]);
 }

@@ -17,10 +17,10 @@ pub mod steps;
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-pub use crate::host::Background;
+pub use crate::host::{Background, DepthFormat, HostDepth};
 pub use frame::{
-    Counts, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput, TopologyInput,
-    Trajectories, VertexColours, View,
+    Counts, DepthInput, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput,
+    TopologyInput, Trajectories, VertexColours, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -160,6 +160,7 @@ impl Blur {
         for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
             resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
+        resources.set_host_image(layout::HOST_DEPTH, frame.depth.map(|depth| depth.host.image));
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
             resources.set_host_image(id, image);
         }
@@ -177,6 +178,7 @@ effect_methods!(Blur, host_images: [
     layout::HOST_FRAMES[1],
     layout::HOST_OUTER[0],
     layout::HOST_OUTER[1],
+    layout::HOST_DEPTH,
 ]);
 
 fn validate(desc: &Desc) -> Result<()> {

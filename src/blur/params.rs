@@ -9,6 +9,7 @@ use crate::blur::frame::{self, Desc, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 pub use crate::blur::motion::{Cluster, Piece};
 use crate::blur::settings::{Settings, Toon};
+pub use crate::layout::HostDepthConstants;
 use crate::layout::push_constants;
 use crate::view::{Camera, Light, LightSource};
 

@@ -6,6 +6,7 @@ use crate::blur::frame::Desc;
 use crate::blur::layout::*;
 use crate::blur::params::{PIECE_SEGMENTS, ink_reach};
 use crate::blur::settings::{Completion, Operator, Refine, Space};
+use crate::host::DepthFormat;
 use crate::plan::{
     Blend, ColourAttachment, Declare, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage,
 };
@@ -74,6 +75,12 @@ pub struct Passes {
     pub(super) lines_begin: PassId,
     pub(super) lines_choose: PassId,
     pub(super) lines: PassId,
+    pub(super) depth_params: PassId,
+    pub(super) depth_project: PassId,
+    pub(super) depth_see: PassId,
+    pub(super) surface: PassId,
+    /// None where the host has no depth.
+    pub(super) depth: Option<PassId>,
 }
 
 impl Passes {
@@ -158,15 +165,15 @@ impl Passes {
                 .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::border::SHADER).specialise([gradient]))),
             inward: [0, 1]
                 .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]))),
-            compose: d.add(Pass::compute("blur.compose", &glsl::compose::SHADER).specialise([u32::from(desc.layers)])),
+            compose: d.add(
+                Pass::compute("blur.compose", &glsl::compose::SHADER)
+                    .specialise([u32::from(desc.layers), u32::from(desc.depth.is_some())]),
+            ),
             composite: d.add(composite(desc)),
             colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [BASE_COLOURS])),
             toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
             toon_project: d.compute("blur.toon", &glsl::project::SHADER),
-            toon_see: {
-                let extent = desc.size.map(|side| 2 * side);
-                d.add(drawing("blur.toon", &glsl::visibility_vertex::SHADER, SAMPLED, SAMPLED_DEPTH, extent))
-            },
+            toon_see: d.add(sampling("blur.toon", desc)),
             toon_lines: {
                 let second = u32::from(desc.settings.toon.outline.operator == Operator::Second);
                 d.add(Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]))
@@ -185,6 +192,11 @@ impl Passes {
                 let (vertex, fragment) = (&glsl::speed_lines_vertex::SHADER, &glsl::speed_lines_fragment::SHADER);
                 d.add(over_target("blur.lines", Topology::Triangles, vertex, fragment, desc).specialise([screen]))
             },
+            depth_params: d.writes("blur.depth", &[PARAMS]),
+            depth_project: d.compute("blur.depth", &glsl::project::SHADER),
+            depth_see: d.add(sampling("blur.depth", desc)),
+            surface: d.compute("blur.depth", &glsl::surface::SHADER),
+            depth: desc.depth.map(|format| d.add(depth(desc, format))),
             list: d.list,
         }
     }
@@ -205,16 +217,29 @@ fn drawing(name: &'static str, vertex: &'static Shader, image: ImageId, depth: I
         vertex,
         fragment: &glsl::name_fragment::SHADER,
         colour: Some(ColourAttachment { image, format, clear: Some([0; 4]), blend }),
-        depth: Some(nearest(depth)),
+        depth: Some(DepthAttachment::nearest(depth)),
         extent,
     };
     Pass::raster(name, raster)
 }
 
-/// Depth that is near / W.
-fn nearest(image: ImageId) -> DepthAttachment {
-    let (format, compare) = (vk::Format::D32_SFLOAT, vk::CompareOp::GREATER);
-    DepthAttachment { image, format, clear: Some(0.0), compare, layer: 0 }
+/// A frame at four samples a pixel.
+fn sampling(name: &'static str, desc: &Desc) -> Pass {
+    let extent = desc.size.map(|side| 2 * side);
+    drawing(name, &glsl::visibility_vertex::SHADER, SAMPLED, SAMPLED_DEPTH, extent)
+}
+
+/// The mesh's depth into the host's.
+fn depth(desc: &Desc, format: DepthFormat) -> Pass {
+    let raster = Raster {
+        topology: Topology::Quads,
+        vertex: &glsl::composite_vertex::SHADER,
+        fragment: &glsl::depth_fragment::SHADER,
+        colour: None,
+        depth: Some(DepthAttachment::of_host(HOST_DEPTH, format, true)),
+        extent: desc.size,
+    };
+    Pass::raster("blur.depth", raster)
 }
 
 /// The picture over what the target has of frame i + 1.
@@ -223,9 +248,13 @@ fn composite(desc: &Desc) -> Pass {
     let raster = Raster {
         topology: Topology::Quads,
         vertex: &glsl::composite_vertex::SHADER,
-        fragment: &glsl::composite_fragment::SHADER,
+        fragment: match desc.depth {
+            Some(_) => &glsl::composite_depth_fragment::SHADER,
+            None => &glsl::composite_fragment::SHADER,
+        },
         colour: Some(ColourAttachment { image: TARGET, format, clear: None, blend }),
-        depth: None,
+        // What pixels show is not what is nearest there: depth follows by itself.
+        depth: desc.depth.map(|format| DepthAttachment::of_host(HOST_DEPTH, format, false)),
         extent: desc.size,
     };
     Pass::raster("blur.composite", raster)
@@ -261,7 +290,7 @@ fn ghost(desc: &Desc) -> Pass {
         vertex: &glsl::ghost_vertex::SHADER,
         fragment: &glsl::ghost_fragment::SHADER,
         colour: Some(ColourAttachment { image: GHOST, format: GHOST_FORMAT, clear: Some([0; 4]), blend }),
-        depth: Some(nearest(GHOST_DEPTH)),
+        depth: Some(DepthAttachment::nearest(GHOST_DEPTH)),
         extent: desc.size.map(|side| 2 * side),
     };
     Pass::raster("blur.ghosts", raster)

@@ -2,11 +2,14 @@
 
 use std::mem::offset_of;
 
-use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
+use crate::blur::frame::{
+    DepthInput, Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories,
+};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES, ROUNDS,
-    Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams, VisibilityConstants,
+    self, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot, LINE_VERTICES, MOST_KNOTS,
+    MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams,
+    VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
@@ -57,6 +60,15 @@ pub struct Steps<'a> {
     pub drawn: &'a [Option<Drawn>; TOON.len()],
 }
 
+/// What is on the device of frame i + 1.
+#[derive(Clone, Copy, Debug, Default)]
+struct There {
+    /// Parameters and clip coordinates.
+    is_projected: bool,
+    /// What the output shows of the mesh, at four samples a pixel.
+    is_seen: bool,
+}
+
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
 pub fn still(desc: &Desc, frame: &Frame) -> Option<&'static str> {
     match &frame.interval {
@@ -104,7 +116,8 @@ impl Steps<'_> {
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
             MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
-            return self.toon(frame, false);
+            let there = self.toon(frame, There::default());
+            return self.depth(frame, there);
         };
         let outer = frame.outer.map(|image| image.is_some());
         let params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
@@ -113,7 +126,7 @@ impl Steps<'_> {
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
         self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
-        self.toon(frame, true);
+        self.toon(frame, There { is_projected: true, is_seen: false });
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
@@ -125,10 +138,11 @@ impl Steps<'_> {
             steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
         } else {
             self.learn();
-            self.shade();
+            self.shade(frame);
         }
         self.ghosts();
         self.lines(interval);
+        self.depth(frame, There { is_projected: true, is_seen: true });
     }
 
     /// After-images, the earliest first.
@@ -172,20 +186,40 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
     }
 
-    /// Draws what the host has no images of, and begins the target with it. `projected`: the parameters and clip
-    /// coordinates of all frames are there.
-    fn toon(&mut self, frame: &Frame, projected: bool) {
+    /// Depth of what the output shows of the mesh.
+    fn depth(&mut self, frame: &Frame, there: There) {
+        let (Some(input), Some(pass)) = (&frame.depth, self.passes.depth) else {
+            return self.plan.skip("blur.depth", "the host has no depth");
+        };
+        let Desc { size: [width, height], triangles, .. } = *self.desc;
+        if !there.is_projected {
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
+            self.plan.update(self.passes.depth_params, PARAMS, &params);
+            self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
+        }
+        if !there.is_seen {
+            let constants = VisibilityConstants { frame: 2 };
+            self.plan.step_with(self.passes.depth_see, Command::Draw { vertices: 3 * triangles }, &constants);
+        }
+        self.plan.step(self.passes.surface, Command::Dispatch { threads: [width, height, 1] });
+        let constants = HostDepthConstants { terms: input.host.terms };
+        self.plan.step_with(pass, Command::Draw { vertices: 4 }, &constants);
+    }
+
+    /// Draws what the host has no images of, and begins the target with it. What is there before, and after.
+    fn toon(&mut self, frame: &Frame, there: There) -> There {
         let frames = drawn(self.desc, frame);
-        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return };
+        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return there };
         let stays =
             |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
         let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
-        if !projected && missing != [None; 2] {
+        let is_missing = missing != [None; 2];
+        if !there.is_projected && is_missing {
             let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
-        if missing != [None; 2] {
+        if is_missing {
             self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
         }
         for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
@@ -197,6 +231,7 @@ impl Steps<'_> {
         }
         let (from, to, extent) = (TOON[next.place()], TARGET, self.desc.size);
         self.plan.step(self.passes.toon_background, Command::CopyImage { from, to, extent });
+        There { is_projected: there.is_projected || is_missing, is_seen: missing[1].is_some() }
     }
 
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.
@@ -390,7 +425,7 @@ impl Steps<'_> {
         }
     }
 
-    fn shade(&mut self) {
+    fn shade(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
         self.plan.step(self.passes.shade, Command::Dispatch { threads: [2 * width, 2 * height, 1] });
         if self.desc.layers {
@@ -401,13 +436,19 @@ impl Steps<'_> {
         }
         self.inward(0, MEAN_DISPATCHES);
         self.plan.step(self.passes.compose, Command::Dispatch { threads: [width, height, 1] });
-        self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
+        let draw = Command::Draw { vertices: 4 };
+        match &frame.depth {
+            Some(DepthInput { host, .. }) => {
+                self.plan.step_with(self.passes.composite, draw, &HostDepthConstants { terms: host.terms });
+            }
+            None => self.plan.step(self.passes.composite, draw),
+        }
     }
 }
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 48
+    let steps = 53
         + 24
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize

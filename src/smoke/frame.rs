@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_image};
+use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_depth, check_image};
 use crate::smoke::Settings;
 use crate::view::{Camera, Light};
 
@@ -155,23 +155,14 @@ impl Frame {
         if first && self.sequence != Sequence::Restart {
             return Err(Error::setting("frame.sequence", format!("{:?}", self.sequence), "Restart in the first frame"));
         }
-        if let Some(depth) = &self.depth
-            && !depth.terms.iter().all(|term| term.is_finite())
-        {
-            return Err(Error::setting("frame.depth.terms", format!("{:?}", depth.terms), "two finite numbers"));
-        }
-        if self.target.is_some() && self.depth.is_some() != desc.depth.is_some() {
-            let expected = if desc.depth.is_some() { "expected" } else { "not expected" };
-            return Err(Error::HostResource { name: "depth", why: format!("{expected}: the effect was made so") });
+        if self.target.is_some() {
+            check_depth(self.depth.as_ref(), desc.size, desc.depth)?;
         }
         if let Some(target) = &self.target {
             check_image("target", target, desc.size, desc.target_format)?;
         }
         if let Background::Copy(background) = &self.background {
             check_image("background", background, desc.size, desc.target_format)?;
-        }
-        for (depth, made) in self.depth.iter().zip(desc.depth) {
-            check_image("depth", &depth.image, desc.size, made.format)?;
         }
         Ok(())
     }

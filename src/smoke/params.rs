@@ -5,6 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
 
+pub use crate::layout::HostDepthConstants;
 use crate::layout::push_constants;
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::{Layout, Pyramid};
@@ -128,8 +129,6 @@ push_constants! {
     ShadowConstants { face: u32, texels: f32 }
     /// Of `items`.
     ItemsConstants { batch: u32, first_group: u32, group_count: u32, capacity: u32 }
-    /// Of `composite_depth`.
-    CompositeConstants { terms: [f32; 2] }
     /// Of `rows` and `columns`.
     GaussianConstants { base: u32, first_group: u32 }
 }

@@ -274,7 +274,7 @@ impl Steps<'_> {
         let tiles = draw(offset_of!(Control, tile_draw));
         match &frame.depth {
             Some(depth) => {
-                self.plan.step_with(self.passes.composite, tiles, &CompositeConstants { terms: depth.terms })
+                self.plan.step_with(self.passes.composite, tiles, &HostDepthConstants { terms: depth.terms })
             }
             None => self.plan.step(self.passes.composite, tiles),
         }

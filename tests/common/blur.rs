@@ -30,6 +30,7 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         group_triangles: mesh.group_triangles().items.len() as u32,
         outer: true,
         toon: false,
+        depth: None,
         most_triangles: MOST_TRIANGLES.min(100_000),
         segments: Desc::segments_of(&settings),
         frames_resident: 30,
@@ -193,6 +194,7 @@ impl BlurRig {
             images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
             toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
             outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
+            depth: None,
             target: self.host_image(0, ImageState::default()),
             background: self.toon.map_or(Background::Keep, |(_, background)| background),
         };

@@ -1,0 +1,12 @@
+// As `composite`, where the host has drawn nothing nearer.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "../common/host_depth.glsl"
+#include "composite.glsl"
+layout(std430, binding = 2) readonly buffer Tested { float tested[]; };
+
+void main() {
+    uint index = replace();
+    gl_FragDepth = host_depth(tested[index]);
+}
