@@ -1,7 +1,5 @@
 //! What the layouts of all effects share: how large buffers are, and what they are called.
 
-use bytemuck::{Pod, Zeroable};
-
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::host::Memory;
@@ -37,12 +35,6 @@ macro_rules! push_constants {
     )*};
 }
 pub(crate) use push_constants;
-
-push_constants! {
-    /// Of kernels that draw at a depth in the host's projection: [`crate::host::HostDepth::terms`].
-    #[allow(missing_docs)] // what fields mean stands in the shaders
-    HostDepthConstants { terms: [f32; 2] }
-}
 
 /// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
 pub const LOOP_BUDGET: u32 = 48_000;

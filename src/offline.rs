@@ -410,6 +410,7 @@ impl Offline {
             volume,
             target,
             depth: target.and(self.shared_depth(&scene.camera)),
+            edges: self.parts.blur.as_ref().filter(|_| target.is_some()).and_then(Blur::edges),
             background: if is_first { self.background() } else { Background::Keep },
         }))
     }

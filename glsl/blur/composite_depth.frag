@@ -4,9 +4,10 @@
 #include "params.glsl"
 #include "../common/host_depth.glsl"
 #include "composite.glsl"
-layout(std430, binding = 2) readonly buffer Tested { float tested[]; };
+layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;
+layout(std430, binding = 2) readonly buffer Surface { uvec4 surface[]; };
 
 void main() {
     uint index = replace();
-    gl_FragDepth = host_depth(tested[index]);
+    gl_FragDepth = host_depth(constants.terms, uintBitsToFloat(surface[index].w));
 }

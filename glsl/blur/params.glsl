@@ -35,7 +35,7 @@ layout(binding = 0) uniform BlurParams {
     uvec4 counts;       // points, triangles, knots, points at seams
     uvec4 pieces;       // segments, those of them that begin at 0 or later, vertices that there is room for, triangles that there may be
     vec4 model;         // strength, reference time, tolerance and longest edge in pixels
-    vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; unused
+    vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; 1 if there are images of frames i and i + 1
     vec4 background;    // colour where no frame shows anything but the mesh
     vec4 segments[32];  // begin and end of each segment in frames after frame i; unused
     uvec4 completion;   // objects that there are tables for, whether there are images of frames i - 1 (1) and i + 2 (2), bits of the skirt in pixels, room in each list of samples

@@ -1,13 +1,24 @@
-// View depth of what the mesh hides: that of the nearest of a pixel's four samples, where enough of them see the mesh.
+// What the mesh covers image i + 1 with, where that is the output.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1) uniform texture2D sampled_depth;
-layout(std430, binding = 2) writeonly buffer Surface { float surface[]; };
+layout(binding = 2) uniform texture2D frame_next;
+#include "surface.glsl"
 
-const uint LEAST = 2u;  // samples that make a pixel one of the mesh's
+float nearness_at(ivec2 at) {
+    return texelFetch(sampled_depth, at, 0).x;
+}
+
+vec4 next_at(ivec2 pixel) {
+    return texelFetch(frame_next, pixel, 0);
+}
+
+bool is_beside(ivec2 pixel) {
+    return is_empty(pixel);
+}
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -15,12 +26,12 @@ void main() {
         return;
     }
     float nearest = 0.0;
-    uint count = 0u;
+    float covered = 0.0;
     for (int i = 0; i < 4; ++i) {
-        float nearness = texelFetch(sampled_depth, 2 * pixel + ivec2(i & 1, i >> 1), 0).x;
+        float nearness = nearness_at(2 * pixel + ivec2(i & 1, i >> 1));
         nearest = max(nearest, nearness);
-        count += nearness > 0.0 ? 1u : 0u;
+        covered += nearness > 0.0 ? 0.25 : 0.0;
     }
-    surface[uint(pixel.y) * params.image.x + uint(pixel.x)] =
-        count >= LEAST ? params.lens.x / nearest : uintBitsToFloat(0x7f800000u);
+    vec4 colour = covered > 0.0 ? part_of_next(pixel, covered) : vec4(0.0);
+    covers(uint(pixel.y) * params.image.x + uint(pixel.x), colour, nearest, 0.0);
 }

@@ -1,6 +1,4 @@
-// The host's depth image.
-layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;  // what it holds: x + y / view depth
-
-float host_depth(float depth) {
-    return clamp(constants.terms.x + constants.terms.y / depth, 0.0, 1.0);
+// What the host's depth image holds at a view depth. Terms: x + y / view depth.
+float host_depth(vec2 terms, float depth) {
+    return clamp(terms.x + terms.y / depth, 0.0, 1.0);
 }

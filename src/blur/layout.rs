@@ -70,7 +70,6 @@ buffers! {
     SAMPLE_SIDES = "SampleSides",
     LISTS = "Lists",
     SURFACE = "Surface",
-    TESTED = "Tested",
 }
 
 /// The most objects that completion learns colours of; places of others have what the frame that shows them has.
@@ -267,9 +266,7 @@ impl Layout {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);
-        let depths = if desc.depth.is_some() { 4 * pixels } else { 0 };
-        self.set(SURFACE, depths);
-        self.set(TESTED, depths);
+        self.set(SURFACE, if desc.depth.is_some() { 16 * pixels } else { 0 });
         self.set(BASE_COLOURS, if desc.toon { 48 * u64::from(desc.triangles) } else { 0 });
         self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
         self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });

@@ -29,7 +29,7 @@ pub use settings::Settings;
 use crate::error::{Error, Result};
 use crate::gpu::effect::{Inventory, OnDevice, effect_methods};
 use crate::gpu::profiler::Timing;
-use crate::host::{Host, Memory, check_sides};
+use crate::host::{Host, HostBuffer, Memory, check_sides};
 use crate::plan::Plan;
 use layout::Layout;
 use params::{BASE_MASK, MOST_SEGMENTS};
@@ -164,6 +164,15 @@ impl Blur {
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
             resources.set_host_image(id, image);
         }
+    }
+
+    /// What the mesh covers pixels with in the frame recorded last, for [`crate::smoke::Frame::edges`] of a frame that is
+    /// recorded after it; none if the host has no depth.
+    pub fn edges(&self) -> Option<HostBuffer> {
+        self.desc.depth?;
+        let (buffer, offset, size) = self.buffer(layout::SURFACE);
+        let (stage, access) = (vk::PipelineStageFlags2::COMPUTE_SHADER, vk::AccessFlags2::SHADER_STORAGE_WRITE);
+        Some(HostBuffer { buffer, offset, size, stage, access })
     }
 
     /// The most steps that a frame can have, and the most bytes of its updates.

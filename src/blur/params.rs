@@ -9,7 +9,6 @@ use crate::blur::frame::{self, Desc, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 pub use crate::blur::motion::{Cluster, Piece};
 use crate::blur::settings::{Settings, Toon};
-pub use crate::layout::HostDepthConstants;
 use crate::layout::push_constants;
 use crate::view::{Camera, Light, LightSource};
 
@@ -131,6 +130,8 @@ push_constants! {
     SpeedConstants { colour: [f32; 4], length_of: f32, width: f32 }
     /// Of `ghost` and `ghost_blend`.
     GhostConstants { back: f32, opacity: f32 }
+    /// Of `composite_depth` and `depth`: the terms of the host's depth.
+    HostDepthConstants { terms: [f32; 2] }
     /// Of `seams`.
     SeamConstants { from: u32 }
     /// Of `settle`.

@@ -78,6 +78,8 @@ pub struct Passes {
     pub(super) depth_params: PassId,
     pub(super) depth_project: PassId,
     pub(super) depth_see: PassId,
+    /// An image that is given, and one that has been drawn.
+    pub(super) depth_frame: [PassId; 2],
     pub(super) surface: PassId,
     /// None where the host has no depth.
     pub(super) depth: Option<PassId>,
@@ -195,6 +197,13 @@ impl Passes {
             depth_params: d.writes("blur.depth", &[PARAMS]),
             depth_project: d.compute("blur.depth", &glsl::project::SHADER),
             depth_see: d.add(sampling("blur.depth", desc)),
+            depth_frame: [
+                d.transfer(
+                    "blur.depth",
+                    &[(HOST_FRAMES[1].into(), Usage::COPY_SOURCE), (FRAMES[1].into(), Usage::COPY_TARGET)],
+                ),
+                d.transfer("blur.depth", &from_toon(&[FRAMES[1]])),
+            ],
             surface: d.compute("blur.depth", &glsl::surface::SHADER),
             depth: desc.depth.map(|format| d.add(depth(desc, format))),
             list: d.list,

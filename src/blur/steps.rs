@@ -67,6 +67,8 @@ struct There {
     is_projected: bool,
     /// What the output shows of the mesh, at four samples a pixel.
     is_seen: bool,
+    /// What it covers pixels with.
+    is_composed: bool,
 }
 
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
@@ -120,13 +122,14 @@ impl Steps<'_> {
             return self.depth(frame, there);
         };
         let outer = frame.outer.map(|image| image.is_some());
-        let params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
+        let mut params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
+        params.lens[3] = if frame.images.is_some() { 1.0 } else { 0.0 };
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
         self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
-        self.toon(frame, There { is_projected: true, is_seen: false });
+        self.toon(frame, There { is_projected: true, ..There::default() });
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
@@ -142,7 +145,8 @@ impl Steps<'_> {
         }
         self.ghosts();
         self.lines(interval);
-        self.depth(frame, There { is_projected: true, is_seen: true });
+        let is_composed = self.desc.settings.strength > 0.0;
+        self.depth(frame, There { is_projected: true, is_seen: true, is_composed });
     }
 
     /// After-images, the earliest first.
@@ -186,24 +190,36 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
     }
 
-    /// Depth of what the output shows of the mesh.
+    /// What the output shows of the mesh, for what is behind it.
     fn depth(&mut self, frame: &Frame, there: There) {
         let (Some(input), Some(pass)) = (&frame.depth, self.passes.depth) else {
             return self.plan.skip("blur.depth", "the host has no depth");
         };
-        let Desc { size: [width, height], triangles, .. } = *self.desc;
+        if !there.is_composed {
+            self.surface(frame, input, there);
+        }
+        let constants = HostDepthConstants { terms: input.host.terms };
+        self.plan.step_with(pass, Command::Draw { vertices: 4 }, &constants);
+    }
+
+    /// What the mesh covers image i + 1 with.
+    fn surface(&mut self, frame: &Frame, input: &DepthInput, there: There) {
+        let Desc { size: [width, height], triangles, points, .. } = *self.desc;
         if !there.is_projected {
             let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
             self.plan.update(self.passes.depth_params, PARAMS, &params);
-            self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
+            self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [points, 4, 1] });
         }
         if !there.is_seen {
             let constants = VisibilityConstants { frame: 2 };
             self.plan.step_with(self.passes.depth_see, Command::Draw { vertices: 3 * triangles }, &constants);
         }
+        let (pass, from) = match drawn(self.desc, frame)[1] {
+            Some(drawn) => (self.passes.depth_frame[1], TOON[drawn.place()]),
+            None => (self.passes.depth_frame[0], HOST_FRAMES[1]),
+        };
+        self.plan.step(pass, Command::CopyImage { from, to: FRAMES[1], extent: self.desc.size });
         self.plan.step(self.passes.surface, Command::Dispatch { threads: [width, height, 1] });
-        let constants = HostDepthConstants { terms: input.host.terms };
-        self.plan.step_with(pass, Command::Draw { vertices: 4 }, &constants);
     }
 
     /// Draws what the host has no images of, and begins the target with it. What is there before, and after.
@@ -231,7 +247,7 @@ impl Steps<'_> {
         }
         let (from, to, extent) = (TOON[next.place()], TARGET, self.desc.size);
         self.plan.step(self.passes.toon_background, Command::CopyImage { from, to, extent });
-        There { is_projected: there.is_projected || is_missing, is_seen: missing[1].is_some() }
+        There { is_projected: there.is_projected || is_missing, is_seen: missing[1].is_some(), ..there }
     }
 
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.

@@ -30,7 +30,7 @@ pub(super) fn join(effects: &mut Effects) -> bool {
     let (has_smoke, has_flame) = (effects.smoke.is_some(), effects.flame.is_some());
     let shared = effects.blur.is_some() && (has_smoke || has_flame);
     if shared {
-        effects.smoke.iter_mut().for_each(|smoke| smoke.depth = Some(FORMAT));
+        effects.smoke.iter_mut().for_each(|smoke| (smoke.depth, smoke.edges) = (Some(FORMAT), true));
         effects.blur.iter_mut().for_each(|blur| blur.depth = Some(FORMAT));
     }
     if let Some(flame) = effects.flame.as_mut().filter(|_| shared || has_smoke) {

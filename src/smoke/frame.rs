@@ -16,6 +16,8 @@ pub struct Desc {
     pub target_format: vk::Format,
     /// How the host's depth images hold depth, if they are to occlude the smoke.
     pub depth: Option<DepthFormat>,
+    /// Whether frames may say what covers pixels in part; only with `depth`.
+    pub edges: bool,
     /// The largest volume along each axis, in voxels.
     pub dimensions: [u32; 3],
     /// Whether volumes come with velocities.
@@ -78,6 +80,10 @@ pub struct Frame {
     pub background: Background,
     /// The host's depth, given exactly if the effect was made for one and there is a target.
     pub depth: Option<HostDepth>,
+    /// What covers pixels in part and is not in `depth`: the edges of a blurred mesh, [`crate::blur::Blur::edges`]. Smoke
+    /// behind is blended with it. 16 bytes a pixel: linear RGB, premultiplied by the share that is covered, and that
+    /// share, as halves; view depth in metres, `f32`; 4 unused bytes. Usage: `TRANSFER_SRC`.
+    pub edges: Option<HostBuffer>,
 }
 
 /// Shape and place of a volume.
@@ -156,6 +162,10 @@ impl Frame {
             return Err(Error::setting("frame.sequence", format!("{:?}", self.sequence), "Restart in the first frame"));
         }
         if self.target.is_some() {
+            if self.edges.is_some() && !desc.edges {
+                let why = "not expected: the effect was made for none".to_owned();
+                return Err(Error::HostResource { name: "edges", why });
+            }
             check_depth(self.depth.as_ref(), desc.size, desc.depth)?;
         }
         if let Some(target) = &self.target {

@@ -5,7 +5,6 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
 
-pub use crate::layout::HostDepthConstants;
 use crate::layout::push_constants;
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::{Layout, Pyramid};
@@ -113,6 +112,8 @@ pub struct Particle {
 }
 
 push_constants! {
+    /// Of `composite_depth`.
+    CompositeConstants { terms: [f32; 2], edges: u32 }
     /// Of `births`.
     BirthsConstants { blocks: u32 }
     /// Of `pyramid`.

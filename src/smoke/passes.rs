@@ -49,6 +49,7 @@ pub struct Passes {
     pub(super) columns: PassId,
     pub(super) outline: PassId,
     pub(super) tone: PassId,
+    pub(super) edges: PassId,
     pub(super) composite: PassId,
 }
 
@@ -117,6 +118,7 @@ impl Passes {
                     .specialise([u32::from(settings.outline.operator == Operator::Second)]),
             ),
             tone: d.add(tone(desc)),
+            edges: d.transfer("smoke.edges", &[(HOST_EDGES.into(), from), (EDGES.into(), to)]),
             composite: d.add(composite(desc)),
             list: d.list,
         }
