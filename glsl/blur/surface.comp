@@ -6,6 +6,8 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1) uniform texture2D sampled_depth;
 layout(binding = 2) uniform texture2D frame_next;
+layout(std430, binding = 3) writeonly buffer Picture { vec4 picture[]; };
+layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
 #include "surface.glsl"
 
 float nearness_at(ivec2 at) {
@@ -33,5 +35,9 @@ void main() {
         covered += nearness > 0.0 ? 0.25 : 0.0;
     }
     vec4 colour = covered > 0.0 ? part_of_next(pixel, covered) : vec4(0.0);
-    covers(uint(pixel.y) * params.image.x + uint(pixel.x), colour, nearest, 0.0);
+    uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
+    covers(index, colour, nearest, 0.0);
+    if (LAYERS == 1u) {
+        picture[index] = next_at(pixel);
+    }
 }

@@ -204,7 +204,7 @@ impl Passes {
                 ),
                 d.transfer("blur.depth", &from_toon(&[FRAMES[1]])),
             ],
-            surface: d.compute("blur.depth", &glsl::surface::SHADER),
+            surface: d.add(Pass::compute("blur.depth", &glsl::surface::SHADER).specialise([u32::from(desc.layers)])),
             depth: desc.depth.map(|format| d.add(depth(desc, format))),
             list: d.list,
         }
