@@ -12,6 +12,8 @@ mod complete;
 mod depth;
 #[path = "blur/extent.rs"]
 mod extent;
+#[path = "blur/normals.rs"]
+mod normals;
 #[path = "blur/plan.rs"]
 mod plan;
 #[path = "blur/refine.rs"]

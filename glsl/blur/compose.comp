@@ -1,5 +1,5 @@
 // The picture: of each pixel the mean of its four samples, each over what the frames show beside the mesh. What lies
-// around the mesh in the frames, outlines, goes with it.
+// around the mesh in images, outlines, goes with it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -37,6 +37,16 @@ bool is_beside(ivec2 pixel) {
     return texelFetch(depth_next, pixel, 0).x == 0.0 && is_empty(pixel);
 }
 
+// Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
+bool is_drawn() {
+    return params.modes.x > 0u;
+}
+
+// A frame's pixel, finished.
+vec4 finished_pixel(vec4 own) {
+    return is_drawn() ? own + (1.0 - own.w) * params.background : own;
+}
+
 // What goes along with the mesh around a pixel.
 struct Skirt {
     Fragment fragment;  // of the nearest pixel that sees what moves
@@ -48,7 +58,7 @@ Skirt skirt_of(ivec2 pixel, float farthest) {
     Skirt skirt;
     skirt.nearness = 0.0;
     float reach = uintBitsToFloat(params.completion.z);
-    int whole = int(reach);
+    int whole = is_drawn() ? -1 : int(reach);
     float nearest = reach * reach + 0.5;
     for (int y = -whole; y <= whole; ++y) {
         for (int x = -whole; x <= whole; ++x) {
@@ -119,10 +129,10 @@ vec4 around(Skirt skirt, vec2 place) {
 }
 
 // How much of what lies around the mesh in an image is an outline of it, and not what is behind it: as much as it differs
-// from what is seen without it. Frames that are drawn have no lines outside of the mesh.
+// from what is seen without it.
 float outline_share(vec4 beside, vec4 without) {
     vec4 apart = abs(beside - without);
-    return params.lens.w * clamp(4.0 * max(max(apart.x, apart.y), max(apart.z, apart.w)), 0.0, 1.0);
+    return clamp(4.0 * max(max(apart.x, apart.y), max(apart.z, apart.w)), 0.0, 1.0);
 }
 
 void main() {
@@ -132,8 +142,8 @@ void main() {
     }
     uint cover = cover_at(pixel);
     bool is_next = is_free(2u, cover);
-    vec4 behind = is_next ? texelFetch(frame_next, pixel, 0)
-        : is_free(1u, cover) ? texelFetch(frame_previous, pixel, 0) : params.background;
+    vec4 behind = is_next ? finished_pixel(texelFetch(frame_next, pixel, 0))
+        : is_free(1u, cover) ? finished_pixel(texelFetch(frame_previous, pixel, 0)) : params.background;
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
         farthest = min(farthest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));

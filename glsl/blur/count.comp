@@ -26,6 +26,21 @@ vec2 straight_at(vec2 from, vec2 to, uint where) {
     return where == 2u ? half_way : quarter;
 }
 
+// How far a place is beyond the left, upper, right and lower border of the picture, in pixels. What is not in front of the
+// camera is nowhere.
+vec4 beyond(vec4 drawn) {
+    precise vec4 far = vec4(-drawn.xy, drawn.xy - vec2(params.image.xy));
+    return drawn.z > 0.0 ? far : vec4(-1.0);
+}
+
+vec4 nearer(vec4 found, vec4 known) {
+    return mix(known, found, lessThan(found, known));
+}
+
+float largest(vec4 v) {
+    return max(max(v.x, v.y), max(v.z, v.w));
+}
+
 bool is_split(uint a, uint b) {
     vec2 from = vertices[a].drawn.xy;
     vec2 to = vertices[b].drawn.xy;
@@ -34,16 +49,26 @@ bool is_split(uint a, uint b) {
     if (!is_long || max(vertices[a].place.x, vertices[b].place.x) == 0u) {
         return false;
     }
-    if (BY_LENGTH == 1u) {
-        return length2 > params.model.w * params.model.w;
+    vec4 outside = params.modes.y > 0u ? nearer(beyond(vertices[b].drawn), beyond(vertices[a].drawn)) : vec4(-1.0);
+    bool is_seen = !(largest(outside) > 0.0);
+    bool is_too_long = length2 > params.model.w * params.model.w;
+    if (BY_LENGTH == 1u && (is_seen || !is_too_long)) {
+        return is_too_long;
     }
     precise float most = params.model.z * params.model.z;
-    bool departs = false;
-    for (uint i = 0u; i < 3u && !departs; ++i) {
+    float departure = 0.0;
+    for (uint i = 0u; i < 3u && !(is_seen && departure > most); ++i) {
         uint where = i == 0u ? 2u : i == 1u ? 1u : 3u;
-        departs = distance2(vertex_between(a, b, where).drawn.xy, straight_at(from, to, where)) > most;
+        vec4 drawn = vertex_between(a, b, where).drawn;
+        float off = distance2(drawn.xy, straight_at(from, to, where));
+        departure = off > departure ? off : departure;
+        outside = nearer(beyond(drawn), outside);
+        is_seen = !(largest(outside) > 0.0);
     }
-    return departs;
+    // Nobody sees an edge that is beyond one border by more than it is off the straight line.
+    float far = max(largest(outside), 0.0);
+    precise float far2 = far * far;
+    return (BY_LENGTH == 1u || departure > most) && !(far2 > departure);
 }
 
 void main() {

@@ -9,6 +9,8 @@ layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
 layout(std430, binding = 5) writeonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 6) writeonly buffer Smooth { uint smooth_values[]; };
+// Each invocation looks at one hull once.
+#define MOST_SCANNED 700000u
 #include "extent.glsl"
 
 void main() {

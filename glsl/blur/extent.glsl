@@ -2,9 +2,12 @@
 // the convex hull, and the products of its points are those of brute force: the result is the same to the bit.
 #include "../common/random.glsl"
 
-const uint FEW = 48u;        // points of a chain that are all looked at
-const uint MOST_WALK = 128u; // of longer ones, before they are all looked at after all
-const uint FEW_NEAR = 64u;   // points near a chain, if it is not all looked at
+#ifndef MOST_SCANNED
+#define MOST_SCANNED 65536u  // points of a hull, that can be all looked at
+#endif
+const uint FEW = 48u;          // points of a hull that are all looked at
+const uint MOST_WALK = 256u;   // of larger ones, before they are all looked at after all
+const uint CHORDS = 1024u;     // directions of a hull are those from each point to one that is so small a part farther on
 
 float along(vec2 d, vec2 q) {
     precise float p = d.x * q.x + d.y * q.y;
@@ -22,29 +25,31 @@ float turn_from(float start, vec2 v) {
     return turn < 0.0 ? turn + 4.0 : turn;
 }
 
-// The largest product over a hull, or infinity if it took too long to find.
+// The largest product over a hull; whether it has been found for certain.
 //
-// Along a convex outline products rise to the largest and fall again, but for their rounding. From any of its points it is
-// thus found by walking both ways until products are less than the largest so far by more than rounding could have done;
-// that the walk starts near the largest only makes it short.
-float farthest(Cluster cluster, vec2 d) {
+// A hull's points are in the order of the outline, none of them farther from it than rounding of products. Along a convex
+// outline products rise to the largest and fall again. From any of its points it is thus found by walking both ways until
+// products are less than the largest so far by more than rounding and distance from the outline could have done; that the
+// walk starts near the largest only makes it short.
+bool farthest(Cluster cluster, vec2 d, out float best) {
     uint first = cluster.hull_begin;
-    uint count = cluster.chain_end - first;
-    float start = turn_of(hull[first + 1u] - hull[first]);
+    uint count = cluster.hull_end - first;
+    uint reach = 1u + count / CHORDS;
+    float start = turn_of(hull[first + reach] - hull[first]);
     float wanted = turn_from(start, vec2(-d.y, d.x));
     uint low = 0u;
     uint high = count;
     while (low < high) {
         uint middle = (low + high) / 2u;
-        uint next = middle + 1u == count ? 0u : middle + 1u;
+        uint next = middle + reach < count ? middle + reach : middle + reach - count;
         if (turn_from(start, hull[first + next] - hull[first + middle]) < wanted) {
             low = middle + 1u;
         } else {
             high = middle;
         }
     }
-    uint at = low % count;
-    float best = along(d, hull[first + at]);
+    uint at = (low + reach / 2u) % count;
+    best = along(d, hull[first + at]);
     uint forward = at;
     uint steps = 0u;
     for (; steps < MOST_WALK; ++steps) {
@@ -64,33 +69,54 @@ float farthest(Cluster cluster, vec2 d) {
             break;
         }
     }
-    for (uint i = cluster.chain_end; i < cluster.hull_end; ++i) {
-        best = max(best, along(d, hull[i]));
-    }
-    return steps < MOST_WALK ? best : uintBitsToFloat(0x7f800000u);
+    return steps < MOST_WALK;
 }
 
-// (smallest, largest) product along d and across it.
+void widen(inout vec4 found, vec2 d, vec2 u, uint at) {
+    vec2 q = hull[at];
+    float ahead = along(d, q);
+    float aside = along(u, q);
+    found.xz = min(found.xz, vec2(ahead, aside));
+    found.yw = max(found.yw, vec2(ahead, aside));
+}
+
+void widen_by_four(inout vec4 found, vec2 d, vec2 u, uint at) {
+    widen(found, d, u, at);
+    widen(found, d, u, at + 1u);
+    widen(found, d, u, at + 2u);
+    widen(found, d, u, at + 3u);
+}
+
+// (smallest, largest) product along d and across it. Of hulls with more than MOST_SCANNED points, too many of which are
+// equally far for a walk, one of these.
 vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
-    if (cluster.chain_end - cluster.hull_begin > FEW && cluster.hull_end - cluster.chain_end <= FEW_NEAR) {
+    uint count = cluster.hull_end - cluster.hull_begin;
+    if (count > FEW) {
         vec4 found = vec4(0.0);
+        bool is_certain = true;
         // A loop, because compilers would copy the search to each of its calls.
         for (uint i = 0u; i < 4u; ++i) {
             vec2 way = i < 2u ? d : u;
-            found[i] = farthest(cluster, (i & 1u) == 0u ? -way : way);
+            float most;
+            is_certain = farthest(cluster, (i & 1u) == 0u ? -way : way, most) && is_certain;
+            found[i] = most;
         }
-        if (max(max(found.x, found.y), max(found.z, found.w)) < uintBitsToFloat(0x7f800000u)) {
+        if (is_certain || count > MOST_SCANNED) {
             return vec4(-found.x, found.y, -found.z, found.w);
         }
     }
     vec2 q = hull[cluster.hull_begin];
     vec4 found = vec4(vec2(along(d, q)), vec2(along(u, q)));
-    for (uint i = cluster.hull_begin + 1u; i < cluster.hull_end; ++i) {
-        q = hull[i];
-        float ahead = along(d, q);
-        float aside = along(u, q);
-        found.xz = min(found.xz, vec2(ahead, aside));
-        found.yw = max(found.yw, vec2(ahead, aside));
+    uint i = cluster.hull_begin + 1u;
+    // Sixteen to a turn of the loop, because turns are counted.
+    for (; i + 16u <= cluster.hull_end; i += 16u) {
+        widen_by_four(found, d, u, i);
+        widen_by_four(found, d, u, i + 4u);
+        widen_by_four(found, d, u, i + 8u);
+        widen_by_four(found, d, u, i + 12u);
+    }
+    for (; i < cluster.hull_end; ++i) {
+        widen(found, d, u, i);
     }
     return found;
 }

@@ -35,7 +35,8 @@ layout(binding = 0) uniform BlurParams {
     uvec4 counts;       // points, triangles, knots, points at seams
     uvec4 pieces;       // segments, those of them that begin at 0 or later, vertices that there is room for, triangles that there may be
     vec4 model;         // strength, reference time, tolerance and longest edge in pixels
-    vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; 1 if there are images of frames i and i + 1
+    vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; unused
+    uvec4 modes;        // 1 if frames are drawn, and so lie over the background; 1 if what is outside the picture is not refined; unused
     vec4 background;    // colour where no frame shows anything but the mesh
     vec4 segments[32];  // begin and end of each segment in frames after frame i; unused
     uvec4 completion;   // objects that there are tables for, whether there are images of frames i - 1 (1) and i + 2 (2), bits of the skirt in pixels, room in each list of samples
@@ -59,12 +60,10 @@ struct Knot {
     vec4 weights[12]; // share of its offset in each row of the pieces, four a segment
 };
 
-// Points that are smeared as one. Those from `chain_end` on are so near to the convex chain that rounding can make them
-// extreme.
+// Points that are smeared as one.
 struct Cluster {
     uint object;
-    uint hull_begin;
-    uint chain_end;
+    uint hull_begin;  // in the order of the convex outline: what is on it, and what is so near that rounding can make it extreme
     uint hull_end;
     uint teeth;
     uint points;

@@ -79,6 +79,29 @@ vec3 edges_at(vec3 a, vec3 b, vec3 c, vec2 at) {
     return vec3(cross2(q, r), cross2(r, p), cross2(p, q));
 }
 
+bool is_seen(uint frame, ivec2 at, uint object) {
+    uint seen = seen_at(frame, at);
+    return seen > 0u && triangles[seen - 1u].w >> 1 == object;
+}
+
+// The colour of an object's surface in a pixel that sees it. A pixel at its border is covered in part; the surface is as
+// opaque as it is around.
+vec4 surface_at(uint frame, ivec2 at, uint object) {
+    vec4 colour = colour_at(frame, at);
+    bool is_border = false;
+    float opacity = colour.w;
+    int around = colour.w > 0.0 && colour.w < 1.0 ? 9 : 0;
+    for (int i = 0; i < around; ++i) {
+        ivec2 beside = at + ivec2(i % 3, i / 3) - 1;
+        if (is_in_picture(beside)) {
+            bool is_own = is_seen(frame, beside, object);
+            is_border = is_border || !is_own;
+            opacity = is_own ? max(opacity, colour_at(frame, beside).w) : opacity;
+        }
+    }
+    return is_border ? colour * (opacity / colour.w) : colour;
+}
+
 // The colour that a frame shows of a place of a base triangle, and the weight of the taps that see it.
 void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float weight) {
     vec3 a = corner_of(frame, triangle.x);
@@ -99,9 +122,8 @@ void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float we
         if (!is_in_picture(tap)) {
             continue;
         }
-        uint seen = seen_at(frame, tap);
         bool is_outline = (frame == 1u || frame == 2u) && (cover_at(tap) & OUTLINE << frame) != 0u;
-        if (seen == 0u || triangles[seen - 1u].w >> 1 != triangle.w >> 1 || is_outline) {
+        if (is_outline || !is_seen(frame, tap, triangle.w >> 1)) {
             continue;
         }
         // The triangle's plane goes on beyond it, which is the surface's slope. The same as depths that differ by a share
@@ -115,7 +137,7 @@ void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float we
         }
         vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));
         float share = both.x * both.y;
-        colour += share * colour_at(frame, tap);
+        colour += share * surface_at(frame, tap, triangle.w >> 1);
         weight += share;
     }
     colour = weight > 0.0 ? colour / weight : colour;

@@ -1,4 +1,4 @@
-// A frame of flat tones with ink lines, at four samples a pixel.
+// A frame of flat tones with ink lines, at four samples a pixel: the mesh alone, premultiplied.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -96,7 +96,7 @@ float line_of(ivec2 at) {
 vec4 sample_at(ivec2 at) {
     uint name = texelFetch(sampled, at, 0).x;
     if (name == 0u) {
-        return params.background;
+        return vec4(0.0);
     }
     vec3 tone = tone_of(name - 1u, 0.5 * (vec2(at) + 0.5));
     float line = INKED != 0u ? line_of(at) : 0.0;

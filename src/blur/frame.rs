@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::blur::layout::TOON;
 use crate::blur::mesh::{Lists, Mesh};
-use crate::blur::motion::{Interval, Segment};
+use crate::blur::motion::{Cluster, Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
@@ -197,8 +197,6 @@ pub struct Counts {
     pub clusters: u32,
     /// Points of all hulls.
     pub hull: u32,
-    /// Points of the largest hull.
-    pub largest_hull: u32,
     /// Points at seams.
     pub seams: u32,
     /// The most neighbours of one of these.
@@ -215,7 +213,6 @@ impl Counts {
             generation: interval.generation,
             clusters: interval.clusters.len() as u32,
             hull: interval.hull.len() as u32,
-            largest_hull: interval.clusters.iter().map(|c| c.hull_end - c.hull_begin).max().unwrap_or(0),
             seams: interval.seams.len() as u32,
             most_neighbours: seams.max().unwrap_or(0),
             farthest: interval.hull.iter().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f32::max),
@@ -237,7 +234,6 @@ pub struct ToonInput {
 pub struct Drawn {
     view: View,
     light: Light,
-    background: [f32; 4],
 }
 
 impl Drawn {
@@ -293,8 +289,8 @@ pub struct Frame<'a> {
     pub target: HostImage,
     /// The host's depth, given exactly if the effect was made for one.
     pub depth: Option<DepthInput>,
-    /// What is where no image shows anything but the mesh: [`Background::Keep`] is nothing at all, an image is not
-    /// taken yet.
+    /// What is where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`] is
+    /// nothing at all, an image is not taken yet.
     pub background: Background,
 }
 
@@ -344,21 +340,16 @@ impl PoseInput {
 
 impl IntervalInput<'_> {
     fn validate(&self, desc: &Desc) -> Result<()> {
-        let Counts { clusters, hull, largest_hull, seams, most_neighbours, farthest, .. } = self.counts;
+        let Counts { clusters, hull, seams, most_neighbours, farthest, .. } = self.counts;
         let points = u64::from(desc.points);
         if clusters.max(seams) > desc.points || hull > desc.points {
             let why = format!("{clusters} clusters, {hull} points of hulls, {seams} of seams, of {points} points");
             return refuse("the interval", why);
         }
-        let limits = [
-            ("points of a hull", largest_hull, crate::blur::layout::MOST_HULL),
-            ("neighbours of a point at a seam", most_neighbours, crate::layout::LOOP_BUDGET),
-        ];
-        for (what, needed, limit) in limits {
-            if needed > limit {
-                let (needed, limit) = (needed.into(), limit.into());
-                return Err(Error::Limit { what, needed, limit, advice: "use a mesh with fewer points" });
-            }
+        if most_neighbours > crate::layout::LOOP_BUDGET {
+            let (needed, limit) = (most_neighbours.into(), crate::layout::LOOP_BUDGET.into());
+            let (what, advice) = ("neighbours of a point at a seam", "use a mesh with fewer points");
+            return Err(Error::Limit { what, needed, limit, advice });
         }
         if !farthest.is_finite() {
             return refuse("the interval", "a hull that is not finite".to_owned());
@@ -367,7 +358,7 @@ impl IntervalInput<'_> {
         self.views.iter().try_for_each(|view| view.camera.validate())?;
         holds("the interval's motion", &self.motion, 16 * points)?;
         holds("the interval's labels", &self.labels, 4 * points)?;
-        holds("the interval's clusters", &self.clusters, 24 * u64::from(clusters))?;
+        holds("the interval's clusters", &self.clusters, size_of::<Cluster>() as u64 * u64::from(clusters))?;
         holds("the interval's hulls", &self.hull, 8 * u64::from(hull))?;
         if seams > 0 {
             holds("the interval's seams", &self.seams, 4 * u64::from(seams))?;
@@ -506,8 +497,7 @@ impl Frame<'_> {
     /// Frames i and i + 1 as they are drawn if there are no images of them; i only if there is an interval.
     pub(super) fn drawn(&self) -> [Option<Drawn>; 2] {
         let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 2] };
-        let background = self.background();
         let previous = self.interval.as_ref().map(|interval| interval.views[1]);
-        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light, background }))
+        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light }))
     }
 }

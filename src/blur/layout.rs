@@ -4,20 +4,16 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams,
-    Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, Piece, ROUNDS, Round, ToonParams, Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::layout::{LOOP_BUDGET, Sizes, buffers};
+use crate::layout::{Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
-/// The most points of a cluster's hull. An invocation decides on three edges, each in three places, and for each may have
-/// to look at all of a hull after it has searched and walked in four directions (`glsl/blur/extent.glsl`).
-pub const MOST_HULL: u32 = LOOP_BUDGET / 9 - 4 * (16 + 128 + 64) - 3 * MOST_SEGMENTS as u32;
 /// Workgroups that any device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
 
@@ -61,6 +57,7 @@ buffers! {
     GROUP_STARTS = "GroupStarts",
     GROUP_TRIANGLES = "GroupTriangles",
     NORMALS = "Normals",
+    LARGE_GROUPS = "LargeGroups",
     COVER = "Cover",
     COMPLETING = "Completing",
     SUMS = "Sums",
@@ -74,6 +71,10 @@ buffers! {
 
 /// The most objects that completion learns colours of; places of others have what the frame that shows them has.
 pub const MOST_TABLES: u32 = 256;
+/// Triangles of a normal group that one invocation sums up; of more, a workgroup does (`glsl/blur/faces.glsl`).
+const FEW_TRIANGLES: u32 = 1024;
+/// Words before the list of large groups: dispatch over them.
+pub const LARGE_WORDS: usize = 4;
 /// Bins of a table of colours.
 const BINS: u64 = 1024;
 /// Words of what completion works on, before those of each object.
@@ -283,6 +284,8 @@ impl Layout {
             self.set(GROUP_STARTS, 4 * (u64::from(desc.groups) + 1));
             self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
             self.set(NORMALS, 2 * 16 * u64::from(desc.groups));
+            let most_large = u64::from(desc.group_triangles / (FEW_TRIANGLES + 1));
+            self.set(LARGE_GROUPS, 4 * (LARGE_WORDS as u64 + most_large));
         }
         self.set(COVER, 4 * pixels);
         self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
@@ -343,7 +346,9 @@ impl Layout {
         let drawn = ImageDesc {
             name: "blur drawn frame",
             extent: if desc.toon { desc.size } else { [1; 2] },
-            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
+                | vk::ImageUsageFlags::TRANSFER_SRC
+                | vk::ImageUsageFlags::SAMPLED,
             ..frame
         };
         let ghost = ImageDesc {

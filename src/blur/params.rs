@@ -5,7 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 
-use crate::blur::frame::{self, Desc, IntervalInput};
+use crate::blur::frame::{self, Desc, Frame, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 pub use crate::blur::motion::{Cluster, Piece};
 use crate::blur::settings::{Settings, Toon};
@@ -60,6 +60,7 @@ pub struct BlurParams {
     pub pieces: [u32; 4],
     pub model: [f32; 4],
     pub lens: [f32; 4],
+    pub modes: [u32; 4],
     pub background: [f32; 4],
     pub segments: [[f32; 4]; MOST_SEGMENTS],
     pub completion: [u32; 4],
@@ -126,12 +127,16 @@ pub struct ToonParams {
 push_constants! {
     /// Of `lines_choose`.
     ChooseConstants { round: u32, strips: u32 }
-    /// Of `speed_lines`.
-    SpeedConstants { colour: [f32; 4], length_of: f32, width: f32 }
-    /// Of `ghost` and `ghost_blend`.
+    /// Of `lines`.
+    LinesConstants { colour: [f32; 4], length_of: f32, width: f32 }
+    /// Of `ghosts` and `ghosts_blend`.
     GhostConstants { back: f32, opacity: f32 }
     /// Of `composite_depth` and `depth`: the terms of the host's depth.
     HostDepthConstants { terms: [f32; 2] }
+    /// Of `surface`: what lies under the image.
+    SurfaceConstants { background: [f32; 4] }
+    /// Of `background`.
+    BackgroundConstants { background: [f32; 4] }
     /// Of `seams`.
     SeamConstants { from: u32 }
     /// Of `settle`.
@@ -248,16 +253,11 @@ impl BlurParams {
     /// What an output's kernels are told.
     ///
     /// `outer`: whether frames i - 1 and i + 2 have images.
-    pub fn new(
-        desc: &Desc,
-        layout: &Layout,
-        interval: &IntervalInput,
-        background: [f32; 4],
-        outer: [bool; 2],
-    ) -> BlurParams {
+    pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput, frame: &Frame, outer: [bool; 2]) -> BlurParams {
         let settings = &desc.settings;
         let height = desc.size[1];
-        let mut params = BlurParams::of_views(desc, &interval.views, background);
+        let mut params = BlurParams::of_views(desc, &interval.views);
+        params.background = frame.background();
         params.image[3] = interval.counts.generation;
         let knots = match interval.trajectories {
             frame::Trajectories::Poses(knots) => knots.len() as u32,
@@ -269,9 +269,11 @@ impl BlurParams {
         params.pieces = [segments.len() as u32, ahead as u32, layout.vertices, layout.triangles];
         let scaled = |pixels| Settings::scaled(pixels, height);
         params.model = [settings.strength, settings.reference_time, scaled(settings.tolerance), scaled(settings.edge)];
-        // Each product of two sums of two products is off by less than 2^-22 of this.
-        let margin = interval.counts.farthest * 6e-7;
+        // Each of two sums of two products is off by less than 2^-23 of this, and what a hull has beside its outline is up
+        // to 5 * 2^-24 of it away.
+        let margin = interval.counts.farthest * 1e-6;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
+        params.modes = [frame.images.is_none().into(), settings.is_clipped().into(), 0, 0];
         let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
         params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {
@@ -281,13 +283,12 @@ impl BlurParams {
     }
 
     /// What the kernels of a frame that stands still are told.
-    pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: [f32; 4]) -> BlurParams {
+    pub fn of_views(desc: &Desc, views: &[frame::View; 4]) -> BlurParams {
         let mut params = BlurParams::zeroed();
         params.views = views.map(|view| View::new(&view, desc));
         params.image = [desc.size[0], desc.size[1], desc.seed, 0];
         params.counts = [desc.points, desc.triangles, 0, 0];
         params.lens[0] = views[1].camera.near as f32;
-        params.background = background;
         params
     }
 }

@@ -49,7 +49,9 @@ pub struct Passes {
     pub(super) completing: PassId,
     pub(super) sums: PassId,
     pub(super) cover: PassId,
+    pub(super) large_groups: PassId,
     pub(super) normals: PassId,
+    pub(super) normals_large: PassId,
     /// Colours at normals, how far others are off, and how good predictions are.
     pub(super) learn: [PassId; 3],
     pub(super) fill: PassId,
@@ -68,7 +70,8 @@ pub struct Passes {
     pub(super) toon_lines: PassId,
     /// Into each place.
     pub(super) toon: [PassId; TOON.len()],
-    pub(super) toon_background: PassId,
+    /// Of each place.
+    pub(super) toon_background: [PassId; TOON.len()],
     pub(super) toon_frames: PassId,
     pub(super) ghost: PassId,
     pub(super) ghost_blend: PassId,
@@ -157,7 +160,9 @@ impl Passes {
             completing: d.writes("blur.params", &[COMPLETING]),
             sums: d.writes("blur.learn", &[SUMS]),
             cover: d.compute("blur.cover", &glsl::cover::SHADER),
+            large_groups: d.writes("blur.normals", &[LARGE_GROUPS]),
             normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
+            normals_large: d.add(Pass::compute("blur.normals", &glsl::normals_large::SHADER).specialise([desc.groups])),
             learn: [0, 1, 2]
                 .map(|stage| d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, stage]))),
             fill: d.compute("blur.learn", &glsl::fill::SHADER),
@@ -171,7 +176,10 @@ impl Passes {
                 Pass::compute("blur.compose", &glsl::compose::SHADER)
                     .specialise([u32::from(desc.layers), u32::from(desc.depth.is_some())]),
             ),
-            composite: d.add(composite(desc)),
+            composite: d.add(match desc.depth {
+                Some(format) => composite_depth(desc, format),
+                None => whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc),
+            }),
             colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [BASE_COLOURS])),
             toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
             toon_project: d.compute("blur.toon", &glsl::project::SHADER),
@@ -181,17 +189,17 @@ impl Passes {
                 d.add(Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]))
             },
             toon: TOON.map(|image| d.add(toon(desc, image))),
-            toon_background: d.transfer("blur.background", &from_toon(&[TARGET])),
+            toon_background: TOON.map(|image| d.add(begin(desc, image))),
             toon_frames: d.transfer("blur.frames", &from_toon(&FRAMES)),
             ghost: d.add(ghost(desc).specialise([screen])),
             ghost_blend: {
-                let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghost_blend_fragment::SHADER);
+                let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghosts_blend_fragment::SHADER);
                 d.add(over_target("blur.ghosts", Topology::Quads, vertex, fragment, desc))
             },
             lines_begin: d.writes("blur.lines", &[TRAILING]),
             lines_choose: d.compute("blur.lines", &glsl::lines_choose::SHADER),
             lines: {
-                let (vertex, fragment) = (&glsl::speed_lines_vertex::SHADER, &glsl::speed_lines_fragment::SHADER);
+                let (vertex, fragment) = (&glsl::lines_vertex::SHADER, &glsl::lines_fragment::SHADER);
                 d.add(over_target("blur.lines", Topology::Triangles, vertex, fragment, desc).specialise([screen]))
             },
             depth_params: d.writes("blur.depth", &[PARAMS]),
@@ -202,7 +210,7 @@ impl Passes {
                     "blur.depth",
                     &[(HOST_FRAMES[1].into(), Usage::COPY_SOURCE), (FRAMES[1].into(), Usage::COPY_TARGET)],
                 ),
-                d.transfer("blur.depth", &from_toon(&[FRAMES[1]])),
+                d.transfer("blur.depth", &from_toon(&FRAMES[1..])),
             ],
             surface: d.add(Pass::compute("blur.depth", &glsl::surface::SHADER).specialise([u32::from(desc.layers)])),
             depth: desc.depth.map(|format| d.add(depth(desc, format))),
@@ -240,33 +248,16 @@ fn sampling(name: &'static str, desc: &Desc) -> Pass {
 
 /// The mesh's depth into the host's.
 fn depth(desc: &Desc, format: DepthFormat) -> Pass {
-    let raster = Raster {
-        topology: Topology::Quads,
-        vertex: &glsl::composite_vertex::SHADER,
-        fragment: &glsl::depth_fragment::SHADER,
-        colour: None,
-        depth: Some(DepthAttachment::of_host(HOST_DEPTH, format, true)),
-        extent: desc.size,
-    };
-    Pass::raster("blur.depth", raster)
+    let depth = DepthAttachment::of_host(HOST_DEPTH, format, true);
+    Pass::raster("blur.depth", quad(&glsl::depth_fragment::SHADER, None, Some(depth), desc))
 }
 
-/// The picture over what the target has of frame i + 1.
-fn composite(desc: &Desc) -> Pass {
-    let (format, blend) = (desc.target_format, Blend::Replace);
-    let raster = Raster {
-        topology: Topology::Quads,
-        vertex: &glsl::composite_vertex::SHADER,
-        fragment: match desc.depth {
-            Some(_) => &glsl::composite_depth_fragment::SHADER,
-            None => &glsl::composite_fragment::SHADER,
-        },
-        colour: Some(ColourAttachment { image: TARGET, format, clear: None, blend }),
-        // What pixels show is not what is nearest there: depth follows by itself.
-        depth: desc.depth.map(|format| DepthAttachment::of_host(HOST_DEPTH, format, false)),
-        extent: desc.size,
-    };
-    Pass::raster("blur.composite", raster)
+/// The picture, where the host has drawn nothing nearer. What pixels show is not what is nearest there: depth follows by
+/// itself.
+fn composite_depth(desc: &Desc, format: DepthFormat) -> Pass {
+    let depth = DepthAttachment::of_host(HOST_DEPTH, format, false);
+    let fragment = &glsl::composite_depth_fragment::SHADER;
+    Pass::raster("blur.composite", quad(fragment, Some(TARGET), Some(depth), desc))
 }
 
 /// Copies of drawn frames.
@@ -277,18 +268,33 @@ fn from_toon(to: &[ImageId]) -> Vec<(Resource, Usage)> {
 
 /// A frame from what its samples see.
 fn toon(desc: &Desc, image: ImageId) -> Pass {
-    let (format, blend) = (desc.target_format, Blend::Replace);
-    let raster = Raster {
-        topology: Topology::Quads,
-        vertex: &glsl::composite_vertex::SHADER,
-        fragment: &glsl::toon_fragment::SHADER,
-        colour: Some(ColourAttachment { image, format, clear: None, blend }),
-        depth: None,
-        extent: desc.size,
-    };
     let toon = &desc.settings.toon;
     let inked = u32::from(toon.outline.strength > 0.0);
-    Pass::raster("blur.toon", raster).specialise([inked, ink_reach(toon)])
+    whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise([inked, ink_reach(toon)])
+}
+
+/// A frame that has been drawn, as the target's first content.
+fn begin(desc: &Desc, drawn: ImageId) -> Pass {
+    let fragment = &glsl::background_fragment::SHADER;
+    whole("blur.background", fragment, TARGET, desc).bind(glsl::background_fragment::DRAWN, drawn)
+}
+
+/// Replaces a whole picture, or what its shader does not discard.
+fn whole(name: &'static str, fragment: &'static Shader, image: ImageId, desc: &Desc) -> Pass {
+    Pass::raster(name, quad(fragment, Some(image), None, desc))
+}
+
+/// All of a picture, replaced.
+fn quad(fragment: &'static Shader, image: Option<ImageId>, depth: Option<DepthAttachment>, desc: &Desc) -> Raster {
+    let (format, blend) = (desc.target_format, Blend::Replace);
+    Raster {
+        topology: Topology::Quads,
+        vertex: &glsl::composite_vertex::SHADER,
+        fragment,
+        colour: image.map(|image| ColourAttachment { image, format, clear: None, blend }),
+        depth,
+        extent: desc.size,
+    }
 }
 
 /// An after-image's surface.
@@ -296,8 +302,8 @@ fn ghost(desc: &Desc) -> Pass {
     let blend = Blend::Replace;
     let raster = Raster {
         topology: Topology::Triangles,
-        vertex: &glsl::ghost_vertex::SHADER,
-        fragment: &glsl::ghost_fragment::SHADER,
+        vertex: &glsl::ghosts_vertex::SHADER,
+        fragment: &glsl::ghosts_fragment::SHADER,
         colour: Some(ColourAttachment { image: GHOST, format: GHOST_FORMAT, clear: Some([0; 4]), blend }),
         depth: Some(DepthAttachment::nearest(GHOST_DEPTH)),
         extent: desc.size.map(|side| 2 * side),

@@ -156,7 +156,8 @@ pub struct Settings {
     pub edge: f32,
     /// What replaces hidden colours.
     pub completion: Completion,
-    /// How far the drawing reaches over the mesh's outline, in pixels, 0 to 16; default 2.
+    /// How far the drawing of images reaches over the mesh's outline, in pixels, 0 to 16; default 2. Frames that are drawn
+    /// here have their lines on the mesh.
     pub skirt: f32,
     /// Speed lines.
     pub lines: Lines,
@@ -215,6 +216,12 @@ impl Settings {
         let lines = if self.lines.count > 0 { self.lines.length } else { 0.0 };
         let ghosts = self.ghosts.count as f32 * self.ghosts.step;
         (self.strength - 1.0).max(0.0) + lines.max(ghosts)
+    }
+
+    /// Whether triangles that are drawn outside the picture need no refinement. After-images are of the same triangles,
+    /// and may be inside.
+    pub fn is_clipped(&self) -> bool {
+        self.ghosts.count == 0
     }
 
     /// Checks every value; the error names the key and what is allowed.

@@ -7,9 +7,9 @@ use crate::blur::frame::{
 };
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot, LINE_VERTICES, MOST_KNOTS,
-    MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams,
-    VisibilityConstants,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
+    LINE_VERTICES, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants,
+    SettleConstants, SurfaceConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
@@ -122,8 +122,7 @@ impl Steps<'_> {
             return self.depth(frame, there);
         };
         let outer = frame.outer.map(|image| image.is_some());
-        let mut params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
-        params.lens[3] = if frame.images.is_some() { 1.0 } else { 0.0 };
+        let params = BlurParams::new(self.desc, self.layout, interval, frame, outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -181,7 +180,7 @@ impl Steps<'_> {
             self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
         }
         let [r, g, b] = lines.colour;
-        let constants = SpeedConstants {
+        let constants = LinesConstants {
             colour: [r, g, b, lines.opacity],
             length_of: lines.length,
             width: Settings::scaled(lines.width, self.desc.size[1]),
@@ -206,7 +205,7 @@ impl Steps<'_> {
     fn surface(&mut self, frame: &Frame, input: &DepthInput, there: There) {
         let Desc { size: [width, height], triangles, points, .. } = *self.desc;
         if !there.is_projected {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
+            let params = BlurParams::of_views(self.desc, &[input.view; 4]);
             self.plan.update(self.passes.depth_params, PARAMS, &params);
             self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [points, 4, 1] });
         }
@@ -214,12 +213,13 @@ impl Steps<'_> {
             let constants = VisibilityConstants { frame: 2 };
             self.plan.step_with(self.passes.depth_see, Command::Draw { vertices: 3 * triangles }, &constants);
         }
-        let (pass, from) = match drawn(self.desc, frame)[1] {
-            Some(drawn) => (self.passes.depth_frame[1], TOON[drawn.place()]),
-            None => (self.passes.depth_frame[0], HOST_FRAMES[1]),
+        let (pass, from, background) = match drawn(self.desc, frame)[1] {
+            Some(drawn) => (self.passes.depth_frame[1], TOON[drawn.place()], frame.background()),
+            None => (self.passes.depth_frame[0], HOST_FRAMES[1], [0.0; 4]),
         };
         self.plan.step(pass, Command::CopyImage { from, to: FRAMES[1], extent: self.desc.size });
-        self.plan.step(self.passes.surface, Command::Dispatch { threads: [width, height, 1] });
+        let pixels = Command::Dispatch { threads: [width, height, 1] };
+        self.plan.step_with(self.passes.surface, pixels, &SurfaceConstants { background });
     }
 
     /// Draws what the host has no images of, and begins the target with it. What is there before, and after.
@@ -231,12 +231,12 @@ impl Steps<'_> {
         let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
         let is_missing = missing != [None; 2];
         if !there.is_projected && is_missing {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
+            let params = BlurParams::of_views(self.desc, &[input.view; 4]);
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
         if is_missing {
-            self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+            self.normals();
         }
         for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
             match missing {
@@ -245,8 +245,8 @@ impl Steps<'_> {
                 None => {}
             }
         }
-        let (from, to, extent) = (TOON[next.place()], TARGET, self.desc.size);
-        self.plan.step(self.passes.toon_background, Command::CopyImage { from, to, extent });
+        let constants = BackgroundConstants { background: frame.background() };
+        self.plan.step_with(self.passes.toon_background[next.place()], Command::Draw { vertices: 4 }, &constants);
         There { is_projected: there.is_projected || is_missing, is_seen: missing[1].is_some(), ..there }
     }
 
@@ -314,7 +314,7 @@ impl Steps<'_> {
         let sizes = [
             16 * points,
             4 * points,
-            24 * u64::from(counts.clusters),
+            size_of::<params::Cluster>() as u64 * u64::from(counts.clusters),
             8 * u64::from(counts.hull),
             4 * u64::from(counts.seams),
         ];
@@ -414,6 +414,13 @@ impl Steps<'_> {
         }
     }
 
+    fn normals(&mut self) {
+        let none: [u32; LARGE_WORDS] = [0, 2, 1, 0];
+        self.plan.update_slice(self.passes.large_groups, LARGE_GROUPS, &none);
+        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.plan.step(self.passes.normals_large, Command::DispatchIndirect { arguments: LARGE_GROUPS, offset: 0 });
+    }
+
     fn learn(&mut self) {
         let [width, height] = self.desc.size;
         self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
@@ -423,7 +430,7 @@ impl Steps<'_> {
             let reason = "completion does not follow from the surface";
             return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
         }
-        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.normals();
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Command::Dispatch { threads: [width, height, 2] };
         self.plan.step(self.passes.learn[0], pixels);
@@ -465,7 +472,7 @@ impl Steps<'_> {
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
     let steps = 53
-        + 24
+        + 28
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
         + MEAN_DISPATCHES as usize
@@ -477,5 +484,5 @@ pub fn capacity(desc: &Desc) -> (usize, usize) {
         + size_of::<BlurParams>()
         + size_of::<Control>()
         + MOST_KNOTS * size_of::<Knot>();
-    (steps, 4 * COMPLETING_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
+    (steps, 4 * COMPLETING_WORDS + 2 * 4 * LARGE_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>())
 }

@@ -336,12 +336,14 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Brings an own image into the layout in which a copy is fastest, or `back`.
+    /// Brings an own image into the layout in which a copy is fastest, or `back`. A change of layout is a write, also where
+    /// the copy only reads: so it waits for all that read the image before, of which the derived barriers know nothing.
     unsafe fn leave_general(&self, id: ImageId, usage: &Usage, back: bool) {
         if let ImageSlot::Own(image) = &self.resources.images[usize::from(id.0)] {
             let copied = used(usage);
             let general = ImageState { layout: vk::ImageLayout::GENERAL, ..copied };
-            let (from, to) = if back { (copied, general) } else { (general, copied) };
+            let used = ImageState { stage: vk::PipelineStageFlags2::ALL_COMMANDS, ..general };
+            let (from, to) = if back { (copied, general) } else { (used, copied) };
             // SAFETY: the caller's.
             unsafe { transition(self.host, self.commands, image.handle, vk::ImageAspectFlags::COLOR, from, to) };
         }
@@ -381,7 +383,6 @@ impl Walk<'_> {
                         .extent(vk::Extent3D { width, height, depth: 1 })];
                     let source = (self.resources.image(from), vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
                     let target = (self.resources.image(to), vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-                    // An own image leaves its layout for the copy: the copy is all that touches it at its stage.
                     self.leave_general(from, &Usage::COPY_SOURCE, false);
                     self.leave_general(to, &Usage::COPY_TARGET, false);
                     device.cmd_copy_image(self.commands, source.0, source.1, target.0, target.1, &regions);

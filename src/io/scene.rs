@@ -114,8 +114,20 @@ pub struct AnimatedMesh {
 }
 
 impl AnimatedMesh {
-    /// Reads or makes a mesh. `animation` is the name of a file's animation to play; none: the first.
+    /// Reads or makes a mesh, which has triangles. `animation` is the name of a file's animation to play; none: the first.
     pub fn open(source: &Source, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
+        let mesh = AnimatedMesh::open_any(source, animation, clock)?;
+        match mesh.topology.triangles.is_empty() {
+            true => {
+                let (why, expected) = ("has no triangles in its scene", "at least one mesh of triangles");
+                Err(ReadError::at(&mesh.path, "meshes", why, expected))
+            }
+            false => Ok(mesh),
+        }
+    }
+
+    /// As [`AnimatedMesh::open`], for its camera: a file may hold nothing else.
+    pub fn open_any(source: &Source, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
         match source {
             Source::Builtin(which) => Ok(AnimatedMesh::builtin(*which, which.usual_vertices(), clock)),
             Source::File(path) => AnimatedMesh::read(path, animation, clock),
@@ -131,7 +143,8 @@ impl AnimatedMesh {
 
     /// Reads a file: glTF 2.0 (`.glb` or `.gltf`, with its buffers within or beside it), or an `.npz` cache:
     /// `position` [frames, vertices, 3] of floats, `triangle` [m, 3] of integers, and optionally `colour` [vertices, 3]
-    /// (linear RGB) and `object` [vertices] (integers). `animation` as in [`AnimatedMesh::open`]; caches have none.
+    /// (linear RGB) and `object` [vertices] (integers). `animation` as in [`AnimatedMesh::open`]; caches have none. A glTF
+    /// file may hold no triangles.
     pub fn read(path: &Path, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
         let path_kept = path.to_owned();
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
@@ -181,6 +194,19 @@ impl AnimatedMesh {
         match &self.motion {
             Motion::Cache(cache) => Some(cache.frames()),
             _ => None,
+        }
+    }
+
+    /// An error if a cache ends before the last of a shot's frames: it would stand still from there on.
+    pub fn check_frames(&self, [first, last]: [u32; 2]) -> Result<(), ReadError> {
+        let wanted = last.saturating_sub(first).saturating_add(1);
+        match self.frames() {
+            Some(frames) if frames < wanted => {
+                let why = format!("has {frames} frames");
+                let expected = format!("at least {wanted}, one for each of the shot's frames {first} to {last}");
+                Err(ReadError::at(&self.path, "array `position`", why, expected))
+            }
+            _ => Ok(()),
         }
     }
 

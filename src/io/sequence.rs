@@ -89,13 +89,6 @@ impl<I: Input> Sequence<I> {
         Ok(input)
     }
 
-    /// Whether `frame` has the very input of the frame before, so that it need not be read or uploaded again.
-    pub fn same_as_before(&self, frame: u32) -> Result<bool, ReadError> {
-        let source = self.source(frame)?;
-        // The frame before the first one need not have an input.
-        Ok(frame.checked_sub(1).is_some_and(|before| self.source(before).is_ok_and(|s| s == source)))
-    }
-
     /// How files are read.
     pub(super) fn options(&self) -> &I::Options {
         &self.options

@@ -237,8 +237,10 @@ impl Shot {
     /// The animated mesh, read or made; none without blur.
     pub fn scene(&self) -> Result<Option<AnimatedMesh>, ReadError> {
         let clock = Clock { first: self.frames[0], fps: self.fps };
-        let open = |Blur { scene, animation, .. }: &Blur| AnimatedMesh::open(scene, animation.as_deref(), clock);
-        self.blur.as_ref().map(open).transpose()
+        let Some(Blur { scene, animation, .. }) = &self.blur else { return Ok(None) };
+        let mesh = AnimatedMesh::open(scene, animation.as_deref(), clock)?;
+        mesh.check_frames(self.frames)?;
+        Ok(Some(mesh))
     }
 
     /// The camera at `frame`, which may lie between two.

@@ -3,7 +3,7 @@
 
 use std::f32::consts::TAU;
 
-use celfx::blur::motion::{Piece, Segment};
+use celfx::blur::motion::{Piece, Segment, outline};
 use celfx::blur::params::Vertex;
 use celfx::blur::reference::extent::{Extent, extent, extents};
 use celfx::blur::{Cluster, Desc, Interval, Mesh, Settings};
@@ -12,9 +12,10 @@ use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::scenes::random;
 use crate::scenes::{mesh, swing};
 
-/// An interval of points that have this motion and go straight on, of one cluster with this hull.
-fn straight(motion: Vec<[f32; 4]>, hull: Vec<[f32; 2]>, chain: usize) -> Interval {
+/// An interval of points that have this motion and go straight on, of one cluster.
+fn straight(motion: Vec<[f32; 4]>) -> Interval {
     let points = motion.len();
+    let hull = outline(&motion.iter().map(|[x, y, ..]| [*x, *y]).collect::<Vec<_>>());
     let pieces = motion.iter().map(|[x, y, vx, vy]| Piece {
         origin: [4.0 * x, 4.0 * y, 4.0, 0.0],
         step: [4.0 * vx, 4.0 * vy, 0.0, 0.0],
@@ -26,7 +27,6 @@ fn straight(motion: Vec<[f32; 4]>, hull: Vec<[f32; 2]>, chain: usize) -> Interva
         clusters: vec![Cluster {
             object: 5,
             hull_begin: 0,
-            chain_end: chain as u32,
             hull_end: hull.len() as u32,
             teeth: 43,
             points: points as u32,
@@ -38,41 +38,14 @@ fn straight(motion: Vec<[f32; 4]>, hull: Vec<[f32; 2]>, chain: usize) -> Interva
     }
 }
 
-/// The convex hull, counter-clockwise where y is up, with what is on its sides, decided in f64: enough for these points.
-fn chain(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
-    let mut sorted = points.to_vec();
-    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    sorted.dedup();
-    let half = |points: &mut dyn Iterator<Item = [f32; 2]>| {
-        let mut chain: Vec<[f32; 2]> = Vec::new();
-        for c in points {
-            while let [.., a, b] = chain[..] {
-                let [[ax, ay], [bx, by], [cx, cy]] = [a, b, c].map(|p| p.map(f64::from));
-                if (ax - cx) * (by - cy) - (ay - cy) * (bx - cx) >= 0.0 {
-                    break;
-                }
-                chain.pop();
-            }
-            chain.push(c);
-        }
-        chain
-    };
-    let (mut lower, mut upper) = (half(&mut sorted.iter().copied()), half(&mut sorted.iter().rev().copied()));
-    if lower.len() == sorted.len() {
-        return sorted;
-    }
-    lower.pop();
-    upper.pop();
-    [lower, upper].concat()
-}
-
-/// k and l of the device, of one frame.
-fn device(interval: &Interval) -> Option<Vec<Vertex>> {
+/// Vertices of the device with their k and l, of one frame.
+fn device(interval: &Interval, triangle: [u32; 3]) -> Option<Vec<Vertex>> {
     let animation = swing([2, 2], 4, [1920, 1080], 0.1);
     let points = interval.motion.len();
-    let mesh = mesh(points, &[[0, 0, 0]]);
+    let mesh = mesh(points, &[triangle]);
     let desc = desc(animation.size, &mesh, Settings::default());
-    let mut rig = BlurRig::new(Desc { size: [64, 64], frames_resident: 4, layers: false, ..desc }, mesh)?;
+    let mut rig =
+        BlurRig::new(Desc { size: [64, 64], frames_resident: 4, layers: false, most_triangles: 200, ..desc }, mesh)?;
     let poses = vec![vec![[0.0; 3]; points]; 4];
     let views = animation.views(1);
     let shot = Shot { poses: Some((0, &poses)), interval: Some(interval), views, knots: None };
@@ -96,15 +69,15 @@ fn shapes() -> Vec<(&'static str, Vec<[f32; 2]>)> {
         let (r, t) = (300.0 * u(i, 0).sqrt(), TAU * u(i, 1));
         [960.0 + r * t.cos(), 540.0 + r * t.sin()]
     };
-    let circle = |i: u32| {
-        let t = TAU * i as f32 / 4000.0;
-        [960.0 + 500.0 * t.cos(), 540.0 + 500.0 * t.sin()]
+    let circle = |i: u32, count: u32, radius: f32| {
+        let t = TAU * i as f32 / count as f32;
+        [960.0 + radius * t.cos(), 540.0 + radius * t.sin()]
     };
     let all = |count: u32, at: &dyn Fn(u32) -> [f32; 2]| (0..count).map(at).collect::<Vec<_>>();
     vec![
         ("gauss", all(3000, &gauss)),
         ("disc", all(3000, &disc)),
-        ("circle", all(4000, &circle)),
+        ("circle", all(4000, &|i| circle(i, 4000, 500.0))),
         ("grid", all(1600, &|i| [(i % 40) as f32 * 7.3, (i / 40) as f32 * 3.1])),
         ("line", all(500, &|i| [100.0 + i as f32, 50.0 + 2.0 * i as f32])),
         ("upright line", all(500, &|i| [100.0, 50.0 + 0.37 * i as f32])),
@@ -112,6 +85,10 @@ fn shapes() -> Vec<(&'static str, Vec<[f32; 2]>)> {
         ("two", vec![[100.3, 70.7], [140.0, 12.0]]),
         ("coincident", vec![[100.3, 70.7]; 5]),
         ("far", all(2000, &|i| disc(i).map(|x| x + 1e5))),
+        ("10,000 on a circle", all(10_000, &|i| circle(i, 10_000, 500.0))),
+        ("100,000 on a circle", all(100_000, &|i| circle(i, 100_000, 500.0))),
+        ("30,000 on a small circle", all(30_000, &|i| circle(i, 30_000, 3.0))),
+        ("20,000 on a line", all(20_000, &|i| [0.1 * i as f32, 0.05 * i as f32])),
     ]
 }
 
@@ -131,30 +108,59 @@ fn k_and_l_are_those_of_brute_force() {
         {
             (row[2], row[3]) = (v[0], v[1]);
         }
-        let hull = chain(&points);
-        // A hull in f64 misses what rounding makes extreme: far from the origin all points stay.
-        let chain = hull.len();
-        let rest = points.iter().filter(|p| !hull.contains(p)).copied().collect::<Vec<_>>();
-        let hull = if name == "far" { [hull.clone(), rest].concat() } else { hull };
-        let interval = straight(motion.clone(), hull, chain);
-        let Some(vertices) = device(&interval) else { return };
-        let mut different = 0;
-        for (vertex, motion) in vertices.iter().zip(&motion) {
-            let expected = extent(*motion, &points);
-            different += u32::from([vertex.extent[0], vertex.extent[1]] != expected);
-        }
-        assert_eq!(different, 0, "{name}: of {} points, {chain} of them on the hull", points.len());
+        let interval = straight(motion.clone());
+        let Some(vertices) = device(&interval, [0, 0, 0]) else { return };
+        // Brute force takes long where there are many.
+        let stride = points.len().div_ceil(if points.len() > 9000 { 300 } else { 4000 });
+        let looked = (0..points.len()).filter(|place| place % stride == 0 || *place < 6);
+        let expected = |place: &usize| extent(motion[*place], &points);
+        let found = |place: usize| [vertices[place].extent[0], vertices[place].extent[1]];
+        let different = looked.filter(|place| found(*place) != expected(place)).count();
+        let extreme = interval.hull.len();
+        assert_eq!(different, 0, "{name}: of {} points, {extreme} of them extreme", points.len());
     }
 }
 
-/// A hull that is searched and then looked at whole: all products are equal.
+/// Hulls that are searched and then looked at whole, because products are equal; the largest of the second by more than
+/// an invocation can look at nine times.
 #[test]
 fn a_line_across_the_motion_has_no_front() {
-    let points: Vec<[f32; 2]> = (0..2000).map(|i| [64.0, i as f32]).collect();
-    let interval = straight(points.iter().map(|[x, y]| [*x, *y, 8.0, 0.0]).collect(), points.clone(), points.len());
-    let Some(vertices) = device(&interval) else { return };
-    for (vertex, [_, y]) in vertices.iter().zip(&points) {
-        assert_eq!([vertex.extent[0], vertex.extent[1]], [1.0, (1999.0 - y) / 1999.0]);
+    for count in [2000, 65_000, 100_000] {
+        let points: Vec<[f32; 2]> = (0..count).map(|i| [64.0, i as f32 * 0.125]).collect();
+        let speed = |y: f32| if y < 4000.0 { 8.0 } else { 24.0 };
+        let interval = straight(points.iter().map(|[x, y]| [*x, *y, speed(*y), 0.0]).collect());
+        let Some(vertices) = device(&interval, [0, count / 2, count - 1]) else { return };
+        let last = points[points.len() - 1][1];
+        for (vertex, [_, y]) in vertices.iter().zip(&points) {
+            assert_eq!([vertex.extent[0], vertex.extent[1]], [1.0, (last - y) / last]);
+        }
+    }
+}
+
+/// Edges look at a hull nine times in one invocation: the loop budget allows for 65,536 points that are all looked at.
+#[test]
+fn new_vertices_have_the_extents_of_brute_force() {
+    // Slanted lines, so that products differ in their last bits; the direction is across them, and turns a little.
+    for (count, tolerance) in [(3000_u32, 0.0), (65_535, 0.0), (100_000, 1e-4)] {
+        let step = 1000.0 / count as f32;
+        let at = |i: u32| [100.0 + step * i as f32, 50.0 + 0.5 * step * i as f32];
+        let motion = |i: u32| {
+            let [x, y] = at(i);
+            [x, y, -20.0, 40.0 + 1e-4 * (i as f32 * step)]
+        };
+        let mut motions: Vec<[f32; 4]> = (0..count).map(motion).collect();
+        motions.push([400.0, 100.0, -20.0, 40.0]);
+        let interval = straight(motions);
+        let Some(vertices) = device(&interval, [0, count - 1, count]) else { return };
+        let new = &vertices[count as usize + 1..];
+        assert!(new.len() > 100, "{} new vertices", new.len());
+        for vertex in new.iter().step_by(1 + new.len() / 60) {
+            let [k, l] = extent(vertex.motion, &interval.hull);
+            // Of more points than can be looked at, k of a line across the motion is what rounding makes of it.
+            let k_off = if tolerance == 0.0 { vertex.extent[0] - k } else { 0.0 };
+            let off = k_off.abs().max((vertex.extent[1] - l).abs());
+            assert!(off <= tolerance, "{count} points: {:?} is not {k}, {l}", vertex.extent);
+        }
     }
 }
 

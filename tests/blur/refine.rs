@@ -53,10 +53,10 @@ impl Case {
 
     fn reference(&self, interval: &Interval) -> Refined {
         let settings = &self.desc.settings;
-        let (seed, height) = (self.desc.seed, self.desc.size[1]);
+        let (seed, size) = (self.desc.seed, self.desc.size);
         let extents = extents(&self.mesh, interval, seed, settings.strength, settings.seam_smoothing);
         let budget = self.desc.most_triangles as usize;
-        refine(&self.mesh, &extents, &Rules { interval, settings, height, seed, budget })
+        refine(&self.mesh, &extents, &Rules { interval, settings, size, seed, budget })
     }
 }
 
@@ -118,6 +118,30 @@ fn triangles_are_the_references() {
         let (more, less) = (found.difference(&expected).count(), expected.difference(&found).count());
         assert_eq!((more, less), (0, 0), "{name}: of {} triangles", expected.len());
         assert!(!refined.over_budget && rig.control().refined[2] == 0, "{name}: it came to its end by itself");
+    }
+}
+
+#[test]
+fn what_is_outside_the_picture_is_not_refined() {
+    // How far the camera is to the side; how far it is until nothing is seen of the mesh.
+    for (aside, is_outside) in [(2.6, false), (4.5, true)] {
+        for refine in [Refine::Error, Refine::Length] {
+            let settings = Settings { tolerance: 2.0, edge: 40.0, refine, ..Settings::default() };
+            let mut case = Case::new(settings);
+            for camera in &mut case.animation.cameras {
+                camera.eye.x += aside;
+                camera.target.x += aside;
+            }
+            let Some((mut rig, interval)) = case.refined(3) else { return };
+            let refined = case.reference(&interval);
+            assert!(rows(&mut rig, &case.mesh) == expected(&refined), "{refine:?} {aside}");
+            let base = case.mesh.triangles().len();
+            assert_eq!(refined.triangles.len() == base, is_outside, "{refine:?} {aside}: {}", refined.triangles.len());
+            // Their after-images may be inside.
+            case.desc.settings.ghosts.count = 1;
+            let all = case.reference(&interval).triangles.len();
+            assert!(all > refined.triangles.len(), "{refine:?} {aside}: {all}");
+        }
     }
 }
 

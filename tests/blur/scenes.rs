@@ -1,6 +1,6 @@
 //! Meshes that move, and the splines through their poses in f64.
 
-use celfx::blur::motion::Segment;
+use celfx::blur::motion::{Segment, outline};
 use celfx::blur::params::clip_rows;
 use celfx::blur::{Cluster, Interval, Knot, Mesh, MeshInput, View};
 use celfx::view::Camera;
@@ -110,7 +110,7 @@ pub fn spline(values: &[DVec3], bends: &[DVec3], i: usize, time: f64) -> (DVec3,
     (values[a] + way * u + bends[a] * ((c * c * c - c) / 6.0) + bends[a + 1] * ((u * u * u - u) / 6.0), slope(u))
 }
 
-/// An interval whose points with a label above 0 are clusters, and all of whose points are in hulls; everything in f64
+/// An interval whose points with a label above 0 are clusters; everything in f64
 /// and rounded once. The seams are all points of a cluster.
 pub fn interval(animation: &Animation, i: usize, labels: &[u32], time: f64, teeth: u32, segments: usize) -> Interval {
     let points = animation.poses[0].len();
@@ -125,16 +125,11 @@ pub fn interval(animation: &Animation, i: usize, labels: &[u32], time: f64, teet
     let (mut clusters, mut hull) = (Vec::new(), Vec::new());
     for label in 1..=labels.iter().max().copied().unwrap_or(0) {
         let begin = hull.len() as u32;
-        hull.extend((0..points).filter(|p| labels[*p] == label).map(|p| [motion[p][0], motion[p][1]]));
-        let end = hull.len() as u32;
-        clusters.push(Cluster {
-            object: 7 + label,
-            hull_begin: begin,
-            chain_end: begin,
-            hull_end: end,
-            teeth,
-            points: end - begin,
-        });
+        let members = (0..points).filter(|p| labels[*p] == label).map(|p| [motion[p][0], motion[p][1]]);
+        let members: Vec<[f32; 2]> = members.collect();
+        hull.extend(outline(&members));
+        let (hull_end, points) = (hull.len() as u32, members.len() as u32);
+        clusters.push(Cluster { object: 7 + label, hull_begin: begin, hull_end, teeth, points });
     }
     let mut spans = vec![Segment { begin: 0.0, end: 1.0 }];
     spans.extend((1..segments).map(|s| Segment { begin: -(s as f32), end: 1.0 - s as f32 }));

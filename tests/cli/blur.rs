@@ -160,6 +160,8 @@ fn meshes_that_cannot_be_blurred_are_3_and_named() {
     values[3 * 9 + 2 * 3 + 1] = f32::NAN;
     write_cache(&folder.0.join("nan.npz"), 5, 3, &values);
     render("nan.npz", &[], 3, &["nan.npz", "frame 3, vertex 2", "finite"]);
+    write_cache(&folder.0.join("short.npz"), 4, 3, &[0.5; 4 * 3 * 3]);
+    render("short.npz", &[], 3, &["short.npz", "`position`: has 4 frames", "at least 5", "frames 3 to 7"]);
     let gltf = r#"{"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_of_tomorrow"], "extensionsUsed": ["KHR_of_tomorrow"]}"#;
     folder.write("new.gltf", gltf);
     render("new.gltf", &[], 3, &["new.gltf", "KHR_of_tomorrow"]);
@@ -177,6 +179,24 @@ fn meshes_that_cannot_be_blurred_are_3_and_named() {
     render("mesh.gltf", &["--set", "blur.animation=Walk"], 3, &["mesh.gltf", "Walk"]);
     render("builtin:spin", &["--set", "blur.animation=Walk"], 2, &["blur.animation", "glTF"]);
     render("mesh.gltf", &["--set", "camera.file=mesh.gltf"], 3, &["mesh.gltf", "has no camera"]);
+    folder.write("camera.gltf", CAMERA);
+    render("camera.gltf", &[], 3, &["camera.gltf", "no triangles"]);
+}
+
+/// A file that holds a camera and nothing else.
+const CAMERA: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "nodes": [{"camera": 0, "translation": [0, 1, 4]}],
+    "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]}"#;
+
+#[test]
+fn a_camera_may_be_all_that_a_file_holds() {
+    let folder = with_images("");
+    folder.write("camera.gltf", CAMERA);
+    assert!(succeeds(&folder, &["inspect", "camera.gltf"]).contains("0 triangles"));
+    if has_device() {
+        let camera = ["--set", "camera.file=camera.gltf", "--frames", "4", "-o", "a.png", "-q"];
+        succeeds(&folder, &[&["render", "shot.toml"], &camera[..]].concat());
+    }
 }
 
 #[test]

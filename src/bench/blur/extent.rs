@@ -10,7 +10,7 @@ use crate::bench::report::{Accuracy, Row, Subject, Work};
 use crate::bench::rig::{EffectId, KernelBuffer, KernelsId, Measured, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::{BUFFERS, VERTICES, resource};
-use crate::blur::motion::extreme_points;
+use crate::blur::motion::outline;
 use crate::blur::params::{BenchExtentConstants, Vertex};
 use crate::blur::reference::extent::extent;
 use crate::blur::{Interval, Settings};
@@ -137,7 +137,7 @@ fn hulls(interval: &Interval) -> Vec<[f32; 2]> {
     for (motion, label) in interval.motion.iter().zip(&interval.labels).filter(|(_, label)| **label > 0) {
         members[*label as usize - 1].push([motion[0], motion[1]]);
     }
-    members.iter().flat_map(|points| extreme_points(points)).collect()
+    members.iter().flat_map(|points| outline(points)).collect()
 }
 
 /// Bits of some points that differ from those of the CPU's brute force.

@@ -231,12 +231,11 @@ fn describe(mesh: &Mesh, traces: &Traces, settings: &Settings, height: u32, labe
         found.clusters.push(Cluster {
             object: mesh.point_objects()[cluster[0].1 as usize],
             hull_begin: hull_begin as u32,
-            chain_end: (hull_begin + extremes.chain) as u32,
-            hull_end: (hull_begin + extremes.points.len()) as u32,
-            teeth: teeth(settings, height, &movers, &extremes.points),
+            hull_end: (hull_begin + extremes.len()) as u32,
+            teeth: teeth(settings, height, &movers, &extremes),
             points: cluster.len() as u32,
         });
-        found.hull.extend(extremes.points);
+        found.hull.extend(extremes);
     }
     found
 }

@@ -1,17 +1,9 @@
 //! Points that can be extreme: the convex hull, decided exactly, and what rounding can make as extreme as the hull.
 
+use std::ops::Range;
+
 /// Half an ulp of 1 in f32.
 const ROUNDING: f64 = 1.0 / 16_777_216.0;
-
-/// Points of a set that can be extreme.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Extremes {
-    /// The convex hull, counter-clockwise where y is up, with the points that are exactly on its sides; then the points
-    /// so near to a side that rounding in f32 can make them as extreme. No point twice.
-    pub(super) points: Vec<[f32; 2]>,
-    /// Length of the hull.
-    pub(super) chain: usize,
-}
 
 /// Whether c is to the left of the line from a to b (above 0), to its right (below 0) or on it (0). Exact: only the sign
 /// counts.
@@ -43,29 +35,111 @@ fn exact_sum(terms: [f64; 6]) -> f64 {
     parts.into_iter().rev().find(|part| *part != 0.0).unwrap_or(0.0)
 }
 
-/// The extreme points of finite points.
-pub(super) fn extremes(points: &[[f32; 2]]) -> Extremes {
+/// The extreme points of finite points, in the order of the outline, each once: the convex hull, counter-clockwise where y
+/// is up, with the points that are exactly on its sides, and after each of them the points so near to the side from it on
+/// that rounding in f32 can make them as extreme.
+pub(super) fn extremes(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
     // d.x * x + d.y * y errs by at most 2 roundings of |d| |p|; two points are compared.
     let farthest = points.iter().map(|[x, y]| f64::from(*x).hypot(f64::from(*y))).fold(0.0, f64::max);
     let band = 5.0 * ROUNDING * farthest;
     let mut sorted = outside(points, 2.0 * band);
     sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     sorted.dedup();
-    let lower = half(sorted.iter().copied().enumerate());
-    if lower.len() == sorted.len() {
-        return Extremes { chain: sorted.len(), points: sorted };
+    let places = chain(&sorted);
+    if places.len() == sorted.len() {
+        return places.iter().map(|place| sorted[*place]).collect();
     }
-    let upper = half(sorted.iter().copied().enumerate().rev());
     let mut on_chain = vec![false; sorted.len()];
-    lower.iter().chain(&upper).for_each(|place| on_chain[*place] = true);
-    let chain: Vec<[f32; 2]> =
-        lower[..lower.len() - 1].iter().chain(&upper[..upper.len() - 1]).map(|place| sorted[*place]).collect();
-    let rising: [Vec<[f32; 2]>; 2] =
-        [lower.iter().map(|p| sorted[*p]).collect(), upper.iter().rev().map(|p| sorted[*p]).collect()];
+    places.iter().for_each(|place| on_chain[*place] = true);
+    let chain: Vec<[f32; 2]> = places.iter().map(|place| sorted[*place]).collect();
+    let outline = Outline::new(&chain);
     let rest = sorted.iter().zip(&on_chain).filter(|(_, on)| !**on).map(|(point, _)| *point);
-    let near = rest.filter(|point| rising.iter().any(|chain| is_near(chain, *point, band)));
-    let points: Vec<[f32; 2]> = chain.iter().copied().chain(near).collect();
-    Extremes { chain: chain.len(), points }
+    let mut near: Vec<(usize, f64, [f32; 2])> =
+        rest.filter_map(|point| outline.side_of(point, band).map(|(side, along)| (side, along, point))).collect();
+    near.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut near = near.into_iter().peekable();
+    let mut found = Vec::with_capacity(chain.len() + near.len());
+    for (side, point) in chain.iter().enumerate() {
+        found.push(*point);
+        while let Some((_, _, point)) = near.next_if(|next| next.0 == side) {
+            found.push(point);
+        }
+    }
+    found
+}
+
+/// Places of the hull of sorted points; of points on a line all.
+fn chain(sorted: &[[f32; 2]]) -> Vec<usize> {
+    let mut lower = half(sorted.iter().copied().enumerate());
+    if lower.len() < sorted.len() {
+        let upper = half(sorted.iter().copied().enumerate().rev());
+        lower.pop();
+        lower.extend(&upper[..upper.len() - 1]);
+    }
+    lower
+}
+
+/// A hull in quarters along which both coordinates change one way only.
+struct Outline<'a> {
+    chain: &'a [[f32; 2]],
+    /// Sides of each, and what rises along them: the sum of both coordinates times these.
+    quarters: [(Range<usize>, [f64; 2]); 4],
+}
+
+impl<'a> Outline<'a> {
+    fn new(chain: &'a [[f32; 2]]) -> Outline<'a> {
+        let mut quarters = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|signs| (0..0, signs));
+        for side in 0..chain.len() {
+            let [a, b] = [chain[side], chain[(side + 1) % chain.len()]];
+            let quarter = match (b[0] > a[0], b[0] < a[0], b[1] > a[1], b[1] < a[1]) {
+                (true, _, false, _) => 0,
+                (_, false, true, _) => 1,
+                (_, true, _, false) => 2,
+                _ => 3,
+            };
+            let sides = &mut quarters[quarter].0;
+            *sides = if sides.end == 0 { side..side + 1 } else { sides.start..side + 1 };
+        }
+        Outline { chain, quarters }
+    }
+
+    fn corner(&self, place: usize) -> [f64; 2] {
+        self.chain[place % self.chain.len()].map(f64::from)
+    }
+
+    /// The side that is nearest to a point, if it is within `band`, and how far along it the point is.
+    fn side_of(&self, point: [f32; 2], band: f64) -> Option<(usize, f64)> {
+        let point = point.map(f64::from);
+        let mut best = (1.01 * band, None);
+        for (sides, [sx, sy]) in &self.quarters {
+            let height = |p: [f64; 2]| sx * p[0] + sy * p[1];
+            // The point of a side that is nearest is no farther away than that in each of two coordinates.
+            let (least, most) = (height(point) - 2.1 * band, height(point) + 2.1 * band);
+            let (mut first, mut end) = (sides.start, sides.end);
+            while first < end {
+                let middle = first.midpoint(end);
+                if height(self.corner(middle + 1)) < least {
+                    first = middle + 1;
+                } else {
+                    end = middle;
+                }
+            }
+            for side in (first..sides.end).take_while(|side| height(self.corner(*side)) <= most) {
+                let (distance, along) = to_side(self.corner(side), self.corner(side + 1), point);
+                if distance < best.0 {
+                    best = (distance, Some((side, along)));
+                }
+            }
+        }
+        best.1
+    }
+}
+
+/// How far a point is from a side, and the place of the side that is nearest, from 0 to 1.
+fn to_side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> (f64, f64) {
+    let [way, off] = [[b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]];
+    let along = ((off[0] * way[0] + off[1] * way[1]) / (way[0] * way[0] + way[1] * way[1])).clamp(0.0, 1.0);
+    ((off[0] - along * way[0]).hypot(off[1] - along * way[1]), along)
 }
 
 /// Half of the hull of sorted points: places of those that no later turn leaves to the left.
@@ -82,18 +156,6 @@ fn half(points: impl Iterator<Item = (usize, [f32; 2])>) -> Vec<usize> {
         places.push(place);
     }
     places
-}
-
-/// Whether a point is within `band` of the line through a side of a chain, sorted by x, that is above or below it.
-fn is_near(chain: &[[f32; 2]], point: [f32; 2], band: f64) -> bool {
-    let [x, y] = point.map(f64::from);
-    let first = chain.partition_point(|p| f64::from(p[0]) < x - band).saturating_sub(1);
-    let sides = chain[first..].windows(2).take_while(|side| f64::from(side[0][0]) <= x + band);
-    sides.into_iter().any(|side| {
-        let [[ax, ay], [bx, by]] = [side[0], side[1]].map(|p| p.map(f64::from));
-        let (dx, dy) = (bx - ax, by - ay);
-        (dx * (y - ay) - dy * (x - ax)).abs() <= 1.001 * band * dx.hypot(dy)
-    })
 }
 
 /// Points that are not at least `margin` inside of the octagon of the extremes in 8 directions (Akl, Toussaint 1978).
@@ -172,19 +234,17 @@ mod tests {
     fn a_square_keeps_what_is_on_its_sides_and_nothing_twice() {
         let mut points = vec![[1.0, 1.0], [0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         points.extend([[1.0, 0.0], [2.0, 1.0], [0.0, 1.0], [1.0, 2.0], [2.0, 2.0], [0.0, 0.0], [0.0, 0.5]]);
-        let found = extremes(&points);
         let expected = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0]];
-        assert_eq!(found.points, [&expected[..], &[[0.0, 1.0], [0.0, 0.5]]].concat());
-        assert_eq!(found.chain, 9);
+        assert_eq!(extremes(&points), [&expected[..], &[[0.0, 1.0], [0.0, 0.5]]].concat());
     }
 
     #[test]
     fn few_points_and_lines_are_their_own_hull() {
-        assert_eq!(extremes(&[]).points, Vec::<[f32; 2]>::new());
-        assert_eq!(extremes(&[[3.0, 4.0]; 200]), Extremes { points: vec![[3.0, 4.0]], chain: 1 });
-        assert_eq!(extremes(&[[3.0, 4.0], [1.0, 2.0]]).points, [[1.0, 2.0], [3.0, 4.0]]);
+        assert_eq!(extremes(&[]), Vec::<[f32; 2]>::new());
+        assert_eq!(extremes(&[[3.0, 4.0]; 200]), [[3.0, 4.0]]);
+        assert_eq!(extremes(&[[3.0, 4.0], [1.0, 2.0]]), [[1.0, 2.0], [3.0, 4.0]]);
         let line: Vec<[f32; 2]> = (0..500).map(|i| [i as f32, 2.0 * i as f32]).collect();
-        assert_eq!(extremes(&line), Extremes { points: line, chain: 500 });
+        assert_eq!(extremes(&line), line);
     }
 
     #[test]
@@ -192,10 +252,13 @@ mod tests {
         let ring = |p: &[f32; 2]| [2.0 * p[0], p[1]].iter().map(|c| c * c).sum::<f32>() < 0.25;
         for points in [random(5000), random(63), random(20_000).into_iter().filter(ring).collect()] {
             let found = extremes(&points);
-            for (a, b) in found.points[..found.chain].iter().zip(found.points[..found.chain].iter().cycle().skip(1)) {
+            let mut sorted = found.clone();
+            sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+            let chain: Vec<[f32; 2]> = chain(&sorted).iter().map(|place| sorted[*place]).collect();
+            for (a, b) in chain.iter().zip(chain.iter().cycle().skip(1)) {
                 assert!(points.iter().all(|p| side(*a, *b, *p) >= 0.0));
             }
-            assert!(found.points.len() < 400, "{}", found.points.len());
+            assert!(found.len() < 400, "{}", found.len());
             assert_eq!(outside(&points[..60], 0.0).len(), 60);
         }
     }
@@ -205,8 +268,58 @@ mod tests {
         // A point that is 1e-4 below the upper side, where 5 roundings of the coordinates are 3e-3.
         let points = [[10_000.0, 0.0], [10_400.0, 0.0], [10_400.0, 100.0], [10_000.0, 100.0], [10_200.0, 99.9999]];
         let found = extremes(&points);
-        assert_eq!((found.chain, found.points.len()), (4, 5));
+        assert_eq!(found, [points[0], points[1], points[2], points[4], points[3]]);
         let inner = [10_200.0, 99.9];
-        assert_eq!(extremes(&[&points[..4], &[inner]].concat()).points.len(), 4);
+        assert_eq!(extremes(&[&points[..4], &[inner]].concat()).len(), 4);
+    }
+
+    /// Going around, products with any direction rise and fall once, but for twice as much as a point may be beside the
+    /// outline; and no point that is left out has a larger one.
+    #[test]
+    fn the_order_is_that_of_the_outline() {
+        let circle = |count: u32, radius: f32, squeeze: f32| -> Vec<[f32; 2]> {
+            let at = |i: u32| f64::from(i) / f64::from(count) * std::f64::consts::TAU;
+            let point = |t: f64| [700.0 + radius * t.cos() as f32, 500.0 + squeeze * radius * t.sin() as f32];
+            (0..count).map(|i| point(at(i * 7 % count))).collect()
+        };
+        let jitter = |i: u32, axis| (unit(hash(5, i, 1, axis)) - 0.5) * 2e-4;
+        let line = |way: [f32; 2]| -> Vec<[f32; 2]> {
+            (0..4000).map(|i| [0, 1].map(|axis| 300.0 + 0.1 * i as f32 * way[axis] + jitter(i, axis as u32))).collect()
+        };
+        let sets = [
+            circle(20_001, 500.0, 1.0),
+            circle(20_001, 0.5, 1.0),
+            circle(3000, 200.0, 1e-6),
+            line([1.0, 0.0]),
+            line([0.0, 1.0]),
+            line([0.7, -0.4]),
+            random(20_000),
+        ];
+        for points in sets {
+            let found = extremes(&points);
+            let farthest = points.iter().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f32::max);
+            let margin = f64::from(farthest) * 1e-6;
+            for turn in 0..400 {
+                let (y, x) = (f64::from(turn) * 0.0157).sin_cos();
+                let product = |p: &[f32; 2]| x * f64::from(p[0]) + y * f64::from(p[1]);
+                let products: Vec<f64> = found.iter().map(product).collect();
+                let top = (0..products.len()).max_by(|a, b| products[*a].total_cmp(&products[*b])).unwrap_or(0);
+                let bottom = (0..products.len()).min_by(|a, b| products[*a].total_cmp(&products[*b])).unwrap_or(0);
+                let falls = |places: Vec<usize>| {
+                    let mut least = f64::MAX;
+                    places.into_iter().all(|place| {
+                        least = least.min(products[place]);
+                        products[place] <= least + margin
+                    })
+                };
+                let count = products.len();
+                let steps = (bottom + count - top) % count;
+                assert!(falls((0..=steps).map(|step| (top + step) % count).collect()));
+                assert!(falls((0..=count - steps).map(|step| (top + count - step % count) % count).collect()));
+                let single = |p: &[f32; 2]| x as f32 * p[0] + y as f32 * p[1];
+                let most = |points: &[[f32; 2]]| points.iter().map(single).fold(f32::MIN, f32::max);
+                assert_eq!(most(&found).to_bits(), most(&points).to_bits());
+            }
+        }
     }
 }

@@ -63,11 +63,8 @@ const FARTHEST: usize = 4 * WINDOW;
 pub struct Cluster {
     /// The object of all its points.
     pub object: u32,
-    /// Where its extreme points begin in [`Interval::hull`].
+    /// Where its extreme points begin in [`Interval::hull`], in the order of [`outline`].
     pub hull_begin: u32,
-    /// Where the convex chain of its extreme points ends, and those begin that are not on it, but so near that rounding
-    /// can make them extreme.
-    pub chain_end: u32,
     /// Where its extreme points end.
     pub hull_end: u32,
     /// Random numbers N across it, 1 to 4096.
@@ -213,10 +210,11 @@ impl Motion {
     }
 }
 
-/// The extreme points of a cluster's points, which [`Interval::hull`] has.
-#[cfg(feature = "cli")]
-pub(crate) fn extreme_points(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
-    hull::extremes(points).points
+/// Those of a cluster's points, each once, that can be extreme: the convex hull with what is on its sides, and what is so
+/// near to it that rounding in f32 can make it extreme, in the order in which one comes by when going around it. A line's
+/// from one end to the other.
+pub fn outline(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
+    hull::extremes(points)
 }
 
 fn refused(why: String) -> Error {

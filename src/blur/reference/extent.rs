@@ -134,7 +134,7 @@ mod tests {
     use crate::blur::mesh::MeshInput;
 
     fn cluster(teeth: u32) -> Cluster {
-        Cluster { object: 3, hull_begin: 0, chain_end: 0, hull_end: 0, teeth, points: 0 }
+        Cluster { object: 3, hull_begin: 0, hull_end: 0, teeth, points: 0 }
     }
 
     #[test]

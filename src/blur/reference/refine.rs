@@ -2,7 +2,7 @@
 //! itself, in this order.
 
 use super::extent::{Extent, extent, shifted, time, tooth};
-use super::path::Path;
+use super::path::{Path, State};
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Interval, Piece};
 use crate::blur::settings::{Refine, Settings, Space};
@@ -24,8 +24,8 @@ pub struct Rules<'a> {
     pub interval: &'a Interval,
     /// The effect's settings.
     pub settings: &'a Settings,
-    /// Height of the picture in pixels.
-    pub height: u32,
+    /// Pixels of the picture.
+    pub size: [u32; 2],
     /// The shot's seed.
     pub seed: u32,
     /// The most triangles.
@@ -45,6 +45,8 @@ pub struct Vertex {
     pub label: u32,
     /// Where it is drawn, in pixels.
     pub drawn: [f32; 2],
+    /// View depth there in metres.
+    pub depth: f32,
 }
 
 /// A triangle of the refined mesh.
@@ -76,9 +78,9 @@ pub fn refine(mesh: &Mesh, extents: &[Extent], rules: &Rules) -> Refined {
     let (points, segments) = (mesh.points(), rules.interval.segments.len());
     let vertex = |p: usize| {
         let pieces: Vec<Piece> = (0..segments).map(|s| rules.interval.pieces[s * points + p]).collect();
-        let drawn = rules.path(&pieces).at(extents[p].time).position;
+        let State { position: drawn, depth, .. } = rules.path(&pieces).at(extents[p].time);
         let (motion, label) = (rules.interval.motion[p], rules.interval.labels[p]);
-        Vertex { pieces, motion, extent: extents[p], label, drawn }
+        Vertex { pieces, motion, extent: extents[p], label, drawn, depth }
     };
     let whole = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let base = |(corners, base): (&[u32; 3], u32)| Triangle { corners: *corners, base, weights: whole };
@@ -123,8 +125,8 @@ impl Rules<'_> {
         let of_parents = if a.label == b.label { a.label } else { BETWEEN };
         let (motion, label) = if usable { ([x, y, vx, vy], of_parents) } else { ([0.0; 4], 0) };
         let extent = self.extent(a, b, motion, label);
-        let drawn = path.at(extent.time).position;
-        Vertex { pieces, motion, extent, label, drawn }
+        let State { position: drawn, depth, .. } = path.at(extent.time);
+        Vertex { pieces, motion, extent, label, drawn, depth }
     }
 
     /// The extent of the vertex between two.
@@ -151,19 +153,36 @@ impl Rules<'_> {
         if a.label.max(b.label) == 0 || !(SHORTEST..f32::INFINITY).contains(&length) {
             return false;
         }
-        if self.settings.refine == Refine::Length {
-            let edge = Settings::scaled(self.settings.edge, self.height);
-            return length > edge * edge;
-        }
-        let tolerance = Settings::scaled(self.settings.tolerance, self.height);
+        let by_length = self.settings.refine == Refine::Length;
+        let [tolerance, edge] =
+            [self.settings.tolerance, self.settings.edge].map(|pixels| Settings::scaled(pixels, self.size[1]));
         let towards = |p: [f32; 2], q: [f32; 2]| [0, 1].map(|i| p[i] + (q[i] - p[i]) * 0.25);
         let middle = self.middle(a, b);
         let half = [0, 1].map(|i| (a.drawn[i] + b.drawn[i]) * 0.5);
         let quarters = [self.middle(a, &middle), self.middle(b, &middle)];
-        let departs = |p: [f32; 2], q: [f32; 2]| squared(p, q) > tolerance * tolerance;
-        departs(middle.drawn, half)
-            || departs(quarters[0].drawn, towards(a.drawn, b.drawn))
-            || departs(quarters[1].drawn, towards(b.drawn, a.drawn))
+        let departures = [
+            squared(middle.drawn, half),
+            squared(quarters[0].drawn, towards(a.drawn, b.drawn)),
+            squared(quarters[1].drawn, towards(b.drawn, a.drawn)),
+        ];
+        // What is not a number is not off.
+        let departure = departures.into_iter().fold(0.0, |most, off| if off > most { off } else { most });
+        let wanted = if by_length { length > edge * edge } else { departure > tolerance * tolerance };
+        let far = self.beyond([a, b, &middle, &quarters[0], &quarters[1]]);
+        wanted && !(far * far > departure)
+    }
+
+    /// How far all these vertices are beyond one border of the picture, in pixels; 0: they are not, or after-images are
+    /// drawn of them, which may be inside.
+    fn beyond(&self, vertices: [&Vertex; 5]) -> f32 {
+        let [width, height] = self.size.map(|pixels| pixels as f32);
+        let far = |vertex: &Vertex| match vertex.depth > 0.0 {
+            true => [-vertex.drawn[0], -vertex.drawn[1], vertex.drawn[0] - width, vertex.drawn[1] - height],
+            false => [-1.0; 4],
+        };
+        let all = vertices.map(far);
+        let side = |i: usize| all.iter().map(|far| far[i]).fold(f32::INFINITY, f32::min);
+        if self.settings.is_clipped() { [0, 1, 2, 3].map(side).into_iter().fold(0.0, f32::max) } else { 0.0 }
     }
 
     fn split(&self, vertices: &[Vertex], triangle: &Triangle) -> [bool; 3] {

@@ -76,7 +76,7 @@ impl<'a> Frame<'a> {
     /// The colour of a place, given by its triangle and its barycentric coordinates there: four bilinear taps, of which
     /// those count that see the same object at the depth that the triangle's plane has at the tap's centre, within
     /// [`DEPTH_TOLERANCE`]. Of a triangle without area the place's own depth counts. Taps off screen see nothing, and
-    /// neither does what is nearer than the near plane.
+    /// neither does what is nearer than the near plane. A tap has its [surface's colour](Frame::surface).
     pub fn look_up(&self, surface: &Surface, base: u32, weights: [f64; 3]) -> Look {
         let [x, y, w] = interpolate(weights, self.corners[base as usize]);
         let mut look =
@@ -94,13 +94,32 @@ impl<'a> Frame<'a> {
             look.uncertain |= uncertain && share > PLACE_ROUNDING;
             if sees {
                 look.weight += share;
-                let value = self.image[pixel].map(f64::from);
+                let value = self.surface(surface, pixel, surface.objects[base as usize]);
                 (0..4).for_each(|i| colour[i] += share * value[i]);
             }
         }
         look.uncertain |= (look.weight - LEAST_WEIGHT).abs() < 2.0 * PLACE_ROUNDING;
         look.colour = if look.weight > 0.0 { colour.map(|c| c / look.weight) } else { [0.0; 4] };
         look
+    }
+
+    /// The colour of an object's surface in a pixel that sees it. A pixel at the object's border is covered in part: if its
+    /// alpha is between 0 and 1, and one of its eight neighbours does not see the object, then its colour is brought to
+    /// the largest alpha of it and of those that do. Without this a border that is stretched would be full of holes.
+    pub fn surface(&self, surface: &Surface, pixel: usize, object: u32) -> Colour {
+        let own = self.image[pixel].map(f64::from);
+        let width = self.seen.size[0] as usize;
+        let [x, y] = [(pixel % width) as f64, (pixel / width) as f64];
+        let around = (0..9).filter_map(|i| self.pixel([x + f64::from(i % 3) - 1.0, y + f64::from(i / 3) - 1.0]));
+        let sees = |pixel: &usize| {
+            self.seen.seen[*pixel].checked_sub(1).is_some_and(|other| surface.objects[other as usize] == object)
+        };
+        let (of_it, beside): (Vec<usize>, Vec<usize>) = around.partition(sees);
+        if beside.is_empty() || !(own[3] > 0.0 && own[3] < 1.0) {
+            return own;
+        }
+        let opacity = of_it.iter().map(|pixel| f64::from(self.image[*pixel][3])).fold(own[3], f64::max);
+        own.map(|c| c * opacity / own[3])
     }
 
     /// The triangle that a pixel's centre sees, and the barycentric coordinates there.

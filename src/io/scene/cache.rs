@@ -61,6 +61,12 @@ pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
     let triangles = triangles(&mut archive, path, vertices)?;
     let colour = colours(&mut archive, path, vertices)?;
     let (object, objects) = objects(&mut archive, path, vertices)?;
+    let is_mixed = |corners: &[u32; 3]| corners.iter().any(|c| object[*c as usize] != object[corners[0] as usize]);
+    if let Some(row) = triangles.iter().position(is_mixed) {
+        let names = triangles[row].map(|corner| &objects[object[corner as usize] as usize][..]).join(", ");
+        let place = format!("array `triangle`, row {row}");
+        return Err(ReadError::at(path, place, format!("has vertices of objects {names}"), "vertices of one object"));
+    }
     let positions = archive.read("position", MAX_VALUES)?.map(|array: Array<f32>| array.values).unwrap_or_default();
     let positions = positions.as_chunks().0.to_vec();
     if let Some(at) = positions.iter().position(|p: &[f32; 3]| !p.iter().all(|x| x.is_finite())) {
@@ -161,7 +167,7 @@ mod tests {
         let positions: Vec<f32> = (0..24).map(|i| i as f32).collect();
         vec![
             ("position", npy("'<f4'", false, "(2, 4, 3)", &f32s(&positions))),
-            ("triangle", npy("'|u1'", false, "(2, 3)", &[0, 1, 2, 3, 2, 1])),
+            ("triangle", npy("'|u1'", false, "(2, 3)", &[0, 1, 2, 2, 1, 0])),
             ("colour", npy("'<f4'", false, "(4, 3)", &f32s(&[0.5; 12]))),
             ("object", npy("'|u1'", false, "(4,)", &[7, 7, 7, 2])),
         ]
@@ -183,13 +189,13 @@ mod tests {
         let mesh = with("none", None).unwrap();
         let topology = mesh.topology();
         assert_eq!((mesh.vertices(), mesh.frames()), (4, Some(2)));
-        assert_eq!(topology.triangles, [[0, 1, 2], [3, 2, 1]]);
+        assert_eq!(topology.triangles, [[0, 1, 2], [2, 1, 0]]);
         assert_eq!((&topology.object[..], &topology.objects[..]), (&[1, 1, 1, 0][..], &["2".into(), "7".into()][..]));
         assert_eq!((topology.colour[3], topology.normal[3]), ([0.5; 3], [0.0; 3]));
         let plain = with("object", None).unwrap();
         assert_eq!((&plain.topology().object[..], plain.topology().objects.len()), (&[0; 4][..], 1));
         assert_eq!(with("colour", None).unwrap().topology().colour, [[1.0; 3]; 4]);
-        let wide: Vec<u8> = [0i64, 1, 2, 3, 2, 1].iter().flat_map(|v| v.to_le_bytes()).collect();
+        let wide: Vec<u8> = [0i64, 1, 2, 2, 1, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
         let wide = with("triangle", Some(npy("'<i8'", false, "(2, 3)", &wide))).unwrap();
         assert_eq!(wide.topology().triangles, topology.triangles);
         // Fortran order: frames run fastest, then vertices, then axes.
@@ -240,6 +246,8 @@ mod tests {
         says("triangle", bytes("(2, 3)", &[0, 1, 2, 0, 4, 1]), &["array `triangle`, row 1: has 4; expected 0 to 3"]);
         let negative = [0i8, 1, -2].map(|v| v as u8);
         says("triangle", Some(npy("'|i1'", false, "(1, 3)", &negative)), &["`triangle`, row 0: has -2"]);
+        let mixed = ["array `triangle`, row 1: has vertices of objects 7, 2, 7", "of one object"];
+        says("triangle", bytes("(2, 3)", &[0, 1, 2, 0, 3, 1]), &mixed);
         says("colour", floats("(3, 3)", &[0.0; 9]), &["array `colour`: has shape [3, 3]"]);
         let mut colours = [0.0; 12];
         colours[7] = -0.5;

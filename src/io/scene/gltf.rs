@@ -55,9 +55,6 @@ pub(super) fn parse(path: &Path, file: &[u8], animation: Option<&str>) -> Result
     }
     let Builder { topology, rig, mut notes, colours, .. } = builder;
     notes.extend(colours.into_notes());
-    if topology.triangles.is_empty() {
-        return Err(document.fault("meshes", "has no triangles in its scene", "at least one mesh of triangles"));
-    }
     Ok(Scene { topology, rig, animations, notes })
 }
 

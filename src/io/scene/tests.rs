@@ -21,7 +21,7 @@ fn open(file: &GltfFile) -> Result<AnimatedMesh, ReadError> {
     let folder = Folder::new();
     let path = folder.0.join("mesh.gltf");
     file.write_gltf(&path);
-    AnimatedMesh::read(&path, None, SECONDS)
+    AnimatedMesh::open(&Source::File(path), None, SECONDS)
 }
 
 fn pose(mesh: &AnimatedMesh, seconds: f64) -> Vec<[f32; 3]> {

@@ -125,7 +125,7 @@ impl Source {
         }
         let source = scene::Source::named(file, folder).map_err(|e| super::pattern_error(tree, "camera.file", &e))?;
         let clock = Clock { first: frames[0], fps };
-        let scene = AnimatedMesh::open(&source, None, clock)?;
+        let scene = AnimatedMesh::open_any(&source, None, clock)?;
         if scene.camera(f64::from(frames[0])).is_none() {
             let expected = "a glTF file with a perspective camera in its scene";
             return Err(ReadError::file(&folder.join(file), "has no camera", expected).into());

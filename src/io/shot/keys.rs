@@ -137,13 +137,15 @@ pub(super) fn is_table(name: &str) -> bool {
     KEYS.iter().any(|(key, _)| parent(key) == Some(name))
 }
 
-/// The known key that `name` most likely meant: the nearest spelling of the whole, or of its last part alone in case
-/// the table is wrong.
+/// The known key that `name` most likely meant: the nearest spelling of the whole, or of its last part in case the table
+/// is wrong. Where no spelling is near, one of its own table.
 pub(super) fn nearest(name: &str) -> &'static str {
     let distance = |key: &str| {
-        let elsewhere = parent(key) != parent(name);
-        let moved = strsim::damerau_levenshtein(leaf(name), leaf(key)) + usize::from(elsewhere);
-        moved.min(strsim::damerau_levenshtein(name, key))
+        let elsewhere = usize::from(parent(key) != parent(name));
+        let moved = strsim::damerau_levenshtein(leaf(name), leaf(key));
+        let whole = strsim::damerau_levenshtein(name, key);
+        let is_near = elsewhere == 0 || 3 * moved <= leaf(name).len();
+        elsewhere + if is_near { moved.min(whole) } else { whole }
     };
     KEYS.iter().map(|(key, _)| *key).min_by_key(|key| distance(key)).unwrap_or("size")
 }
@@ -183,8 +185,14 @@ mod tests {
             ("flame.repetition", "flame.repetitions"),
             ("flame.color", "flame.colour"),
             ("fall_off", "flame.falloff"),
+            ("blur.lines.cnt", "blur.lines.count"),
+            ("blur.tolerence", "blur.tolerance"),
         ] {
             assert_eq!(nearest(typed), meant, "{typed}");
+        }
+        // Like nothing that there is: a key of the table, not a short one from somewhere else.
+        for typed in ["blur.lines.foo", "blur.ghosts.foo", "blur.toon.foo"] {
+            assert_eq!(parent(nearest(typed)), parent(typed), "{typed}: {}", nearest(typed));
         }
     }
 }

@@ -61,7 +61,7 @@ fn turning(settings: &Settings, size: [u32; 2]) -> (Mesh, Interval) {
 }
 
 fn rules<'a>(interval: &'a Interval, settings: &'a Settings) -> Rules<'a> {
-    Rules { interval, settings, height: SIZE[1], seed: 3, budget: 1_000_000 }
+    Rules { interval, settings, size: SIZE, seed: 3, budget: 1_000_000 }
 }
 
 fn refined(settings: &Settings) -> (Mesh, Interval, Refined) {
@@ -135,6 +135,7 @@ fn departure(mesh: &Mesh, interval: &Interval, settings: &Settings, refined: &Re
             extent: exact,
             label: interval.labels[points[0] as usize],
             drawn: [0.0; 2],
+            depth: 0.0,
         };
         let exact = rules.middle(&whole, &whole).drawn;
         let drawn: [f32; 2] = std::array::from_fn(|c| (0..3).map(|k| own[k] * corners[k].drawn[c]).sum());

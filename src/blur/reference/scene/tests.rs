@@ -108,8 +108,7 @@ impl Scene {
     fn draw(&self, samples: u32, culls: bool) -> Drawing {
         let settings = Settings::default();
         let extents = extents(&self.mesh, &self.interval, 3, settings.strength, settings.seam_smoothing);
-        let rules =
-            Rules { interval: &self.interval, settings: &settings, height: SIZE[1], seed: 3, budget: 1_000_000 };
+        let rules = Rules { interval: &self.interval, settings: &settings, size: SIZE, seed: 3, budget: 1_000_000 };
         let refined = refine(&self.mesh, &extents, &rules);
         let triangles = triangles(&refined, &self.interval.segments, false);
         let hidden = match culls {

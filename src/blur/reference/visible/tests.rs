@@ -47,6 +47,30 @@ fn a_surface_that_recedes_is_found_by_its_plane() {
 }
 
 #[test]
+fn a_border_is_as_opaque_as_what_it_borders() {
+    let at = |opacity: f32, alpha: f32| {
+        let square = Square::new(1, 4.0, [[4.0, 0.0, 12.0, 8.0]; 2], [RED.map(|c| c * opacity); 2]);
+        let mut rig = Rig::new(&[square], [0.0; 4]);
+        // The last column that sees the square is covered in part.
+        (0..8).for_each(|y| rig.images[0][y * 24 + 11] = RED.map(|c| c * opacity * alpha));
+        // Four pixels of the row in its middle, from the outer part of the last to the inner ones.
+        [11.5, 11.25, 11.0, 10.5].map(|x| {
+            let (right, down) = ((x - 4.0) / 8.0, 0.5 / 8.0);
+            rig.frame(0).look_up(&rig.surface(), 1, [1.0 - right, down, right - down]).colour
+        })
+    };
+    let equals = |a: &Colour, b: f64| (0..4).all(|i| (a[i] - wide(RED)[i] * b).abs() < 1e-6);
+    assert!(at(1.0, 0.25).iter().all(|colour| equals(colour, 1.0)), "{:?}", at(1.0, 0.25));
+    assert!(at(0.5, 0.25).iter().all(|colour| equals(colour, 0.5)), "what is half transparent stays so");
+    // Only borders: what is inside keeps what it has.
+    let whole = Square::new(1, 4.0, [ALL; 2], [RED; 2]);
+    let mut rig = Rig::new(&[whole], SKY);
+    (0..8).for_each(|y| rig.images[0][y * 24 + 11] = RED.map(|c| c * 0.25));
+    let look = rig.frame(0).look_up(&rig.surface(), 1, [1.0 - 11.5 / 24.0, 4.5 / 8.0, 11.5 / 24.0 - 4.5 / 8.0]);
+    assert!(look.weight > 0.9 && equals(&look.colour, 0.25), "{look:?}");
+}
+
+#[test]
 fn what_is_off_screen_is_unknown() {
     let wide_wall = Square::new(1, 4.0, [[-24.0, -8.0, 48.0, 16.0]; 2], [RED; 2]);
     let rig = Rig::new(&[wide_wall], SKY);

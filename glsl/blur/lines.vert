@@ -5,7 +5,7 @@
 layout(std430, binding = 6) readonly buffer Splines { Piece splines[]; };
 layout(std430, binding = 4) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 7) readonly buffer Trailing { uvec4 trailing[]; };
-layout(push_constant) uniform SpeedConstants {
+layout(push_constant) uniform LinesConstants {
     vec4 colour;    // linear RGB, opacity where a line begins
     float length_of;  // frames
     float width;      // pixels where it begins

@@ -4,7 +4,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 #include "behind.glsl"
-layout(push_constant) uniform SpeedConstants {
+layout(push_constant) uniform LinesConstants {
     vec4 colour;
     float length_of;
     float width;
