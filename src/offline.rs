@@ -3,25 +3,27 @@
 //! One frame at a time: upload, record, submit, wait. After a wait that did not end nothing is reused or destroyed.
 
 pub mod blur;
+mod depth;
 mod effect;
 mod input;
 
 use ash::vk;
 
-use crate::blur::{self as blur_effect, Blur, ToonInput};
+use crate::blur::{self as blur_effect, Blur, DepthInput, ToonInput};
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame, SceneDepth};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::profiler::{Profiler, Timing};
 use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
-use crate::host::{Background, HostBuffer, HostImage, ImageState};
+use crate::host::{Background, HostBuffer, HostDepth, HostImage, ImageState};
 use crate::io::particles::Particles;
 use crate::io::volume::Volume;
 use crate::profile::FrameTimes;
 use crate::smoke::{self, Sequence, Smoke};
 use crate::view::{Camera, Light};
 pub use blur::{BlurError, BlurFrame, BlurInput};
+use depth::SharedDepth;
 pub(crate) use effect::Effect;
 pub use effect::{EffectBuffer, Effects};
 use input::BlurUpload;
@@ -91,6 +93,8 @@ struct Parts {
     blur: Option<Blur>,
     target: Option<Image>,
     backdrop: Option<Image>,
+    /// That of a mesh, and of smoke and fire around it.
+    depth: Option<SharedDepth>,
     /// Backdrops and scene depths: each is waited for before the next.
     upload: Upload,
     volume: VolumeUpload,
@@ -153,11 +157,13 @@ impl Offline {
             times: None,
             is_read: false,
         };
-        offline.create(effects.joined())?;
+        offline.create(effects)?;
         Ok(offline)
     }
 
-    fn create(&mut self, Effects { smoke, flame, blur }: Effects) -> Result<()> {
+    fn create(&mut self, mut effects: Effects) -> Result<()> {
+        let is_shared = depth::join(&mut effects);
+        let Effects { smoke, flame, blur } = effects;
         let queue_family = self.device.queue_family();
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own and outlives what is made here.
@@ -177,6 +183,9 @@ impl Offline {
             }
             let steps: usize = self.parts.effects().map(|effect| effect.plan_capacity().0).sum();
             self.parts.profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
+            if is_shared {
+                self.parts.depth = Some(SharedDepth::new(&host, allocator, self.size)?);
+            }
             self.parts.target = Some(Image::new(&host, allocator, &image_desc("target", self.size))?);
         }
         self.make_download()
@@ -237,7 +246,7 @@ impl Offline {
         layers.retain(|copy| copy.from.2 > 0);
         let target = self.target(ImageState::default()).filter(|_| scene.rendered);
         let brought = frames.blur.as_ref().map(|frame| (frame.mesh.is_some(), frame.poses));
-        let Parts { smoke, flame, blur, blur_input, profiler, frame: download, .. } = &mut self.parts;
+        let Parts { smoke, flame, blur, blur_input, depth, profiler, frame: download, .. } = &mut self.parts;
         let mut profiler = profiler.as_mut().filter(|_| self.timed);
         self.device.one_time(&format!("frame {}", scene.number), |host, commands| {
             let mut timing = Timing::None;
@@ -247,6 +256,7 @@ impl Offline {
                     profiler.begin_frame(host, commands, 0, scene.number)?;
                     timing = Timing::Profiler(profiler);
                 }
+                depth.iter().filter(|_| scene.rendered).for_each(|depth| depth.clear(host, commands));
                 if let (Some(blur), Some(frame)) = (blur, &frames.blur) {
                     blur.record(host, commands, frame, &mut timing)?;
                 }
@@ -315,8 +325,10 @@ impl Offline {
         let toon = is_drawn.then(|| ToonInput { view: interval.views[2], light: scene.light });
         // In front of the first frame there is no interval.
         let interval = (interval.views[1].frame != interval.views[2].frame).then_some(interval);
-        let outer = [None; 2];
-        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, outer, target, background }))
+        let view = frame.views[2];
+        let depth = self.parts.depth.as_ref().map(|depth| depth.of_frame(view.camera.near, true));
+        let (depth, outer) = (depth.map(|host| DepthInput { host, view }), [None; 2]);
+        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, outer, target, depth, background }))
     }
 
     /// The images of two frames on the device: the pictures that are given, and those that are there.
@@ -397,7 +409,8 @@ impl Offline {
             light: scene.light,
             volume,
             target,
-            depth: None,
+            depth: target.and(self.shared_depth(&scene.camera)),
+            edges: self.parts.blur.as_ref().filter(|_| target.is_some()).and_then(Blur::edges),
             background: if is_first { self.background() } else { Background::Keep },
         }))
     }
@@ -420,8 +433,16 @@ impl Offline {
             accumulate: scene.accumulate,
             target,
             background: if is_first { self.background() } else { Background::Keep },
-            scene: self.smoke_depth().or(depth).map(SceneDepth::Buffer),
+            scene: match self.shared_depth(&scene.camera) {
+                Some(depth) => Some(SceneDepth::Image(depth)),
+                None => self.smoke_depth().or(depth).map(SceneDepth::Buffer),
+            },
         })
+    }
+
+    /// The depth that the mesh and what is drawn after it leave, if there is a mesh.
+    fn shared_depth(&self, camera: &Camera) -> Option<HostDepth> {
+        self.parts.depth.as_ref().map(|depth| depth.of_frame(camera.near, false))
     }
 
     /// The depth that the smoke leaves: written by its shaders, or cleared where there is none.
@@ -567,10 +588,22 @@ impl Drop for Offline {
         unsafe {
             self.parts.effects_mut().for_each(|effect| effect.destroy(&host, allocator));
             let Parts {
-                target, backdrop, shown, upload, volume, particles, blur_input, frame, buffer, profiler, ..
+                target,
+                backdrop,
+                depth,
+                shown,
+                upload,
+                volume,
+                particles,
+                blur_input,
+                frame,
+                buffer,
+                profiler,
+                ..
             } = &mut self.parts;
             let shown = shown.iter_mut().flatten().map(|(_, image)| image);
             target.iter_mut().chain(backdrop).chain(shown).for_each(|image| image.destroy(&host, allocator));
+            depth.iter_mut().for_each(|depth| depth.destroy(&host, allocator));
             blur_input.destroy(&host, allocator);
             upload.destroy(&host, allocator);
             volume.destroy(&host, allocator);

@@ -8,6 +8,8 @@ mod common;
 mod behind;
 #[path = "blur/complete.rs"]
 mod complete;
+#[path = "blur/depth.rs"]
+mod depth;
 #[path = "blur/extent.rs"]
 mod extent;
 #[path = "blur/normals.rs"]

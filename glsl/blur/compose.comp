@@ -16,11 +16,25 @@ layout(std430, binding = 22) readonly buffer SampleStates { uint sample_states[]
 layout(std430, binding = 23) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 24) writeonly buffer ColourLayer { vec4 colour_layer[]; };
 layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
+layout(constant_id = 1) const uint DEPTH = 0;   // 1: the host has a depth
+#include "surface.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
 
 bool is_free(uint frame, uint cover) {
     return (cover & (MOVING | COVERED) << frame) == 0u;
+}
+
+float nearness_at(ivec2 at) {
+    return texelFetch(sampled_depth, at, 0).x;
+}
+
+vec4 next_at(ivec2 pixel) {
+    return texelFetch(frame_next, pixel, 0);
+}
+
+bool is_beside(ivec2 pixel) {
+    return texelFetch(depth_next, pixel, 0).x == 0.0 && is_empty(pixel);
 }
 
 // Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
@@ -114,6 +128,13 @@ vec4 around(Skirt skirt, vec2 place) {
         : has_previous ? colours[0] : has_next ? colours[1] : vec4(0.0);
 }
 
+// How much of what lies around the mesh in an image is an outline of it, and not what is behind it: as much as it differs
+// from what is seen without it.
+float outline_share(vec4 beside, vec4 without) {
+    vec4 apart = abs(beside - without);
+    return clamp(4.0 * max(max(apart.x, apart.y), max(apart.z, apart.w)), 0.0, 1.0);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (!is_in_picture(pixel)) {
@@ -125,12 +146,16 @@ void main() {
         : is_free(1u, cover) ? finished_pixel(texelFetch(frame_previous, pixel, 0)) : params.background;
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
-        farthest = min(farthest, texelFetch(sampled_depth, 2 * pixel + ivec2(i & 1, i >> 1), 0).x);
+        farthest = min(farthest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));
     }
     Skirt skirt = skirt_of(pixel, farthest);
     vec4 sum = vec4(0.0);
     vec4 of_mesh = vec4(0.0);
     bool is_behind = true;
+    float tested = 0.0;
+    float nearest = 0.0;
+    float covered = 0.0;
+    vec4 solid = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
         uint index = uint(at.y) * 2u * params.image.x + uint(at.x);
@@ -138,19 +163,37 @@ void main() {
         vec4 colour = (state & MASK) == 4u ? vec4(0.0) : sample_colours[index];
         bool is_part = (state & MASK) != 4u && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
-        if (skirt.nearness * STEP > texelFetch(sampled_depth, at, 0).x) {
+        float nearness = nearness_at(at);
+        tested = max(tested, nearness);
+        nearest = max(nearest, nearness);
+        covered += nearness > 0.0 ? 0.25 : 0.0;
+        vec4 part = colour;
+        if (skirt.nearness * STEP > nearness) {
             vec4 beside = around(skirt, 0.5 * (vec2(at) + 0.5));
+            float share = outline_share(beside, own);
+            part = share * beside + (1.0 - share * beside.w) * part;
+            nearest = share > 0.0 ? max(nearest, skirt.nearness) : nearest;
             own = beside + (1.0 - beside.w) * own;
             colour = beside + (1.0 - beside.w) * colour;
             is_part = is_part || beside != vec4(0.0);
+            tested = max(tested, skirt.nearness);
         }
+        solid += 0.25 * part;
         is_behind = is_behind && !is_part;
         sum += 0.25 * own;
         of_mesh += 0.25 * colour;
     }
-    // An alpha below 0: the pixel is frame i + 1's, which the target has already.
     uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
-    picture[index] = !is_behind ? sum : is_next ? vec4(behind.xyz, -1.0) : behind;
+    vec4 own = is_behind ? behind : sum;
+    // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
+    uint mark = is_behind && is_next ? 0x80000000u : 0u;
+    picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & 0x7fffffffu | mark));
+    if (DEPTH == 1u) {
+        // What the mesh has left is as far away as the mesh is there in frame i + 1.
+        float farthest_shown = tested > 0.0 ? params.lens.x / tested : depth_at(2u, pixel);
+        bool is_own = is_behind && is_next && covered > 0.0;
+        covers(index, is_own ? part_of_next(pixel, covered) : solid, nearest, farthest_shown);
+    }
     if (LAYERS == 1u) {
         colour_layer[index] = of_mesh;
     }

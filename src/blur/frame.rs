@@ -8,7 +8,7 @@ use crate::blur::motion::{Cluster, Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
-use crate::host::{Background, HostBuffer, HostImage, check_image};
+use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_depth, check_image};
 use crate::view::{Camera, Light};
 
 /// Triangles that refinement may make, unless a host says otherwise.
@@ -37,6 +37,8 @@ pub struct Desc {
     pub outer: bool,
     /// Whether there may be outputs without images, whose frames are drawn; needs normal groups and base colours.
     pub toon: bool,
+    /// How the host's depth images hold depth, if they are to hide the mesh and to take its depth.
+    pub depth: Option<DepthFormat>,
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
     pub most_triangles: u32,
@@ -251,6 +253,21 @@ impl Drawn {
     }
 }
 
+/// The depth of everything but the mesh, which hides the mesh where it is nearer, and takes the mesh's.
+///
+/// Where it hides the mesh, the image of frame i + 1 stays. It takes the depth that the mesh is drawn at, distorted, or,
+/// where nothing moves, as it is in frame i + 1. A pixel has one depth and four samples: each is as near as its nearest
+/// sample, and only what the mesh covers wholly and opaquely gets a depth. The rest, its edges, is in
+/// [`crate::blur::Blur::edges`], so that what is behind can be blended with it: nothing of the background stays between.
+/// Speed lines and after-images hide nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthInput {
+    /// The depth.
+    pub host: HostDepth,
+    /// Frame i + 1, as the interval has it if there is one.
+    pub view: View,
+}
+
 /// One output, i + 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
@@ -270,6 +287,8 @@ pub struct Frame<'a> {
     pub outer: [Option<HostImage>; 2],
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
+    /// The host's depth, given exactly if the effect was made for one.
+    pub depth: Option<DepthInput>,
     /// What is where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`] is
     /// nothing at all, an image is not taken yet.
     pub background: Background,
@@ -397,6 +416,7 @@ impl Frame<'_> {
             interval.frames().try_for_each(|frame| self.needs(frame, desc, resident))?;
         }
         check_image("target", &self.target, desc.size, desc.target_format)?;
+        self.validate_depth(desc, resident)?;
         match &self.images {
             Some([previous, next]) => {
                 check_image("the image of frame i", previous, desc.size, desc.target_format)?;
@@ -431,6 +451,20 @@ impl Frame<'_> {
         match self.brings(frame) || (is_resident && !is_covered) {
             true => Ok(()),
             false => refuse("poses", format!("that of frame {frame} is needed and not on the device")),
+        }
+    }
+
+    fn validate_depth(&self, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
+        check_depth(self.depth.as_ref().map(|depth| &depth.host), desc.size, desc.depth)?;
+        let Some(DepthInput { view, .. }) = &self.depth else { return Ok(()) };
+        view.camera.validate()?;
+        self.needs(view.frame, desc, resident)?;
+        let others = self.interval.as_ref().map(|interval| &interval.views[2]);
+        match others.into_iter().chain(self.toon.as_ref().map(|toon| &toon.view)).find(|other| *other != view) {
+            Some(other) => {
+                refuse("depth", format!("of frame {}; another view than frame {}'s", view.frame, other.frame))
+            }
+            None => Ok(()),
         }
     }
 

@@ -66,6 +66,7 @@ buffers! {
     SAMPLE_STATES = "SampleStates",
     SAMPLE_SIDES = "SampleSides",
     LISTS = "Lists",
+    SURFACE = "Surface",
 }
 
 /// The most objects that completion learns colours of; places of others have what the frame that shows them has.
@@ -141,8 +142,10 @@ pub const TARGET: ImageId = ImageId(IMAGES);
 pub const HOST_FRAMES: [ImageId; 2] = [ImageId(IMAGES + 1), ImageId(IMAGES + 2)];
 /// The host's images of frames i - 1 and i + 2.
 pub const HOST_OUTER: [ImageId; 2] = [ImageId(IMAGES + 3), ImageId(IMAGES + 4)];
+/// The host's depth.
+pub const HOST_DEPTH: ImageId = ImageId(IMAGES + 5);
 /// Images of the host's.
-pub const HOST_IMAGES: usize = 5;
+pub const HOST_IMAGES: usize = 6;
 
 /// What a shader's slot stands for: each buffer and image goes by one name everywhere.
 pub fn resource(slot: &Slot) -> Option<Resource> {
@@ -264,6 +267,7 @@ impl Layout {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);
+        self.set(SURFACE, if desc.depth.is_some() { 16 * pixels } else { 0 });
         self.set(BASE_COLOURS, if desc.toon { 48 * u64::from(desc.triangles) } else { 0 });
         self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
         self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });

@@ -131,6 +131,10 @@ push_constants! {
     LinesConstants { colour: [f32; 4], length_of: f32, width: f32 }
     /// Of `ghosts` and `ghosts_blend`.
     GhostConstants { back: f32, opacity: f32 }
+    /// Of `composite_depth` and `depth`: the terms of the host's depth.
+    HostDepthConstants { terms: [f32; 2] }
+    /// Of `surface`: what lies under the image.
+    SurfaceConstants { background: [f32; 4] }
     /// Of `background`.
     BackgroundConstants { background: [f32; 4] }
     /// Of `seams`.

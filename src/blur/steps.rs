@@ -2,12 +2,14 @@
 
 use std::mem::offset_of;
 
-use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
+use crate::blur::frame::{
+    DepthInput, Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories,
+};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES,
-    LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, ToonParams,
-    VisibilityConstants,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
+    LINE_VERTICES, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants,
+    SettleConstants, SurfaceConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
@@ -58,6 +60,17 @@ pub struct Steps<'a> {
     pub drawn: &'a [Option<Drawn>; TOON.len()],
 }
 
+/// What is on the device of frame i + 1.
+#[derive(Clone, Copy, Debug, Default)]
+struct There {
+    /// Parameters and clip coordinates.
+    is_projected: bool,
+    /// What the output shows of the mesh, at four samples a pixel.
+    is_seen: bool,
+    /// What it covers pixels with.
+    is_composed: bool,
+}
+
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
 pub fn still(desc: &Desc, frame: &Frame) -> Option<&'static str> {
     match &frame.interval {
@@ -105,7 +118,8 @@ impl Steps<'_> {
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
             MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
-            return self.toon(frame, false);
+            let there = self.toon(frame, There::default());
+            return self.depth(frame, there);
         };
         let outer = frame.outer.map(|image| image.is_some());
         let params = BlurParams::new(self.desc, self.layout, interval, frame, outer);
@@ -114,7 +128,7 @@ impl Steps<'_> {
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
         self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
-        self.toon(frame, true);
+        self.toon(frame, There { is_projected: true, ..There::default() });
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
@@ -126,10 +140,12 @@ impl Steps<'_> {
             steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
         } else {
             self.learn();
-            self.shade();
+            self.shade(frame);
         }
         self.ghosts();
         self.lines(interval);
+        let is_composed = self.desc.settings.strength > 0.0;
+        self.depth(frame, There { is_projected: true, is_seen: true, is_composed });
     }
 
     /// After-images, the earliest first.
@@ -173,20 +189,53 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
     }
 
-    /// Draws what the host has no images of, and begins the target with it. `projected`: the parameters and clip
-    /// coordinates of all frames are there.
-    fn toon(&mut self, frame: &Frame, projected: bool) {
+    /// What the output shows of the mesh, for what is behind it.
+    fn depth(&mut self, frame: &Frame, there: There) {
+        let (Some(input), Some(pass)) = (&frame.depth, self.passes.depth) else {
+            return self.plan.skip("blur.depth", "the host has no depth");
+        };
+        if !there.is_composed {
+            self.surface(frame, input, there);
+        }
+        let constants = HostDepthConstants { terms: input.host.terms };
+        self.plan.step_with(pass, Command::Draw { vertices: 4 }, &constants);
+    }
+
+    /// What the mesh covers image i + 1 with.
+    fn surface(&mut self, frame: &Frame, input: &DepthInput, there: There) {
+        let Desc { size: [width, height], triangles, points, .. } = *self.desc;
+        if !there.is_projected {
+            let params = BlurParams::of_views(self.desc, &[input.view; 4]);
+            self.plan.update(self.passes.depth_params, PARAMS, &params);
+            self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [points, 4, 1] });
+        }
+        if !there.is_seen {
+            let constants = VisibilityConstants { frame: 2 };
+            self.plan.step_with(self.passes.depth_see, Command::Draw { vertices: 3 * triangles }, &constants);
+        }
+        let (pass, from, background) = match drawn(self.desc, frame)[1] {
+            Some(drawn) => (self.passes.depth_frame[1], TOON[drawn.place()], frame.background()),
+            None => (self.passes.depth_frame[0], HOST_FRAMES[1], [0.0; 4]),
+        };
+        self.plan.step(pass, Command::CopyImage { from, to: FRAMES[1], extent: self.desc.size });
+        let pixels = Command::Dispatch { threads: [width, height, 1] };
+        self.plan.step_with(self.passes.surface, pixels, &SurfaceConstants { background });
+    }
+
+    /// Draws what the host has no images of, and begins the target with it. What is there before, and after.
+    fn toon(&mut self, frame: &Frame, there: There) -> There {
         let frames = drawn(self.desc, frame);
-        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return };
+        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return there };
         let stays =
             |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
         let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
-        if !projected && missing != [None; 2] {
+        let is_missing = missing != [None; 2];
+        if !there.is_projected && is_missing {
             let params = BlurParams::of_views(self.desc, &[input.view; 4]);
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
-        if missing != [None; 2] {
+        if is_missing {
             self.normals();
         }
         for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
@@ -198,6 +247,7 @@ impl Steps<'_> {
         }
         let constants = BackgroundConstants { background: frame.background() };
         self.plan.step_with(self.passes.toon_background[next.place()], Command::Draw { vertices: 4 }, &constants);
+        There { is_projected: there.is_projected || is_missing, is_seen: missing[1].is_some(), ..there }
     }
 
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.
@@ -398,7 +448,7 @@ impl Steps<'_> {
         }
     }
 
-    fn shade(&mut self) {
+    fn shade(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
         self.plan.step(self.passes.shade, Command::Dispatch { threads: [2 * width, 2 * height, 1] });
         if self.desc.layers {
@@ -409,13 +459,19 @@ impl Steps<'_> {
         }
         self.inward(0, MEAN_DISPATCHES);
         self.plan.step(self.passes.compose, Command::Dispatch { threads: [width, height, 1] });
-        self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
+        let draw = Command::Draw { vertices: 4 };
+        match &frame.depth {
+            Some(DepthInput { host, .. }) => {
+                self.plan.step_with(self.passes.composite, draw, &HostDepthConstants { terms: host.terms });
+            }
+            None => self.plan.step(self.passes.composite, draw),
+        }
     }
 }
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 48
+    let steps = 53
         + 28
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize

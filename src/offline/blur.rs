@@ -151,6 +151,7 @@ impl BlurInput {
             group_triangles: self.mesh.group_triangles().items.len() as u32,
             outer: false,
             toon,
+            depth: None,
             most_triangles: MOST_TRIANGLES.max(triangles.saturating_mul(4)).min(crate::blur::params::BASE_MASK),
             segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
             frames_resident: (last - first + 1).max(4),

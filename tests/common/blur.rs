@@ -3,13 +3,15 @@
 use ash::vk;
 use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, GroupInput, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput,
-    Settings, ToonInput, TopologyInput, Trajectories, View, layout,
+    Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, GroupInput, HostDepth, Interval, IntervalInput,
+    Knot, MOST_TRIANGLES, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View, layout,
 };
 use celfx::error::Result;
 use celfx::gpu::image::{Image, ImageDesc};
 use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
+use celfx::gpu::transfer::{
+    CLEARED, COPIED_FROM, Copy, Download, Upload, record_depth, record_picture, record_readback,
+};
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::offline::TARGET_FORMAT;
 use celfx::plan::BufferId;
@@ -30,6 +32,7 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         group_triangles: mesh.group_triangles().items.len() as u32,
         outer: true,
         toon: false,
+        depth: None,
         most_triangles: MOST_TRIANGLES.min(100_000),
         segments: Desc::segments_of(&settings),
         frames_resident: 30,
@@ -69,6 +72,11 @@ pub struct BlurRig {
     pub colours: Option<VertexColours>,
     /// Whether frames i - 1 and i + 2 have images.
     outer: [bool; 2],
+    /// The host's depth, if the effect was made for one.
+    depth: Option<Image>,
+    /// What it holds at view depth z is terms[0] + terms[1] / z; and what it holds before a frame.
+    pub terms: [f32; 2],
+    pub wall: f32,
 }
 
 impl BlurRig {
@@ -81,6 +89,14 @@ impl BlurRig {
             | vk::ImageUsageFlags::TRANSFER_DST;
         let image =
             ImageDesc { name: "test", extent: desc.size, layers: 1, array_view: false, format: TARGET_FORMAT, usage };
+        let depth = desc.depth.map(|DepthFormat { format, .. }| {
+            let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
+                | vk::ImageUsageFlags::TRANSFER_SRC
+                | vk::ImageUsageFlags::TRANSFER_DST;
+            let image = ImageDesc { format, usage, ..image };
+            // SAFETY: the handles are the device's own.
+            unsafe { Image::new(&host, allocator, &image).expect("an image") }
+        });
         // SAFETY: the handles are the device's own.
         let (blur, images) = unsafe {
             let blur = Blur::new(&host, allocator, desc).expect("the effect can be made");
@@ -97,6 +113,9 @@ impl BlurRig {
             toon: None,
             colours: None,
             outer: [false; 2],
+            depth,
+            terms: [0.0, 1.0],
+            wall: 0.0,
         };
         let pixels = (rig.desc().size[0] * rig.desc().size[1]) as usize;
         for frame in 0..2 {
@@ -148,6 +167,42 @@ impl BlurRig {
         HostImage { image: handle, view, format: TARGET_FORMAT, extent, state_in, state_out: COPIED_FROM }
     }
 
+    fn host_depth(&self, view: View) -> Option<DepthInput> {
+        let Image { handle: image, view: image_view, .. } = *self.depth.as_ref()?;
+        let (state_in, state_out) = (CLEARED, COPIED_FROM);
+        let (extent, format) = (self.desc().size, self.desc().depth?.format);
+        let image = HostImage { image, view: image_view, format, extent, state_in, state_out };
+        Some(DepthInput { host: HostDepth { image, terms: self.terms }, view })
+    }
+
+    /// What the last frame left in the host's depth.
+    pub fn host_depths(&mut self) -> Vec<f32> {
+        let [width, height] = self.desc().size;
+        let image = self.depth.as_ref().expect("a depth").handle;
+        let aspect_mask = vk::ImageAspectFlags::DEPTH;
+        let layers = vk::ImageSubresourceLayers { aspect_mask, mip_level: 0, base_array_layer: 0, layer_count: 1 };
+        let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(vk::Extent3D {
+            width,
+            height,
+            depth: 1,
+        })];
+        let bytes = 4 * u64::from(width * height);
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        unsafe { self.download.fit(&host, allocator, "test", bytes).expect("memory") };
+        let to = self.download.buffer().expect("a buffer");
+        let read = self.device.one_time("read back", |host, commands| {
+            // SAFETY: as above; the effect left the image in this state, and what reads back makes it visible.
+            unsafe {
+                host.device.cmd_copy_image_to_buffer(commands, image, COPIED_FROM.layout, to.handle, &regions);
+                record_readback(host, commands, &[], &[], to);
+            }
+            Ok(())
+        });
+        read.expect("it runs");
+        self.download.bytes()[..bytes as usize].chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
+    }
+
     /// Makes an output.
     pub fn frame(&mut self, shot: &Shot) -> Result<()> {
         let rows = TopologyInput::triangle_rows(&self.mesh);
@@ -193,12 +248,16 @@ impl BlurRig {
             images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
             toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
             outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
+            depth: self.host_depth(shot.views[2]),
             target: self.host_image(0, ImageState::default()),
             background: self.toon.map_or(Background::Keep, |(_, background)| background),
         };
+        let (depth, wall) = (self.depth.as_ref().map(|image| image.handle), self.wall);
         let blur = self.blur.as_mut().expect("an effect");
         let done = self.device.one_time("frame", |host, commands| {
             // SAFETY: everything is the test's own, in the declared states, and the frame is waited for.
+            depth.iter().for_each(|image| unsafe { record_depth(host, commands, *image, wall) });
+            // SAFETY: as above.
             unsafe { blur.record(host, commands, &frame, &mut Timing::None) }
         });
         self.is_first &= done.is_err();
@@ -293,7 +352,7 @@ impl Drop for BlurRig {
         unsafe {
             self.blur.iter_mut().for_each(|blur| blur.destroy(&host, allocator));
             self.uploads.iter_mut().for_each(|upload| upload.destroy(&host, allocator));
-            self.images.iter_mut().for_each(|image| image.destroy(&host, allocator));
+            self.images.iter_mut().chain(&mut self.depth).for_each(|image| image.destroy(&host, allocator));
             self.download.destroy(&host, allocator);
         }
     }

@@ -111,6 +111,7 @@ impl Inputs {
                 settings: smoke.settings.clone(),
                 layers,
                 depth: None,
+                edges: false,
                 skipping: true,
             });
         }

@@ -1,0 +1,47 @@
+// What the mesh covers image i + 1 with, where that is the output.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "params.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 1) uniform texture2D sampled_depth;
+layout(binding = 2) uniform texture2D frame_next;
+layout(std430, binding = 3) writeonly buffer Picture { vec4 picture[]; };
+layout(push_constant) uniform SurfaceConstants {
+    vec4 background;  // under the image
+} constants;
+layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
+#include "surface.glsl"
+
+float nearness_at(ivec2 at) {
+    return texelFetch(sampled_depth, at, 0).x;
+}
+
+vec4 next_at(ivec2 pixel) {
+    return texelFetch(frame_next, pixel, 0);
+}
+
+bool is_beside(ivec2 pixel) {
+    return is_empty(pixel);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, ivec2(params.image.xy)))) {
+        return;
+    }
+    float nearest = 0.0;
+    float covered = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        float nearness = nearness_at(2 * pixel + ivec2(i & 1, i >> 1));
+        nearest = max(nearest, nearness);
+        covered += nearness > 0.0 ? 0.25 : 0.0;
+    }
+    vec4 colour = covered > 0.0 ? part_of_next(pixel, covered) : vec4(0.0);
+    uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
+    covers(index, colour, nearest, 0.0);
+    if (LAYERS == 1u) {
+        vec4 own = next_at(pixel);
+        picture[index] = own + (1.0 - own.w) * constants.background;
+    }
+}
