@@ -169,7 +169,7 @@ impl Rules<'_> {
         let departure = departures.into_iter().fold(0.0, |most, off| if off > most { off } else { most });
         let wanted = if by_length { length > edge * edge } else { departure > tolerance * tolerance };
         let far = self.beyond([a, b, &middle, &quarters[0], &quarters[1]]);
-        wanted && !(far * far > departure)
+        wanted && far * far <= departure
     }
 
     /// How far all these vertices are beyond one border of the picture, in pixels; 0: they are not, or after-images are
