@@ -10,6 +10,8 @@ mod behind;
 mod complete;
 #[path = "blur/extent.rs"]
 mod extent;
+#[path = "blur/host.rs"]
+mod host;
 #[path = "blur/normals.rs"]
 mod normals;
 #[path = "blur/plan.rs"]

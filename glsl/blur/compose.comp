@@ -15,7 +15,10 @@ layout(std430, binding = 21) readonly buffer SampleColours { vec4 sample_colours
 layout(std430, binding = 22) readonly buffer SampleStates { uint sample_states[]; };
 layout(std430, binding = 23) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 24) writeonly buffer ColourLayer { vec4 colour_layer[]; };
+layout(binding = 25) uniform texture2D background_image;
 layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
+
+#include "background.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
 
@@ -112,7 +115,7 @@ void main() {
     uint cover = cover_at(pixel);
     bool is_next = is_free(2u, cover);
     vec4 behind = is_next ? texelFetch(frame_next, pixel, 0)
-        : is_free(1u, cover) ? texelFetch(frame_previous, pixel, 0) : params.background;
+        : is_free(1u, cover) ? texelFetch(frame_previous, pixel, 0) : background_at(pixel);
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
         farthest = min(farthest, texelFetch(sampled_depth, 2 * pixel + ivec2(i & 1, i >> 1), 0).x);

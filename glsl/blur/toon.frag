@@ -13,6 +13,8 @@ layout(std430, binding = 6) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 7) readonly buffer Lines { float lines[]; };
 layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 8) readonly buffer ToonBuffer { ToonParams toon; };
+layout(binding = 10) uniform texture2D background_image;
+#include "background.glsl"
 layout(push_constant) uniform VisibilityConstants {
     uint frame;  // 0 to 3: frames i - 1 to i + 2
 } constants;
@@ -41,9 +43,11 @@ vec3 to_light(uvec4 triangle, vec3 shares) {
     return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
 }
 
-// Unit normal of a group; 0 where it has no area. There are those of frames i and i + 1.
+// Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
-    vec3 sum = normals[(constants.frame - 1u) * toon.counts.y + group].xyz;
+    // In the order of i, i + 1, i - 1, i + 2.
+    uint slot = constants.frame == 0u ? 2u : constants.frame == 3u ? 3u : constants.frame - 1u;
+    vec3 sum = normals[slot * toon.counts.y + group].xyz;
     float largest = max(max(abs(sum.x), abs(sum.y)), abs(sum.z));
     return largest > 0.0 ? normalize(sum / largest) : vec3(0.0);
 }
@@ -96,7 +100,7 @@ float line_of(ivec2 at) {
 vec4 sample_at(ivec2 at) {
     uint name = texelFetch(sampled, at, 0).x;
     if (name == 0u) {
-        return params.background;
+        return background_at(at / 2);
     }
     vec3 tone = tone_of(name - 1u, 0.5 * (vec2(at) + 0.5));
     float line = INKED != 0u ? line_of(at) : 0.0;

@@ -9,6 +9,7 @@ use crate::blur::frame::{self, Desc, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 pub use crate::blur::motion::{Cluster, Piece};
 use crate::blur::settings::{Settings, Toon};
+use crate::host::Background;
 use crate::layout::push_constants;
 use crate::view::{Camera, Light, LightSource};
 
@@ -250,7 +251,7 @@ impl BlurParams {
         desc: &Desc,
         layout: &Layout,
         interval: &IntervalInput,
-        background: [f32; 4],
+        background: Background,
         outer: [bool; 2],
     ) -> BlurParams {
         let settings = &desc.settings;
@@ -271,7 +272,7 @@ impl BlurParams {
         // to 5 * 2^-24 of it away.
         let margin = interval.counts.farthest * 1e-6;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
-        let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
+        let images = u32::from(outer[0]) + 2 * u32::from(outer[1]) + params.completion[1];
         params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {
             *to = [segment.begin, segment.end, 0.0, 0.0];
@@ -280,13 +281,17 @@ impl BlurParams {
     }
 
     /// What the kernels of a frame that stands still are told.
-    pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: [f32; 4]) -> BlurParams {
+    pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: Background) -> BlurParams {
         let mut params = BlurParams::zeroed();
         params.views = views.map(|view| View::new(&view, desc));
         params.image = [desc.size[0], desc.size[1], desc.seed, 0];
         params.counts = [desc.points, desc.triangles, 0, 0];
         params.lens[0] = views[1].camera.near as f32;
-        params.background = background;
+        match background {
+            Background::Clear(colour) => params.background = colour,
+            Background::Copy(_) => params.completion[1] = 4,
+            Background::Keep => {}
+        }
         params
     }
 }

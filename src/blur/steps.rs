@@ -10,6 +10,7 @@ use crate::blur::params::{
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
+use crate::host::Background;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
@@ -73,10 +74,12 @@ fn draws_behind(desc: &Desc) -> bool {
     desc.settings.lines.count > 0 || desc.settings.ghosts.count > 0
 }
 
-/// Frames i and i + 1 where an output needs them and the host has no images of them.
-pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 2] {
-    let [previous, next] = frame.drawn();
-    [previous.filter(|_| still(desc, frame).is_none()), next]
+/// Frames i - 1 to i + 2 where an output needs them and the host has no images of them.
+pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 4] {
+    let [before, previous, next, after] = frame.drawn(desc);
+    let [before, previous, after] =
+        [before, previous, after].map(|drawn| drawn.filter(|_| still(desc, frame).is_none()));
+    [before, previous, next, after]
 }
 
 impl Steps<'_> {
@@ -87,6 +90,12 @@ impl Steps<'_> {
             let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
             self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
             self.plan.skip("blur.toon", "images are given");
+        }
+        if matches!(frame.background, Background::Copy(_))
+            && (frame.images.is_none() || still(self.desc, frame).is_none())
+        {
+            let (from, to, extent) = (HOST_BACKGROUND, BACKGROUND, self.desc.size);
+            self.plan.step(self.passes.behind, Command::CopyImage { from, to, extent });
         }
         match &frame.mesh {
             Some(mesh) => {
@@ -106,8 +115,9 @@ impl Steps<'_> {
             MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
             return self.toon(frame, false);
         };
-        let outer = frame.outer.map(|image| image.is_some());
-        let params = BlurParams::new(self.desc, self.layout, interval, frame.background(), outer);
+        let [before, _, _, after] = drawn(self.desc, frame);
+        let outer = [frame.outer[0].is_some() || before.is_some(), frame.outer[1].is_some() || after.is_some()];
+        let params = BlurParams::new(self.desc, self.layout, interval, frame.background, outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -176,26 +186,26 @@ impl Steps<'_> {
     /// coordinates of all frames are there.
     fn toon(&mut self, frame: &Frame, projected: bool) {
         let frames = drawn(self.desc, frame);
-        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return };
-        let stays =
-            |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
+        let (Some(next), Some(input)) = (frames[2], &frame.toon) else { return };
+        let is_there = |new: &Drawn| self.drawn[new.place(self.desc)] == Some(*new) && !frame.brings(new.frame());
+        let stays = |new: &Drawn| self.desc.skipping && new.is_lasting() && is_there(new);
         let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
-        if !projected && missing != [None; 2] {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background());
+        if !projected && missing != [None; 4] {
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
-        if missing != [None; 2] {
-            self.normals();
+        if missing != [None; 4] {
+            self.normals(if missing[0].or(missing[3]).is_some() { 4 } else { 2 });
         }
-        for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
+        for (index, (wanted, missing)) in (0..).zip(frames.into_iter().zip(missing)) {
             match missing {
                 Some(drawn) => self.draw_toon(index, &drawn, input),
                 None if wanted.is_some() => self.plan.skip("blur.toon", "the frame is there since an earlier output"),
                 None => {}
             }
         }
-        let (from, to, extent) = (TOON[next.place()], TARGET, self.desc.size);
+        let (from, to, extent) = (TOON[next.place(self.desc)], TARGET, self.desc.size);
         self.plan.step(self.passes.toon_background, Command::CopyImage { from, to, extent });
     }
 
@@ -210,7 +220,7 @@ impl Steps<'_> {
             let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
             self.plan.step(self.passes.toon_lines, samples);
         }
-        self.plan.step_with(self.passes.toon[drawn.place()], Command::Draw { vertices: 4 }, &constants);
+        self.plan.step_with(self.passes.toon[drawn.place(self.desc)], Command::Draw { vertices: 4 }, &constants);
     }
 
     fn colours(&mut self, mesh: &TopologyInput) {
@@ -349,24 +359,28 @@ impl Steps<'_> {
     }
 
     fn frames(&mut self, frame: &Frame, outer: [bool; 2]) {
-        let drawn = drawn(self.desc, frame);
-        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip(drawn) {
+        let [before, previous, next, after] = drawn(self.desc, frame);
+        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip([previous, next]) {
             let (pass, from) = match drawn {
-                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place()]),
+                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place(self.desc)]),
                 None => (self.passes.frames, from),
             };
             self.plan.step(pass, Command::CopyImage { from, to, extent: self.desc.size });
         }
         for i in [0, 1].into_iter().filter(|i| outer[*i]) {
-            let command = Command::CopyImage { from: HOST_OUTER[i], to: OUTER_FRAMES[i], extent: self.desc.size };
-            self.plan.step(self.passes.outer_frames[i], command);
+            let (pass, from) = match [before, after][i] {
+                Some(drawn) => (self.passes.toon_outer_frames[i], TOON[drawn.place(self.desc)]),
+                None => (self.passes.outer_frames[i], HOST_OUTER[i]),
+            };
+            self.plan.step(pass, Command::CopyImage { from, to: OUTER_FRAMES[i], extent: self.desc.size });
         }
     }
 
-    fn normals(&mut self) {
-        let none: [u32; LARGE_WORDS] = [0, 2, 1, 0];
+    /// Of frames i and i + 1, or of all four.
+    fn normals(&mut self, frames: u32) {
+        let none: [u32; LARGE_WORDS] = [0, frames, 1, 0];
         self.plan.update_slice(self.passes.large_groups, LARGE_GROUPS, &none);
-        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, frames, 1] });
         self.plan.step(self.passes.normals_large, Command::DispatchIndirect { arguments: LARGE_GROUPS, offset: 0 });
     }
 
@@ -379,7 +393,7 @@ impl Steps<'_> {
             let reason = "completion does not follow from the surface";
             return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
         }
-        self.normals();
+        self.normals(2);
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Command::Dispatch { threads: [width, height, 2] };
         self.plan.step(self.passes.learn[0], pixels);
@@ -415,7 +429,7 @@ impl Steps<'_> {
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
     let steps = 48
-        + 28
+        + 48
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
         + MEAN_DISPATCHES as usize
