@@ -68,6 +68,8 @@ pub struct BlurScene<'a> {
     /// Pictures of frames i and i + 1 ([`BlurFrame::images`]): linear RGBA, premultiplied, rows from the top. One that the
     /// frame before had need not be given. Not looked at if the effect was made to draw frames.
     pub images: [Option<&'a [[f32; 4]]>; 2],
+    /// The same of frames i - 1 and i + 2 ([`BlurFrame::outer_images`]), which need not be there at all.
+    pub outer: [Option<&'a [[f32; 4]]>; 2],
 }
 
 /// A device, the effects on it, and what carries their input to it and pictures back.
@@ -100,8 +102,8 @@ struct Parts {
     volume: VolumeUpload,
     particles: ParticleUpload,
     blur_input: BlurUpload,
-    /// Pictures of the frames that are blurred, even ones and odd ones, and which these are.
-    shown: [Option<(u32, Image)>; 2],
+    /// Pictures of the frames that are blurred, each in the place of its number modulo theirs, and which these are.
+    shown: [Option<(u32, Image)>; 4],
     /// The picture, then the layers.
     frame: Download,
     /// Single buffers.
@@ -310,12 +312,15 @@ impl Offline {
     /// Uploads what of the pictures and of the motion is not on the device. Without a picture that is needed and not
     /// there, an error.
     fn blur_frame<'a>(&mut self, scene: &Scene<'a>, target: HostImage) -> Result<Option<blur_effect::Frame<'a>>> {
-        let Some(BlurScene { frame, images }) = scene.blur else {
+        let Some(BlurScene { frame, images, outer }) = scene.blur else {
             return Err(Error::HostResource { name: "blur", why: "no motion: expected some".to_owned() });
         };
         let is_drawn = self.parts.blur.as_ref().is_some_and(|blur| blur.desc().toon);
-        let images = if is_drawn { None } else { Some(self.images(frame.images(), images)?) };
-        let background = self.background.map_or(Background::Keep, Background::Clear);
+        let (images, outer) = match is_drawn {
+            true => (None, [None; 2]),
+            false => (Some(self.images(frame.images(), images)?), self.outer_images(frame.outer_images(), outer)?),
+        };
+        let background = self.background();
         let (host, allocator) = self.device.parts();
         let Parts { blur, blur_input, .. } = &mut self.parts;
         let Some(blur) = blur else { return Ok(None) };
@@ -327,7 +332,7 @@ impl Offline {
         let interval = (interval.views[1].frame != interval.views[2].frame).then_some(interval);
         let view = frame.views[2];
         let depth = self.parts.depth.as_ref().map(|depth| depth.of_frame(view.camera.near, true));
-        let (depth, outer) = (depth.map(|host| DepthInput { host, view }), [None; 2]);
+        let depth = depth.map(|host| DepthInput { host, view });
         Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, outer, target, depth, background }))
     }
 
@@ -336,11 +341,7 @@ impl Offline {
         for (number, picture) in numbers.into_iter().zip(pictures) {
             self.show(number, picture)?;
         }
-        let shown = |number: u32| {
-            let (_, image) = self.parts.shown[number as usize % 2].as_ref().filter(|(shown, _)| *shown == number)?;
-            Some(self.host_image(image, COPIED_FROM))
-        };
-        match numbers.map(shown) {
+        match numbers.map(|number| self.shown(number)) {
             [Some(before), Some(after)] => Ok([before, after]),
             _ => {
                 let why = format!("no image of frame {} or {}: expected one", numbers[0], numbers[1]);
@@ -349,9 +350,28 @@ impl Offline {
         }
     }
 
+    /// The images of frames i - 1 and i + 2, as far as there are any.
+    fn outer_images(
+        &mut self,
+        numbers: [Option<u32>; 2],
+        pictures: [Option<&[[f32; 4]]>; 2],
+    ) -> Result<[Option<HostImage>; 2]> {
+        for (number, picture) in numbers.into_iter().zip(pictures) {
+            number.map_or(Ok(()), |number| self.show(number, picture))?;
+        }
+        Ok(numbers.map(|number| self.shown(number?)))
+    }
+
+    /// The image of a frame, if it is on the device.
+    fn shown(&self, number: u32) -> Option<HostImage> {
+        let place = number as usize % self.parts.shown.len();
+        let (_, image) = self.parts.shown[place].as_ref().filter(|(shown, _)| *shown == number)?;
+        Some(self.host_image(image, COPIED_FROM))
+    }
+
     /// Puts the picture of a frame where it belongs, unless it is there.
     fn show(&mut self, number: u32, picture: Option<&[[f32; 4]]>) -> Result<()> {
-        let place = number as usize % 2;
+        let place = number as usize % self.parts.shown.len();
         let is_there = self.parts.shown[place].as_ref().is_some_and(|(shown, _)| *shown == number);
         let Some(pixels) = picture.filter(|_| !is_there) else { return Ok(()) };
         let image = self.parts.shown[place].take().map(|(_, image)| image);

@@ -12,6 +12,8 @@ mod complete;
 mod depth;
 #[path = "blur/extent.rs"]
 mod extent;
+#[path = "blur/host.rs"]
+mod host;
 #[path = "blur/normals.rs"]
 mod normals;
 #[path = "blur/plan.rs"]

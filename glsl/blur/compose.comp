@@ -15,9 +15,11 @@ layout(std430, binding = 21) readonly buffer SampleColours { vec4 sample_colours
 layout(std430, binding = 22) readonly buffer SampleStates { uint sample_states[]; };
 layout(std430, binding = 23) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 24) writeonly buffer ColourLayer { vec4 colour_layer[]; };
+layout(binding = 25) uniform texture2D background_image;
 layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
 layout(constant_id = 1) const uint DEPTH = 0;   // 1: the host has a depth
 #include "surface.glsl"
+#include "background.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
 
@@ -43,8 +45,8 @@ bool is_drawn() {
 }
 
 // A frame's pixel, finished.
-vec4 finished_pixel(vec4 own) {
-    return is_drawn() ? own + (1.0 - own.w) * params.background : own;
+vec4 finished_at(vec4 own, ivec2 pixel) {
+    return is_drawn() ? own + (1.0 - own.w) * background_at(pixel) : own;
 }
 
 // What goes along with the mesh around a pixel.
@@ -142,8 +144,8 @@ void main() {
     }
     uint cover = cover_at(pixel);
     bool is_next = is_free(2u, cover);
-    vec4 behind = is_next ? finished_pixel(texelFetch(frame_next, pixel, 0))
-        : is_free(1u, cover) ? finished_pixel(texelFetch(frame_previous, pixel, 0)) : params.background;
+    vec4 behind = is_next ? finished_at(texelFetch(frame_next, pixel, 0), pixel)
+        : is_free(1u, cover) ? finished_at(texelFetch(frame_previous, pixel, 0), pixel) : background_at(pixel);
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
         farthest = min(farthest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));

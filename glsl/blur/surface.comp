@@ -7,9 +7,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1) uniform texture2D sampled_depth;
 layout(binding = 2) uniform texture2D frame_next;
 layout(std430, binding = 3) writeonly buffer Picture { vec4 picture[]; };
-layout(push_constant) uniform SurfaceConstants {
-    vec4 background;  // under the image
-} constants;
+layout(binding = 4) uniform texture2D background_image;
+#include "under.glsl"
 layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
 #include "surface.glsl"
 
@@ -41,7 +40,6 @@ void main() {
     uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
     covers(index, colour, nearest, 0.0);
     if (LAYERS == 1u) {
-        vec4 own = next_at(pixel);
-        picture[index] = own + (1.0 - own.w) * constants.background;
+        picture[index] = over_background(next_at(pixel), pixel);
     }
 }

@@ -33,7 +33,7 @@ pub struct Desc {
     pub groups: u32,
     /// As `groups`.
     pub group_triangles: u32,
-    /// Whether frames may bring images of frames i - 1 and i + 2.
+    /// Whether frames may bring images of frames i - 1 and i + 2, or these are drawn, too.
     pub outer: bool,
     /// Whether there may be outputs without images, whose frames are drawn; needs normal groups and base colours.
     pub toon: bool,
@@ -238,8 +238,8 @@ pub struct Drawn {
 
 impl Drawn {
     /// Where its image is among [`crate::blur::layout::TOON`].
-    pub(super) fn place(&self) -> usize {
-        self.view.frame as usize % TOON.len()
+    pub(super) fn place(&self, desc: &Desc) -> usize {
+        self.view.frame as usize % if desc.outer { TOON.len() } else { 2 }
     }
 
     /// Its number.
@@ -283,14 +283,14 @@ pub struct Frame<'a> {
     /// How they are drawn; needed where there are no images.
     pub toon: Option<ToonInput>,
     /// Images of frames i - 1 and i + 2, as these: they show places that neither of these does. Without: what follows
-    /// from colours elsewhere. They need [`Desc::outer`].
+    /// from colours elsewhere. They need [`Desc::outer`]; with that, frames that are drawn have them by themselves.
     pub outer: [Option<HostImage>; 2],
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
     /// The host's depth, given exactly if the effect was made for one.
     pub depth: Option<DepthInput>,
     /// What is where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`] is
-    /// nothing at all, an image is not taken yet.
+    /// nothing at all. An image is as the images of the frames are.
     pub background: Background,
 }
 
@@ -432,8 +432,8 @@ impl Frame<'_> {
                 }
             }
         }
-        match self.background {
-            Background::Copy(_) => refuse("background", "an image; expected a colour or none".to_owned()),
+        match &self.background {
+            Background::Copy(background) => check_image("background", background, desc.size, desc.target_format),
             _ => Ok(()),
         }
     }
@@ -486,18 +486,18 @@ impl Frame<'_> {
         }
     }
 
-    /// Colour where no frame shows anything but the mesh, and under frames that are drawn.
-    pub(super) fn background(&self) -> [f32; 4] {
-        match self.background {
-            Background::Clear(colour) => colour,
-            _ => [0.0; 4],
-        }
-    }
-
-    /// Frames i and i + 1 as they are drawn if there are no images of them; i only if there is an interval.
-    pub(super) fn drawn(&self) -> [Option<Drawn>; 2] {
-        let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 2] };
-        let previous = self.interval.as_ref().map(|interval| interval.views[1]);
-        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light }))
+    /// Frames i - 1 to i + 2 as they are drawn if there are no images of them; all but i + 1 only if there is an interval,
+    /// and the outer ones if they exist and the effect has room for them.
+    pub(super) fn drawn(&self, desc: &Desc) -> [Option<Drawn>; 4] {
+        let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 4] };
+        let [before, previous, after] = match &self.interval {
+            Some(IntervalInput { views: [before, previous, next, after], .. }) => [
+                Some(*before).filter(|view| desc.outer && view.frame.checked_add(1) == Some(previous.frame)),
+                Some(*previous),
+                Some(*after).filter(|view| desc.outer && next.frame.checked_add(1) == Some(view.frame)),
+            ],
+            None => [None; 3],
+        };
+        [before, previous, Some(view), after].map(|view| view.map(|view| Drawn { view, light }))
     }
 }

@@ -120,7 +120,10 @@ impl Blur {
         unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
         self.has_mesh = true;
         self.drawn.iter_mut().for_each(|place| *place = place.filter(|drawn| !frame.brings(drawn.frame())));
-        steps::drawn(&self.desc, frame).into_iter().flatten().for_each(|new| self.drawn[new.place()] = Some(new));
+        steps::drawn(&self.desc, frame)
+            .into_iter()
+            .flatten()
+            .for_each(|new| self.drawn[new.place(&self.desc)] = Some(new));
         if let Some(poses) = &frame.poses {
             for new in poses.first..poses.first + poses.count {
                 self.resident[(new % self.desc.frames_resident) as usize] = Some(new);
@@ -161,6 +164,11 @@ impl Blur {
             resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
         resources.set_host_image(layout::HOST_DEPTH, frame.depth.map(|depth| depth.host.image));
+        let background = match frame.background {
+            Background::Copy(image) => Some(image),
+            _ => None,
+        };
+        resources.set_host_image(layout::HOST_BACKGROUND, background);
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
             resources.set_host_image(id, image);
         }
@@ -188,6 +196,7 @@ effect_methods!(Blur, host_images: [
     layout::HOST_OUTER[0],
     layout::HOST_OUTER[1],
     layout::HOST_DEPTH,
+    layout::HOST_BACKGROUND,
 ]);
 
 fn validate(desc: &Desc) -> Result<()> {

@@ -73,6 +73,9 @@ pub struct Passes {
     /// Of each place.
     pub(super) toon_background: [PassId; TOON.len()],
     pub(super) toon_frames: PassId,
+    /// Frames i - 1 and i + 2.
+    pub(super) toon_outer_frames: [PassId; 2],
+    pub(super) behind: PassId,
     pub(super) ghost: PassId,
     pub(super) ghost_blend: PassId,
     pub(super) lines_begin: PassId,
@@ -191,6 +194,11 @@ impl Passes {
             toon: TOON.map(|image| d.add(toon(desc, image))),
             toon_background: TOON.map(|image| d.add(begin(desc, image))),
             toon_frames: d.transfer("blur.frames", &from_toon(&FRAMES)),
+            toon_outer_frames: OUTER_FRAMES.map(|image| d.transfer("blur.frames", &from_toon(&[image]))),
+            behind: d.transfer(
+                "blur.background",
+                &[(HOST_BACKGROUND.into(), Usage::COPY_SOURCE), (BACKGROUND.into(), Usage::COPY_TARGET)],
+            ),
             ghost: d.add(ghost(desc).specialise([screen])),
             ghost_blend: {
                 let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghosts_blend_fragment::SHADER);

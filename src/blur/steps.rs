@@ -9,10 +9,11 @@ use crate::blur::layout::*;
 use crate::blur::params::{
     self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
     LINE_VERTICES, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants,
-    SettleConstants, SurfaceConstants, ToonParams, VisibilityConstants,
+    SettleConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
+use crate::host::Background;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
@@ -87,10 +88,12 @@ fn draws_behind(desc: &Desc) -> bool {
     desc.settings.lines.count > 0 || desc.settings.ghosts.count > 0
 }
 
-/// Frames i and i + 1 where an output needs them and the host has no images of them.
-pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 2] {
-    let [previous, next] = frame.drawn();
-    [previous.filter(|_| still(desc, frame).is_none()), next]
+/// Frames i - 1 to i + 2 where an output needs them and the host has no images of them.
+pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 4] {
+    let [before, previous, next, after] = frame.drawn(desc);
+    let [before, previous, after] =
+        [before, previous, after].map(|drawn| drawn.filter(|_| still(desc, frame).is_none()));
+    [before, previous, next, after]
 }
 
 impl Steps<'_> {
@@ -101,6 +104,12 @@ impl Steps<'_> {
             let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
             self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
             self.plan.skip("blur.toon", "images are given");
+        }
+        if matches!(frame.background, Background::Copy(_))
+            && (frame.images.is_none() || still(self.desc, frame).is_none())
+        {
+            let (from, to, extent) = (HOST_BACKGROUND, BACKGROUND, self.desc.size);
+            self.plan.step(self.passes.behind, Command::CopyImage { from, to, extent });
         }
         match &frame.mesh {
             Some(mesh) => {
@@ -121,7 +130,8 @@ impl Steps<'_> {
             let there = self.toon(frame, There::default());
             return self.depth(frame, there);
         };
-        let outer = frame.outer.map(|image| image.is_some());
+        let [before, _, _, after] = drawn(self.desc, frame);
+        let outer = [frame.outer[0].is_some() || before.is_some(), frame.outer[1].is_some() || after.is_some()];
         let params = BlurParams::new(self.desc, self.layout, interval, frame, outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
@@ -205,7 +215,7 @@ impl Steps<'_> {
     fn surface(&mut self, frame: &Frame, input: &DepthInput, there: There) {
         let Desc { size: [width, height], triangles, points, .. } = *self.desc;
         if !there.is_projected {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4]);
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);
             self.plan.update(self.passes.depth_params, PARAMS, &params);
             self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [points, 4, 1] });
         }
@@ -213,41 +223,41 @@ impl Steps<'_> {
             let constants = VisibilityConstants { frame: 2 };
             self.plan.step_with(self.passes.depth_see, Command::Draw { vertices: 3 * triangles }, &constants);
         }
-        let (pass, from, background) = match drawn(self.desc, frame)[1] {
-            Some(drawn) => (self.passes.depth_frame[1], TOON[drawn.place()], frame.background()),
-            None => (self.passes.depth_frame[0], HOST_FRAMES[1], [0.0; 4]),
+        let (pass, from, background) = match drawn(self.desc, frame)[2] {
+            Some(drawn) => (self.passes.depth_frame[1], TOON[drawn.place(self.desc)], frame.background),
+            None => (self.passes.depth_frame[0], HOST_FRAMES[1], Background::Keep),
         };
         self.plan.step(pass, Command::CopyImage { from, to: FRAMES[1], extent: self.desc.size });
         let pixels = Command::Dispatch { threads: [width, height, 1] };
-        self.plan.step_with(self.passes.surface, pixels, &SurfaceConstants { background });
+        self.plan.step_with(self.passes.surface, pixels, &BackgroundConstants::new(background));
     }
 
     /// Draws what the host has no images of, and begins the target with it. What is there before, and after.
     fn toon(&mut self, frame: &Frame, there: There) -> There {
         let frames = drawn(self.desc, frame);
-        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return there };
-        let stays =
-            |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
-        let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
-        let is_missing = missing != [None; 2];
+        let (Some(next), Some(input)) = (frames[2], &frame.toon) else { return there };
+        let is_there = |new: &Drawn| self.drawn[new.place(self.desc)] == Some(*new) && !frame.brings(new.frame());
+        let missing = frames.map(|drawn| drawn.filter(|drawn| !(self.desc.skipping && is_there(drawn))));
+        let is_missing = missing != [None; 4];
         if !there.is_projected && is_missing {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4]);
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
         if is_missing {
-            self.normals();
+            self.normals(if missing[0].or(missing[3]).is_some() { 4 } else { 2 });
         }
-        for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
+        for (index, (wanted, missing)) in (0..).zip(frames.into_iter().zip(missing)) {
             match missing {
                 Some(drawn) => self.draw_toon(index, &drawn, input),
                 None if wanted.is_some() => self.plan.skip("blur.toon", "the frame is there since an earlier output"),
                 None => {}
             }
         }
-        let constants = BackgroundConstants { background: frame.background() };
-        self.plan.step_with(self.passes.toon_background[next.place()], Command::Draw { vertices: 4 }, &constants);
-        There { is_projected: there.is_projected || is_missing, is_seen: missing[1].is_some(), ..there }
+        let constants = BackgroundConstants::new(frame.background);
+        let begin = self.passes.toon_background[next.place(self.desc)];
+        self.plan.step_with(begin, Command::Draw { vertices: 4 }, &constants);
+        There { is_projected: there.is_projected || is_missing, is_seen: missing[2].is_some(), ..there }
     }
 
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.
@@ -261,7 +271,7 @@ impl Steps<'_> {
             let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
             self.plan.step(self.passes.toon_lines, samples);
         }
-        self.plan.step_with(self.passes.toon[drawn.place()], Command::Draw { vertices: 4 }, &constants);
+        self.plan.step_with(self.passes.toon[drawn.place(self.desc)], Command::Draw { vertices: 4 }, &constants);
     }
 
     fn colours(&mut self, mesh: &TopologyInput) {
@@ -400,24 +410,28 @@ impl Steps<'_> {
     }
 
     fn frames(&mut self, frame: &Frame, outer: [bool; 2]) {
-        let drawn = drawn(self.desc, frame);
-        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip(drawn) {
+        let [before, previous, next, after] = drawn(self.desc, frame);
+        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip([previous, next]) {
             let (pass, from) = match drawn {
-                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place()]),
+                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place(self.desc)]),
                 None => (self.passes.frames, from),
             };
             self.plan.step(pass, Command::CopyImage { from, to, extent: self.desc.size });
         }
         for i in [0, 1].into_iter().filter(|i| outer[*i]) {
-            let command = Command::CopyImage { from: HOST_OUTER[i], to: OUTER_FRAMES[i], extent: self.desc.size };
-            self.plan.step(self.passes.outer_frames[i], command);
+            let (pass, from) = match [before, after][i] {
+                Some(drawn) => (self.passes.toon_outer_frames[i], TOON[drawn.place(self.desc)]),
+                None => (self.passes.outer_frames[i], HOST_OUTER[i]),
+            };
+            self.plan.step(pass, Command::CopyImage { from, to: OUTER_FRAMES[i], extent: self.desc.size });
         }
     }
 
-    fn normals(&mut self) {
-        let none: [u32; LARGE_WORDS] = [0, 2, 1, 0];
+    /// Of frames i and i + 1, or of all four.
+    fn normals(&mut self, frames: u32) {
+        let none: [u32; LARGE_WORDS] = [0, frames, 1, 0];
         self.plan.update_slice(self.passes.large_groups, LARGE_GROUPS, &none);
-        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, frames, 1] });
         self.plan.step(self.passes.normals_large, Command::DispatchIndirect { arguments: LARGE_GROUPS, offset: 0 });
     }
 
@@ -430,7 +444,7 @@ impl Steps<'_> {
             let reason = "completion does not follow from the surface";
             return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
         }
-        self.normals();
+        self.normals(2);
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Command::Dispatch { threads: [width, height, 2] };
         self.plan.step(self.passes.learn[0], pixels);
@@ -472,7 +486,7 @@ impl Steps<'_> {
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
     let steps = 53
-        + 28
+        + 48
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
         + MEAN_DISPATCHES as usize

@@ -128,7 +128,7 @@ impl Effect {
 
     fn fill(&mut self, frame: &Frame) {
         let Effect { desc, layout, passes, plan } = self;
-        Steps { plan, passes, desc, layout, drawn: &[None; 2] }.fill(frame);
+        Steps { plan, passes, desc, layout, drawn: &[None; 4] }.fill(frame);
     }
 
     fn names(&self) -> Vec<&'static str> {
