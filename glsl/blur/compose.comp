@@ -154,10 +154,9 @@ void main() {
     vec4 sum = vec4(0.0);
     vec4 of_mesh = vec4(0.0);
     bool is_behind = true;
-    float tested = 0.0;
-    float nearest = 0.0;
-    float covered = 0.0;
-    vec4 solid = vec4(0.0);
+    vec4 parts[4];       // of the mesh, with its outlines
+    vec4 seen = vec4(0.0);  // how near they are
+    float opaque = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
         uint index = uint(at.y) * 2u * params.image.x + uint(at.x);
@@ -166,21 +165,18 @@ void main() {
         bool is_part = (state & MASK) != 4u && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
         float nearness = nearness_at(at);
-        tested = max(tested, nearness);
-        nearest = max(nearest, nearness);
-        covered += nearness > 0.0 ? 0.25 : 0.0;
-        vec4 part = colour;
+        parts[i] = colour;
+        seen[i] = nearness;
         if (skirt.nearness * STEP > nearness) {
             vec4 beside = around(skirt, 0.5 * (vec2(at) + 0.5));
             float share = outline_share(beside, own);
-            part = share * beside + (1.0 - share * beside.w) * part;
-            nearest = share > 0.0 ? max(nearest, skirt.nearness) : nearest;
+            parts[i] = share * beside + (1.0 - share * beside.w) * colour;
+            seen[i] = share > 0.0 ? skirt.nearness : nearness;
             own = beside + (1.0 - beside.w) * own;
             colour = beside + (1.0 - beside.w) * colour;
             is_part = is_part || beside != vec4(0.0);
-            tested = max(tested, skirt.nearness);
         }
-        solid += 0.25 * part;
+        opaque += 0.25 * parts[i].w;
         is_behind = is_behind && !is_part;
         sum += 0.25 * own;
         of_mesh += 0.25 * colour;
@@ -191,10 +187,16 @@ void main() {
     uint mark = is_behind && is_next ? 0x80000000u : 0u;
     picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & 0x7fffffffu | mark));
     if (DEPTH == 1u) {
-        // What the mesh has left is as far away as the mesh is there in frame i + 1.
-        float farthest_shown = tested > 0.0 ? params.lens.x / tested : depth_at(2u, pixel);
-        bool is_own = is_behind && is_next && covered > 0.0;
-        covers(index, is_own ? part_of_next(pixel, covered) : solid, nearest, farthest_shown);
+        float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
+        vec4 front = vec4(greaterThanEqual(seen, vec4(FRONT * nearest)));
+        vec4 covered = vec4(greaterThan(seen, vec4(0.0)));
+        bool is_own = is_behind && is_next && nearest > 0.0;
+        vec4 part = is_own ? dot(front, vec4(1.0)) / dot(covered, vec4(1.0)) * part_of_next(pixel, 0.25 * dot(covered, vec4(1.0)))
+            : 0.25 * (front.x * parts[0] + front.y * parts[1] + front.z * parts[2] + front.w * parts[3]);
+        // What the mesh has left is as far away as the mesh is there in frame i + 1, or what has been carried along.
+        float farthest_seen = opaque > 0.9995 ? min(min(seen.x, seen.y), min(seen.z, seen.w)) : 0.0;
+        float left = skirt.nearness > 0.0 ? depth_of(skirt.nearness) : depth_at(2u, pixel);
+        covers(index, nearest > 0.0 ? part : vec4(0.0), nearest, nearest > 0.0 ? depth_of(farthest_seen) : left);
     }
     if (LAYERS == 1u) {
         colour_layer[index] = of_mesh;

@@ -9,5 +9,6 @@ layout(std430, binding = 2) readonly buffer Surface { uvec4 surface[]; };
 
 void main() {
     uint index = replace();
-    gl_FragDepth = host_depth(constants.terms, uintBitsToFloat(surface[index].w));
+    vec2 depths = uintBitsToFloat(surface[index].zw);
+    gl_FragDepth = host_depth(constants.terms, isinf(depths.y) ? depths.x : depths.y);
 }

@@ -9,8 +9,9 @@ layout(std430, binding = 1) readonly buffer Surface { uvec4 surface[]; };
 void main() {
     uvec2 at = uvec2(gl_FragCoord.xy);
     uvec4 own = surface[at.y * params.image.x + at.x];
-    if (unpackHalf2x16(own.y).y < 1.0) {
+    float behind = uintBitsToFloat(own.w);
+    if (isinf(uintBitsToFloat(own.z)) || isinf(behind)) {
         discard;
     }
-    gl_FragDepth = host_depth(constants.terms, uintBitsToFloat(own.z));
+    gl_FragDepth = host_depth(constants.terms, behind);
 }

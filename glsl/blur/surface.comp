@@ -29,16 +29,16 @@ void main() {
     if (any(greaterThanEqual(pixel, ivec2(params.image.xy)))) {
         return;
     }
-    float nearest = 0.0;
-    float covered = 0.0;
+    vec4 seen;
     for (int i = 0; i < 4; ++i) {
-        float nearness = nearness_at(2 * pixel + ivec2(i & 1, i >> 1));
-        nearest = max(nearest, nearness);
-        covered += nearness > 0.0 ? 0.25 : 0.0;
+        seen[i] = nearness_at(2 * pixel + ivec2(i & 1, i >> 1));
     }
-    vec4 colour = covered > 0.0 ? part_of_next(pixel, covered) : vec4(0.0);
+    float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
+    float covered = dot(vec4(greaterThan(seen, vec4(0.0))), vec4(0.25));
+    float front = dot(vec4(greaterThanEqual(seen, vec4(FRONT * nearest))), vec4(0.25));
+    vec4 colour = nearest > 0.0 ? front / covered * part_of_next(pixel, covered) : vec4(0.0);
     uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
-    covers(index, colour, nearest, 0.0);
+    covers(index, colour, nearest, depth_of(min(min(seen.x, seen.y), min(seen.z, seen.w))));
     if (LAYERS == 1u) {
         picture[index] = over_background(next_at(pixel), pixel);
     }

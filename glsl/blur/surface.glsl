@@ -1,18 +1,27 @@
 // What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
 layout(std430, binding = 26) writeonly buffer Surface {
-    uvec4 surface[];  // colour, premultiplied by the share that is covered, and that share, as halves; view depth; that which the host's is compared with
+    // Colour, premultiplied by the share that is covered, and that share, as halves; view depth; that behind which all of the
+    // pixel is covered. Of what of the mesh is nearest; another part of it may be behind that. Where there is none: depth of
+    // what was there.
+    uvec4 surface[];
 };
+
+const float FRONT = 0.98;  // share of the nearness of what is nearest that what belongs to it has at least
 
 // Where other things than the mesh are seen of an image, if that can be told.
 bool is_beside(ivec2 pixel);
 vec4 next_at(ivec2 pixel);
 float nearness_at(ivec2 at);
 
-void covers(uint index, vec4 colour, float nearest, float tested) {
+float depth_of(float nearness) {
+    return nearness > 0.0 ? params.lens.x / nearness : uintBitsToFloat(0x7f800000u);
+}
+
+void covers(uint index, vec4 colour, float nearest, float behind) {
     // Halves end at 65504.
     vec4 kept = clamp(colour, vec4(0.0), vec4(vec3(65504.0), 1.0));
-    float depth = nearest > 0.0 ? params.lens.x / nearest : uintBitsToFloat(0x7f800000u);
-    surface[index] = uvec4(packHalf2x16(kept.xy), packHalf2x16(kept.zw), floatBitsToUint(depth), floatBitsToUint(tested));
+    surface[index] =
+        uvec4(packHalf2x16(kept.xy), packHalf2x16(kept.zw), floatBitsToUint(depth_of(nearest)), floatBitsToUint(behind));
 }
 
 // The mesh's part of a pixel of image i + 1, of which so much is covered: the rest is as beside it.

@@ -256,9 +256,9 @@ impl Drawn {
 /// The depth of everything but the mesh, which hides the mesh where it is nearer, and takes the mesh's.
 ///
 /// Where it hides the mesh, the image of frame i + 1 stays. It takes the depth that the mesh is drawn at, distorted, or,
-/// where nothing moves, as it is in frame i + 1. A pixel has one depth and four samples: each is as near as its nearest
-/// sample, and only what the mesh covers wholly and opaquely gets a depth. The rest, its edges, is in
-/// [`crate::blur::Blur::edges`], so that what is behind can be blended with it: nothing of the background stays between.
+/// where nothing moves, as it is in frame i + 1. A pixel has one depth and four samples: what the mesh covers wholly and
+/// opaquely has the depth of its farthest sample, the rest has none. [`crate::blur::Blur::edges`] has what is before that,
+/// so that what is behind can be blended with it: nothing of the background stays between.
 /// Speed lines and after-images hide nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthInput {
