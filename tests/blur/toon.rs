@@ -349,7 +349,9 @@ fn a_frame_is_drawn_once() {
 fn drawn_frames_are_those_that_images_bring() {
     let mut seen = 0;
     for i in [2, 3] {
-        let make = || Film::new(Builtin::Crossing, 800, [192, 108], 18..26, Settings::default(), false);
+        // Only images have lines beside the mesh.
+        let settings = Settings { skirt: 0.0, ..Settings::default() };
+        let make = || Film::new(Builtin::Crossing, 800, [192, 108], 18..26, settings.clone(), false);
         let (Some(mut film), Some(mut other)) = (make(), make()) else { return };
         film.set_light(Light::default(), Background::Keep);
         let picture = film.output(i, true);
@@ -408,7 +410,7 @@ fn a_background_can_be_an_image() {
         film.rig.set_image(0, &vec![[0.2, 0.3, 0.4, 1.0]; 128 * 72]);
         film.rig.set_image(1, &vec![[0.2, 0.3, 0.4, 1.0]; 128 * 72]);
     }
-    // Frames that are drawn over an image may change with it, and are drawn again.
+    // What is under frames is no part of them: they are not drawn again.
     let picture: Vec<[f32; 4]> =
         (0..128 * 72).map(|i| [0, 1, 2, 3].map(|c| crate::common::scenes::random(8, i, c))).collect();
     other.rig.set_backdrop(&picture);
@@ -417,7 +419,7 @@ fn a_background_can_be_an_image() {
     assert!(seen > 128 * 72 / 3 && still[0] == picture[0], "{seen}");
     let moved = other.output(1, true);
     let seen = (0..picture.len()).filter(|pixel| moved[*pixel] == picture[*pixel]).count();
-    assert!(seen > 128 * 72 / 3 && other.reasons().is_empty(), "{seen}");
+    assert!(seen > 128 * 72 / 3 && other.reasons().len() == 4, "{seen}");
 }
 
 #[test]
