@@ -93,10 +93,11 @@ pub struct DepthFormat {
     pub reversed: bool,
 }
 
-/// The depth of what the host has drawn: it occludes effects. The smoke writes its own into it, the flame only reads it.
+/// The depth of what the host has drawn: it occludes effects. Smoke and blur write their own into it, the flame only reads
+/// it.
 #[derive(Clone, Copy, Debug)]
 pub struct HostDepth {
-    /// A depth image of the target's size. Usage: `DEPTH_STENCIL_ATTACHMENT` for smoke, `TRANSFER_SRC` for flame.
+    /// A depth image of the target's size. Usage: `DEPTH_STENCIL_ATTACHMENT` for smoke and blur, `TRANSFER_SRC` for flame.
     pub image: HostImage,
     /// What it holds at view depth z metres: `terms[0] + terms[1] / z`.
     pub terms: [f32; 2],
@@ -118,6 +119,23 @@ pub(crate) fn check_image(name: &'static str, image: &HostImage, size: [u32; 2],
     }
     let why = format!("{:?} pixels of {:?}; expected {size:?} of {format:?}", image.extent, image.format);
     Err(Error::HostResource { name, why })
+}
+
+/// Refuses depth that an effect was not made for; none is expected exactly if it was made for none.
+pub(crate) fn check_depth(depth: Option<&HostDepth>, size: [u32; 2], made: Option<DepthFormat>) -> Result<()> {
+    match (depth, made) {
+        (Some(HostDepth { image, terms }), Some(made)) if terms.iter().all(|term| term.is_finite()) => {
+            check_image("depth", image, size, made.format)
+        }
+        (Some(depth), Some(_)) => {
+            Err(Error::setting("frame.depth.terms", format!("{:?}", depth.terms), "two finite numbers"))
+        }
+        (None, None) => Ok(()),
+        (_, made) => {
+            let expected = if made.is_some() { "expected" } else { "not expected" };
+            Err(Error::HostResource { name: "depth", why: format!("{expected}: the effect was made so") })
+        }
+    }
 }
 
 /// Refuses a picture with a side that the device cannot render to.

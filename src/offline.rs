@@ -3,25 +3,27 @@
 //! One frame at a time: upload, record, submit, wait. After a wait that did not end nothing is reused or destroyed.
 
 pub mod blur;
+mod depth;
 mod effect;
 mod input;
 
 use ash::vk;
 
-use crate::blur::{self as blur_effect, Blur, ToonInput};
+use crate::blur::{self as blur_effect, Blur, DepthInput, ToonInput};
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame, SceneDepth};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::profiler::{Profiler, Timing};
 use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
-use crate::host::{Background, HostBuffer, HostImage, ImageState};
+use crate::host::{Background, HostBuffer, HostDepth, HostImage, ImageState};
 use crate::io::particles::Particles;
 use crate::io::volume::Volume;
 use crate::profile::FrameTimes;
 use crate::smoke::{self, Sequence, Smoke};
 use crate::view::{Camera, Light};
 pub use blur::{BlurError, BlurFrame, BlurInput};
+use depth::SharedDepth;
 pub(crate) use effect::Effect;
 pub use effect::{EffectBuffer, Effects};
 use input::BlurUpload;
@@ -66,6 +68,8 @@ pub struct BlurScene<'a> {
     /// Pictures of frames i and i + 1 ([`BlurFrame::images`]): linear RGBA, premultiplied, rows from the top. One that the
     /// frame before had need not be given. Not looked at if the effect was made to draw frames.
     pub images: [Option<&'a [[f32; 4]]>; 2],
+    /// The same of frames i - 1 and i + 2 ([`BlurFrame::outer_images`]), which need not be there at all.
+    pub outer: [Option<&'a [[f32; 4]]>; 2],
 }
 
 /// A device, the effects on it, and what carries their input to it and pictures back.
@@ -91,13 +95,15 @@ struct Parts {
     blur: Option<Blur>,
     target: Option<Image>,
     backdrop: Option<Image>,
+    /// That of a mesh, and of smoke and fire around it.
+    depth: Option<SharedDepth>,
     /// Backdrops and scene depths: each is waited for before the next.
     upload: Upload,
     volume: VolumeUpload,
     particles: ParticleUpload,
     blur_input: BlurUpload,
-    /// Pictures of the frames that are blurred, even ones and odd ones, and which these are.
-    shown: [Option<(u32, Image)>; 2],
+    /// Pictures of the frames that are blurred, each in the place of its number modulo theirs, and which these are.
+    shown: [Option<(u32, Image)>; 4],
     /// The picture, then the layers.
     frame: Download,
     /// Single buffers.
@@ -153,11 +159,13 @@ impl Offline {
             times: None,
             is_read: false,
         };
-        offline.create(effects.joined())?;
+        offline.create(effects)?;
         Ok(offline)
     }
 
-    fn create(&mut self, Effects { smoke, flame, blur }: Effects) -> Result<()> {
+    fn create(&mut self, mut effects: Effects) -> Result<()> {
+        let is_shared = depth::join(&mut effects);
+        let Effects { smoke, flame, blur } = effects;
         let queue_family = self.device.queue_family();
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own and outlives what is made here.
@@ -177,6 +185,9 @@ impl Offline {
             }
             let steps: usize = self.parts.effects().map(|effect| effect.plan_capacity().0).sum();
             self.parts.profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
+            if is_shared {
+                self.parts.depth = Some(SharedDepth::new(&host, allocator, self.size)?);
+            }
             self.parts.target = Some(Image::new(&host, allocator, &image_desc("target", self.size))?);
         }
         self.make_download()
@@ -237,7 +248,7 @@ impl Offline {
         layers.retain(|copy| copy.from.2 > 0);
         let target = self.target(ImageState::default()).filter(|_| scene.rendered);
         let brought = frames.blur.as_ref().map(|frame| (frame.mesh.is_some(), frame.poses));
-        let Parts { smoke, flame, blur, blur_input, profiler, frame: download, .. } = &mut self.parts;
+        let Parts { smoke, flame, blur, blur_input, depth, profiler, frame: download, .. } = &mut self.parts;
         let mut profiler = profiler.as_mut().filter(|_| self.timed);
         self.device.one_time(&format!("frame {}", scene.number), |host, commands| {
             let mut timing = Timing::None;
@@ -247,6 +258,7 @@ impl Offline {
                     profiler.begin_frame(host, commands, 0, scene.number)?;
                     timing = Timing::Profiler(profiler);
                 }
+                depth.iter().filter(|_| scene.rendered).for_each(|depth| depth.clear(host, commands));
                 if let (Some(blur), Some(frame)) = (blur, &frames.blur) {
                     blur.record(host, commands, frame, &mut timing)?;
                 }
@@ -300,12 +312,15 @@ impl Offline {
     /// Uploads what of the pictures and of the motion is not on the device. Without a picture that is needed and not
     /// there, an error.
     fn blur_frame<'a>(&mut self, scene: &Scene<'a>, target: HostImage) -> Result<Option<blur_effect::Frame<'a>>> {
-        let Some(BlurScene { frame, images }) = scene.blur else {
+        let Some(BlurScene { frame, images, outer }) = scene.blur else {
             return Err(Error::HostResource { name: "blur", why: "no motion: expected some".to_owned() });
         };
         let is_drawn = self.parts.blur.as_ref().is_some_and(|blur| blur.desc().toon);
-        let images = if is_drawn { None } else { Some(self.images(frame.images(), images)?) };
-        let background = self.background.map_or(Background::Keep, Background::Clear);
+        let (images, outer) = match is_drawn {
+            true => (None, [None; 2]),
+            false => (Some(self.images(frame.images(), images)?), self.outer_images(frame.outer_images(), outer)?),
+        };
+        let background = self.background();
         let (host, allocator) = self.device.parts();
         let Parts { blur, blur_input, .. } = &mut self.parts;
         let Some(blur) = blur else { return Ok(None) };
@@ -315,8 +330,10 @@ impl Offline {
         let toon = is_drawn.then(|| ToonInput { view: interval.views[2], light: scene.light });
         // In front of the first frame there is no interval.
         let interval = (interval.views[1].frame != interval.views[2].frame).then_some(interval);
-        let outer = [None; 2];
-        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, outer, target, background }))
+        let view = frame.views[2];
+        let depth = self.parts.depth.as_ref().map(|depth| depth.of_frame(view.camera.near, true));
+        let depth = depth.map(|host| DepthInput { host, view });
+        Ok(Some(blur_effect::Frame { mesh, poses, interval, images, toon, outer, target, depth, background }))
     }
 
     /// The images of two frames on the device: the pictures that are given, and those that are there.
@@ -324,11 +341,7 @@ impl Offline {
         for (number, picture) in numbers.into_iter().zip(pictures) {
             self.show(number, picture)?;
         }
-        let shown = |number: u32| {
-            let (_, image) = self.parts.shown[number as usize % 2].as_ref().filter(|(shown, _)| *shown == number)?;
-            Some(self.host_image(image, COPIED_FROM))
-        };
-        match numbers.map(shown) {
+        match numbers.map(|number| self.shown(number)) {
             [Some(before), Some(after)] => Ok([before, after]),
             _ => {
                 let why = format!("no image of frame {} or {}: expected one", numbers[0], numbers[1]);
@@ -337,9 +350,28 @@ impl Offline {
         }
     }
 
+    /// The images of frames i - 1 and i + 2, as far as there are any.
+    fn outer_images(
+        &mut self,
+        numbers: [Option<u32>; 2],
+        pictures: [Option<&[[f32; 4]]>; 2],
+    ) -> Result<[Option<HostImage>; 2]> {
+        for (number, picture) in numbers.into_iter().zip(pictures) {
+            number.map_or(Ok(()), |number| self.show(number, picture))?;
+        }
+        Ok(numbers.map(|number| self.shown(number?)))
+    }
+
+    /// The image of a frame, if it is on the device.
+    fn shown(&self, number: u32) -> Option<HostImage> {
+        let place = number as usize % self.parts.shown.len();
+        let (_, image) = self.parts.shown[place].as_ref().filter(|(shown, _)| *shown == number)?;
+        Some(self.host_image(image, COPIED_FROM))
+    }
+
     /// Puts the picture of a frame where it belongs, unless it is there.
     fn show(&mut self, number: u32, picture: Option<&[[f32; 4]]>) -> Result<()> {
-        let place = number as usize % 2;
+        let place = number as usize % self.parts.shown.len();
         let is_there = self.parts.shown[place].as_ref().is_some_and(|(shown, _)| *shown == number);
         let Some(pixels) = picture.filter(|_| !is_there) else { return Ok(()) };
         let image = self.parts.shown[place].take().map(|(_, image)| image);
@@ -397,7 +429,8 @@ impl Offline {
             light: scene.light,
             volume,
             target,
-            depth: None,
+            depth: target.and(self.shared_depth(&scene.camera)),
+            edges: self.parts.blur.as_ref().filter(|_| target.is_some()).and_then(Blur::edges),
             background: if is_first { self.background() } else { Background::Keep },
         }))
     }
@@ -420,8 +453,16 @@ impl Offline {
             accumulate: scene.accumulate,
             target,
             background: if is_first { self.background() } else { Background::Keep },
-            scene: self.smoke_depth().or(depth).map(SceneDepth::Buffer),
+            scene: match self.shared_depth(&scene.camera) {
+                Some(depth) => Some(SceneDepth::Image(depth)),
+                None => self.smoke_depth().or(depth).map(SceneDepth::Buffer),
+            },
         })
+    }
+
+    /// The depth that the mesh and what is drawn after it leave, if there is a mesh.
+    fn shared_depth(&self, camera: &Camera) -> Option<HostDepth> {
+        self.parts.depth.as_ref().map(|depth| depth.of_frame(camera.near, false))
     }
 
     /// The depth that the smoke leaves: written by its shaders, or cleared where there is none.
@@ -567,10 +608,22 @@ impl Drop for Offline {
         unsafe {
             self.parts.effects_mut().for_each(|effect| effect.destroy(&host, allocator));
             let Parts {
-                target, backdrop, shown, upload, volume, particles, blur_input, frame, buffer, profiler, ..
+                target,
+                backdrop,
+                depth,
+                shown,
+                upload,
+                volume,
+                particles,
+                blur_input,
+                frame,
+                buffer,
+                profiler,
+                ..
             } = &mut self.parts;
             let shown = shown.iter_mut().flatten().map(|(_, image)| image);
             target.iter_mut().chain(backdrop).chain(shown).for_each(|image| image.destroy(&host, allocator));
+            depth.iter_mut().for_each(|depth| depth.destroy(&host, allocator));
             blur_input.destroy(&host, allocator);
             upload.destroy(&host, allocator);
             volume.destroy(&host, allocator);

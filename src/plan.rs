@@ -6,6 +6,8 @@
 
 use ash::vk;
 
+use crate::host::DepthFormat;
+
 /// Shader stage of a [`Shader`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -198,8 +200,24 @@ pub struct DepthAttachment {
     pub clear: Option<f32>,
     /// What passes.
     pub compare: vk::CompareOp,
+    /// Whether what passes stays; else it is only tested.
+    pub write: bool,
     /// Array layer.
     pub layer: u32,
+}
+
+impl DepthAttachment {
+    /// An image of the effect that is cleared to 0 and keeps the largest depth; of equal ones the first.
+    pub fn nearest(image: ImageId) -> DepthAttachment {
+        let (format, compare) = (vk::Format::D32_SFLOAT, vk::CompareOp::GREATER);
+        DepthAttachment { image, format, clear: Some(0.0), compare, write: true, layer: 0 }
+    }
+
+    /// The host's depth. Equal depth passes: what is drawn twice stays.
+    pub fn of_host(image: ImageId, DepthFormat { format, reversed }: DepthFormat, write: bool) -> DepthAttachment {
+        let compare = if reversed { vk::CompareOp::GREATER_OR_EQUAL } else { vk::CompareOp::LESS_OR_EQUAL };
+        DepthAttachment { image, format, clear: None, compare, write, layer: 0 }
+    }
 }
 
 /// What a render pass draws. Vertex shaders make their vertices from `gl_VertexIndex`.

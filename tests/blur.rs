@@ -8,8 +8,12 @@ mod common;
 mod behind;
 #[path = "blur/complete.rs"]
 mod complete;
+#[path = "blur/depth.rs"]
+mod depth;
 #[path = "blur/extent.rs"]
 mod extent;
+#[path = "blur/host.rs"]
+mod host;
 #[path = "blur/normals.rs"]
 mod normals;
 #[path = "blur/plan.rs"]

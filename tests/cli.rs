@@ -7,6 +7,8 @@
 mod blur;
 #[path = "cli/flame.rs"]
 mod flame;
+#[path = "cli/mixed.rs"]
+mod mixed;
 #[path = "cli/run.rs"]
 mod run;
 
@@ -104,14 +106,8 @@ fn volume(dimensions: [u32; 3], density: f32) -> Volume {
 
 /// An `.npz` with a density of any shape.
 fn write_density(path: &Path, shape: &[u64]) {
-    use npyz::WriterBuilder;
-    let file = fs::File::create(path).expect("temporary folder");
-    let mut archive = npyz::npz::NpzWriter::new(file);
-    let writer = archive.array("density", Default::default()).expect("an entry");
-    let mut array = writer.default_dtype().shape(shape).begin_nd().expect("a header");
     let count: u64 = shape.iter().product();
-    array.extend((0..count).map(|_| 1.0f32)).expect("values");
-    array.finish().expect("an array");
+    run::add_array(&mut run::archive(path), "density", shape, (0..count).map(|_| 1.0f32));
 }
 
 #[test]

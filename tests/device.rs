@@ -427,6 +427,37 @@ fn open_and_say() {
     }
 }
 
+/// What [`open_and_say`] says where these variables have this value.
+fn said(variables: &[&str], value: &str) -> String {
+    let mut command = std::process::Command::new(std::env::current_exe().expect("this test"));
+    command.args(["--exact", "open_and_say", "--nocapture"]).env("CELFX_OPEN_AND_SAY", "1");
+    variables.iter().for_each(|variable| _ = command.env(variable, value));
+    let output = command.output().expect("this test runs");
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Newer validation layers say that they have VK_EXT_layer_settings, which loaders up to 1.3.261 refuse to enable.
+#[test]
+fn a_layer_that_is_newer_than_the_loader_is_used() {
+    let Some(device) = device() else { return };
+    drop(device);
+    let name = "vulkan/explicit_layer.d/VkLayer_khronos_validation.json";
+    let manifest = ["/usr/share", "/usr/local/share", "/etc"].map(|folder| std::path::Path::new(folder).join(name));
+    let Some(text) = manifest.iter().find_map(|path| std::fs::read_to_string(path).ok()) else {
+        eprintln!("SKIPPED, the layer's description is in none of {manifest:?}");
+        return;
+    };
+    let mut newer: serde_json::Value = serde_json::from_str(&text).expect("a description in JSON");
+    let settings = serde_json::json!({"name": "VK_EXT_layer_settings", "spec_version": "2"});
+    newer["layer"]["instance_extensions"].as_array_mut().expect("extensions").push(settings);
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("newer_layer");
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written");
+    std::fs::write(folder.join("layer.json"), newer.to_string()).expect("the temporary folder can be written");
+    let text = said(&["VK_LAYER_PATH"], folder.to_str().expect("a path in UTF-8"));
+    assert!(text.contains("opened"), "{text}");
+}
+
 #[test]
 fn without_a_device_the_error_says_what_to_do() {
     let Some(device) = device() else { return };
@@ -434,14 +465,6 @@ fn without_a_device_the_error_says_what_to_do() {
     let broken = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("broken_icd.json");
     std::fs::write(&broken, "no JSON").expect("the temporary folder can be written");
     let broken = broken.to_str().expect("a path in UTF-8");
-    let said = |variables: &[&str], value: &str| {
-        let mut command = std::process::Command::new(std::env::current_exe().expect("this test"));
-        command.args(["--exact", "open_and_say", "--nocapture"]).env("CELFX_OPEN_AND_SAY", "1");
-        variables.iter().for_each(|variable| _ = command.env(variable, value));
-        let output = command.output().expect("this test runs");
-        assert!(output.status.success(), "{output:?}");
-        String::from_utf8_lossy(&output.stdout).into_owned()
-    };
     let drivers = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
     for (variables, value, expected) in [
         (&drivers[..], "/nonexistent", ["no Vulkan driver", "apt install libvulkan1 mesa-vulkan-drivers"]),

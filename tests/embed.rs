@@ -197,6 +197,7 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
         settings: Settings { particles: 1000, ..Settings::default() },
         layers: false,
         depth: None,
+        edges: false,
         skipping: true,
     };
     let (host, allocator) = device.parts();
@@ -224,6 +225,7 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
             }),
             background: Background::Keep, // smoke goes over what the host has drawn
             depth: None,
+            edges: None,
         };
         let mut timing = Timing::Queries { pool: slot.queries, first: 0 };
         unsafe { smoke.record(&device.host(), commands.raw(), &frame, &mut timing)? };

@@ -152,6 +152,7 @@ fn desc(settings: Settings) -> Desc {
         settings,
         layers: false,
         depth: None,
+        edges: false,
         skipping: true,
     }
 }
@@ -197,6 +198,7 @@ impl Effect {
             target: Some(target),
             background: Background::Clear([0.0; 4]),
             depth: None,
+            edges: None,
         }
     }
 

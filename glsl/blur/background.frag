@@ -4,12 +4,11 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 layout(binding = 1) uniform texture2D drawn;
-layout(push_constant) uniform BackgroundConstants {
-    vec4 background;
-} constants;
+layout(binding = 2) uniform texture2D background_image;
+#include "under.glsl"
 layout(location = 0) out vec4 colour;
 
 void main() {
-    vec4 own = texelFetch(drawn, ivec2(gl_FragCoord.xy), 0);
-    colour = own + (1.0 - own.a) * constants.background;
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    colour = over_background(texelFetch(drawn, pixel, 0), pixel);
 }

@@ -8,7 +8,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
-#include "tile.glsl"
 layout(binding = 18) uniform utexture2D distorted;
 layout(binding = 19) uniform texture2D distorted_depth;
 layout(binding = 20) uniform texture2D sampled_depth;
@@ -16,12 +15,28 @@ layout(std430, binding = 21) readonly buffer SampleColours { vec4 sample_colours
 layout(std430, binding = 22) readonly buffer SampleStates { uint sample_states[]; };
 layout(std430, binding = 23) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 24) writeonly buffer ColourLayer { vec4 colour_layer[]; };
+layout(binding = 25) uniform texture2D background_image;
 layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
+layout(constant_id = 1) const uint DEPTH = 0;   // 1: the host has a depth
+#include "surface.glsl"
+#include "background.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
 
 bool is_free(uint frame, uint cover) {
     return (cover & (MOVING | COVERED) << frame) == 0u;
+}
+
+float nearness_at(ivec2 at) {
+    return texelFetch(sampled_depth, at, 0).x;
+}
+
+vec4 next_at(ivec2 pixel) {
+    return texelFetch(frame_next, pixel, 0);
+}
+
+bool is_beside(ivec2 pixel) {
+    return texelFetch(depth_next, pixel, 0).x == 0.0 && is_empty(pixel);
 }
 
 // Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
@@ -30,8 +45,8 @@ bool is_drawn() {
 }
 
 // A frame's pixel, finished.
-vec4 finished_pixel(vec4 own) {
-    return is_drawn() ? own + (1.0 - own.w) * params.background : own;
+vec4 finished_at(vec4 own, ivec2 pixel) {
+    return is_drawn() ? own + (1.0 - own.w) * background_at(pixel) : own;
 }
 
 // What goes along with the mesh around a pixel.
@@ -115,6 +130,13 @@ vec4 around(Skirt skirt, vec2 place) {
         : has_previous ? colours[0] : has_next ? colours[1] : vec4(0.0);
 }
 
+// How much of what lies around the mesh in an image is an outline of it, and not what is behind it: as much as it differs
+// from what is seen without it.
+float outline_share(vec4 beside, vec4 without) {
+    vec4 apart = abs(beside - without);
+    return clamp(4.0 * max(max(apart.x, apart.y), max(apart.z, apart.w)), 0.0, 1.0);
+}
+
 void main() {
     ivec2 pixel = ivec2(tile_origin() + gl_LocalInvocationID.xy);
     if (!is_in_picture(pixel)) {
@@ -122,16 +144,19 @@ void main() {
     }
     uint cover = cover_at(pixel);
     bool is_next = is_free(2u, cover);
-    vec4 behind = is_next ? finished_pixel(texelFetch(frame_next, pixel, 0))
-        : is_free(1u, cover) ? finished_pixel(texelFetch(frame_previous, pixel, 0)) : params.background;
+    vec4 behind = is_next ? finished_at(texelFetch(frame_next, pixel, 0), pixel)
+        : is_free(1u, cover) ? finished_at(texelFetch(frame_previous, pixel, 0), pixel) : background_at(pixel);
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
-        farthest = min(farthest, texelFetch(sampled_depth, 2 * pixel + ivec2(i & 1, i >> 1), 0).x);
+        farthest = min(farthest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));
     }
     Skirt skirt = skirt_of(pixel, farthest);
     vec4 sum = vec4(0.0);
     vec4 of_mesh = vec4(0.0);
     bool is_behind = true;
+    vec4 parts[4];       // of the mesh, with its outlines
+    vec4 seen = vec4(0.0);  // how near they are
+    float opaque = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
         uint index = uint(at.y) * 2u * params.image.x + uint(at.x);
@@ -139,19 +164,40 @@ void main() {
         vec4 colour = (state & MASK) == 4u ? vec4(0.0) : sample_colours[index];
         bool is_part = (state & MASK) != 4u && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
-        if (skirt.nearness * STEP > texelFetch(sampled_depth, at, 0).x) {
+        float nearness = nearness_at(at);
+        parts[i] = colour;
+        seen[i] = nearness;
+        if (skirt.nearness * STEP > nearness) {
             vec4 beside = around(skirt, 0.5 * (vec2(at) + 0.5));
+            float share = outline_share(beside, own);
+            parts[i] = share * beside + (1.0 - share * beside.w) * colour;
+            seen[i] = share > 0.0 ? skirt.nearness : nearness;
             own = beside + (1.0 - beside.w) * own;
             colour = beside + (1.0 - beside.w) * colour;
             is_part = is_part || beside != vec4(0.0);
         }
+        opaque += 0.25 * parts[i].w;
         is_behind = is_behind && !is_part;
         sum += 0.25 * own;
         of_mesh += 0.25 * colour;
     }
-    // An alpha below 0: the pixel is frame i + 1's, which the target has already.
     uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
-    picture[index] = !is_behind ? sum : is_next ? vec4(behind.xyz, -1.0) : behind;
+    vec4 own = is_behind ? behind : sum;
+    // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
+    uint mark = is_behind && is_next ? 0x80000000u : 0u;
+    picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & 0x7fffffffu | mark));
+    if (DEPTH == 1u) {
+        float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
+        vec4 front = vec4(greaterThanEqual(seen, vec4(FRONT * nearest)));
+        vec4 covered = vec4(greaterThan(seen, vec4(0.0)));
+        bool is_own = is_behind && is_next && nearest > 0.0;
+        vec4 part = is_own ? dot(front, vec4(1.0)) / dot(covered, vec4(1.0)) * part_of_next(pixel, 0.25 * dot(covered, vec4(1.0)))
+            : 0.25 * (front.x * parts[0] + front.y * parts[1] + front.z * parts[2] + front.w * parts[3]);
+        // What the mesh has left is as far away as the mesh is there in frame i + 1, or what has been carried along.
+        float farthest_seen = opaque > 0.9995 ? min(min(seen.x, seen.y), min(seen.z, seen.w)) : 0.0;
+        float left = skirt.nearness > 0.0 ? depth_of(skirt.nearness) : depth_at(2u, pixel);
+        covers(index, nearest > 0.0 ? part : vec4(0.0), nearest, nearest > 0.0 ? depth_of(farthest_seen) : left);
+    }
     if (LAYERS == 1u) {
         colour_layer[index] = of_mesh;
     }

@@ -17,6 +17,9 @@ layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, w
 #include "vertex.glsl"
 #include "block.glsl"
 
+const float LEAST_SURFACE = 1.0 / 64.0;  // pixels at the reference time: less of the surface is not divided
+const uint USUAL_ROUNDS = 11u;           // after these, each round's tolerance is twice the one's before
+
 // What is drawn of an edge at a quarter, half or three quarters of it.
 vec2 straight_at(vec2 from, vec2 to, uint where) {
     precise vec2 half_way = (from + to) * 0.5;
@@ -55,7 +58,15 @@ bool is_split(uint a, uint b) {
     if (BY_LENGTH == 1u && (is_seen || !is_too_long)) {
         return is_too_long;
     }
-    precise float most = params.model.z * params.model.z;
+    // Where k' jumps, as in the middle of what spins, parts of an edge stay long for ever.
+    if (BY_LENGTH == 0u
+        && distance2(vertices[a].motion.xy, vertices[b].motion.xy) < LEAST_SURFACE * LEAST_SURFACE) {
+        return false;
+    }
+    // An edge may be straight enough where it is looked at and its parts not: then needles to its ends are divided again and
+    // again, each of half the area. An edge is looked at in one round, by both of its triangles.
+    float tolerance = params.model.z * float(1u << (max(constants.round, USUAL_ROUNDS) - USUAL_ROUNDS));
+    precise float most = tolerance * tolerance;
     float departure = 0.0;
     for (uint i = 0u; i < 3u && !(is_seen && departure > most); ++i) {
         uint where = i == 0u ? 2u : i == 1u ? 1u : 3u;

@@ -13,10 +13,10 @@ layout(binding = 5) uniform texture2D frame_previous;
 layout(binding = 6) uniform texture2D frame_next;
 layout(std430, binding = 7) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 8) readonly buffer Vertices { Vertex vertices[]; };
-layout(std430, binding = 9) writeonly buffer Cover { uint cover[]; };
+layout(std430, binding = 9) buffer Tiles { uint tiles[]; };
+#include "tiles.glsl"
 layout(std430, binding = 10) buffer Completing { uint completing[]; };
 #include "samples.glsl"
-#include "tile.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
 shared uint most[3];
@@ -35,7 +35,7 @@ float nearness(uint frame, ivec2 at) {
     return frame == 1u ? texelFetch(depth_previous, at, 0).x : texelFetch(depth_next, at, 0).x;
 }
 
-uint cover_of(uint frame, ivec2 at) {
+uint shown_at(uint frame, ivec2 at) {
     uint seen = seen_at(frame, at);
     uint result = seen > 0u && is_moving(seen) ? 1u : 0u;
     float own = nearness(frame, at);
@@ -77,7 +77,7 @@ void main() {
     }
     barrier();
     if (is_inside) {
-        cover[uint(at.y) * params.image.x + uint(at.x)] = cover_of(1u, at) | cover_of(2u, at);
+        tiles[cover_of(at)] = shown_at(1u, at) | shown_at(2u, at);
         measure(texelFetch(frame_previous, at, 0), 0u);
         measure(texelFetch(frame_next, at, 0), 1u);
     }

@@ -11,6 +11,11 @@ layout(constant_id = 0) const uint GROUPS = 0;
 const uint FEW_TRIANGLES = 1024u;  // of a group, that one invocation sums up: src/blur/layout.rs has it too
 const int SUM_BITS = 30;           // of the sum of what an invocation sums up
 
+// Normals of frames i, i + 1, i - 1, i + 2 come in this order.
+uint frame_of(uint slot) {
+    return slot < 2u ? slot + 1u : slot == 2u ? 0u : 3u;
+}
+
 vec3 position(uint frame, uint point) {
     uint at = 3u * (params.views[frame].slot.x * params.counts.x + point);
     return vec3(poses[at], poses[at + 1u], poses[at + 2u]);

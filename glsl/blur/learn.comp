@@ -7,7 +7,6 @@
 #include "samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
-#include "tile.glsl"
 layout(std430, binding = 18) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 19) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 20) readonly buffer Tables { uvec4 tables[]; };

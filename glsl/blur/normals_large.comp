@@ -15,7 +15,7 @@ shared int sums[9];  // of the higher bits of whole units, of the lower ones, an
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint group = large_groups[gl_WorkGroupID.x];
-    uint frame = 1u + gl_WorkGroupID.y;
+    uint frame = frame_of(gl_WorkGroupID.y);
     uint begin = group_starts[group];
     uint end = group_starts[group + 1u];
     if (lane < 9u) {
@@ -53,6 +53,6 @@ void main() {
         vec3 low = vec3(sums[3], sums[4], sums[5]);
         vec3 parts = ldexp(vec3(sums[6], sums[7], sums[8]), ivec3(-part_bits));
         precise vec3 sum = high + (low + parts);
-        normals[(frame - 1u) * GROUPS + group] = vec4(ldexp(sum, ivec3(-bits)), 0.0);
+        normals[gl_WorkGroupID.y * GROUPS + group] = vec4(ldexp(sum, ivec3(-bits)), 0.0);
     }
 }

@@ -37,9 +37,9 @@ layout(binding = 0) uniform BlurParams {
     vec4 model;         // strength, reference time, tolerance and longest edge in pixels
     vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; unused
     uvec4 modes;        // 1 if frames are drawn, and so lie over the background; 1 if what is outside the picture is not refined; 1 if all tiles are worked on; unused
-    vec4 background;    // colour where no frame shows anything but the mesh
+    vec4 background;    // colour where no frame shows anything but the mesh, if there is no image of it
     vec4 segments[32];  // begin and end of each segment in frames after frame i; unused
-    uvec4 completion;   // objects that there are tables for, whether there are images of frames i - 1 (1) and i + 2 (2), bits of the skirt in pixels, room in each list of samples
+    uvec4 completion;   // objects that there are tables for, whether there are images of frames i - 1 (1) and i + 2 (2), and of the background (4), bits of the skirt in pixels, room in each list of samples
 } params;
 
 // A knot of the trajectories: a frame of the window.

@@ -14,7 +14,8 @@ layout(binding = 11) uniform texture2D frame_next;
 layout(binding = 12) uniform texture2D frame_after;
 layout(std430, binding = 13) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 14) readonly buffer Clip { vec4 clip[]; };
-layout(std430, binding = 15) readonly buffer Cover { uint cover[]; };
+layout(std430, binding = 15) readonly buffer Tiles { uint tiles[]; };
+#include "tiles.glsl"
 
 const float SAME_DEPTH = 0.003;   // share of its depth by which a surface may be off and still be the same
 const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
@@ -63,7 +64,7 @@ bool is_in_picture(ivec2 at) {
 }
 
 uint cover_at(ivec2 at) {
-    return cover[uint(at.y) * params.image.x + uint(at.x)];
+    return tiles[cover_of(at)];
 }
 
 vec3 corner_of(uint frame, uint point) {

@@ -8,7 +8,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
-#include "tile.glsl"
 layout(binding = 18) uniform utexture2D sampled;
 layout(std430, binding = 19) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 20) readonly buffer Normals { vec4 normals[]; };

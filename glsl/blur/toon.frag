@@ -41,9 +41,11 @@ vec3 to_light(uvec4 triangle, vec3 shares) {
     return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
 }
 
-// Unit normal of a group; 0 where it has no area. There are those of frames i and i + 1.
+// Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
-    vec3 sum = normals[(constants.frame - 1u) * toon.counts.y + group].xyz;
+    // In the order of i, i + 1, i - 1, i + 2.
+    uint slot = constants.frame == 0u ? 2u : constants.frame == 3u ? 3u : constants.frame - 1u;
+    vec3 sum = normals[slot * toon.counts.y + group].xyz;
     float largest = max(max(abs(sum.x), abs(sum.y)), abs(sum.z));
     return largest > 0.0 ? normalize(sum / largest) : vec3(0.0);
 }

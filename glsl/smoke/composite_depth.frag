@@ -1,10 +1,16 @@
-// As `composite`, at the smoke's depth in the host's projection: what the host has drawn nearer stays in front.
+// As `composite`, at the smoke's depth in the host's projection: what the host has drawn nearer stays in front, and what
+// covers a pixel in part stays over the smoke.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(push_constant) uniform CompositeConstants { vec2 terms; } constants;  // the host's depth: x + y / view depth
+#include "../common/host_depth.glsl"
+layout(push_constant) uniform CompositeConstants {
+    vec2 terms;  // of the host's depth
+    uint edges;  // 1: there are edges
+} constants;
 layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 3) readonly buffer Depth { float depth[]; };
+layout(std430, binding = 4) readonly buffer Edges { uvec4 edges[]; };  // colour and share of what covers a pixel, as halves; its view depth; unused
 layout(location = 0) out vec4 colour;
 
 void main() {
@@ -14,5 +20,9 @@ void main() {
     if (colour.a == 0.0) {
         discard;
     }
-    gl_FragDepth = clamp(constants.terms.x + constants.terms.y / depth[index], 0.0, 1.0);
+    if (constants.edges != 0u && depth[index] > uintBitsToFloat(edges[index].z)) {
+        vec4 before = vec4(unpackHalf2x16(edges[index].x), unpackHalf2x16(edges[index].y));
+        colour = before + (1.0 - before.a) * colour;
+    }
+    gl_FragDepth = host_depth(constants.terms, depth[index]);
 }

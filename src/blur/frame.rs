@@ -8,7 +8,7 @@ use crate::blur::motion::{Cluster, Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
-use crate::host::{Background, HostBuffer, HostImage, check_image};
+use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_depth, check_image};
 use crate::view::{Camera, Light};
 
 /// Triangles that refinement may make, unless a host says otherwise.
@@ -33,10 +33,12 @@ pub struct Desc {
     pub groups: u32,
     /// As `groups`.
     pub group_triangles: u32,
-    /// Whether frames may bring images of frames i - 1 and i + 2.
+    /// Whether frames may bring images of frames i - 1 and i + 2, or these are drawn, too.
     pub outer: bool,
     /// Whether there may be outputs without images, whose frames are drawn; needs normal groups and base colours.
     pub toon: bool,
+    /// How the host's depth images hold depth, if they are to hide the mesh and to take its depth.
+    pub depth: Option<DepthFormat>,
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
     pub most_triangles: u32,
@@ -236,8 +238,8 @@ pub struct Drawn {
 
 impl Drawn {
     /// Where its image is among [`crate::blur::layout::TOON`].
-    pub(super) fn place(&self) -> usize {
-        self.view.frame as usize % TOON.len()
+    pub(super) fn place(&self, desc: &Desc) -> usize {
+        self.view.frame as usize % if desc.outer { TOON.len() } else { 2 }
     }
 
     /// Its number.
@@ -249,6 +251,21 @@ impl Drawn {
     pub(super) fn camera(&self) -> &Camera {
         &self.view.camera
     }
+}
+
+/// The depth of everything but the mesh, which hides the mesh where it is nearer, and takes the mesh's.
+///
+/// Where it hides the mesh, the image of frame i + 1 stays. It takes the depth that the mesh is drawn at, distorted, or,
+/// where nothing moves, as it is in frame i + 1. A pixel has one depth and four samples: what the mesh covers wholly and
+/// opaquely has the depth of its farthest sample, the rest has none. [`crate::blur::Blur::edges`] has what is before that,
+/// so that what is behind can be blended with it: nothing of the background stays between.
+/// Speed lines and after-images hide nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthInput {
+    /// The depth.
+    pub host: HostDepth,
+    /// Frame i + 1, as the interval has it if there is one.
+    pub view: View,
 }
 
 /// One output, i + 1.
@@ -266,12 +283,14 @@ pub struct Frame<'a> {
     /// How they are drawn; needed where there are no images.
     pub toon: Option<ToonInput>,
     /// Images of frames i - 1 and i + 2, as these: they show places that neither of these does. Without: what follows
-    /// from colours elsewhere. They need [`Desc::outer`].
+    /// from colours elsewhere. They need [`Desc::outer`]; with that, frames that are drawn have them by themselves.
     pub outer: [Option<HostImage>; 2],
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
+    /// The host's depth, given exactly if the effect was made for one.
+    pub depth: Option<DepthInput>,
     /// What is where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`] is
-    /// nothing at all, an image is not taken yet.
+    /// nothing at all. An image is as the images of the frames are.
     pub background: Background,
 }
 
@@ -397,6 +416,7 @@ impl Frame<'_> {
             interval.frames().try_for_each(|frame| self.needs(frame, desc, resident))?;
         }
         check_image("target", &self.target, desc.size, desc.target_format)?;
+        self.validate_depth(desc, resident)?;
         match &self.images {
             Some([previous, next]) => {
                 check_image("the image of frame i", previous, desc.size, desc.target_format)?;
@@ -412,8 +432,8 @@ impl Frame<'_> {
                 }
             }
         }
-        match self.background {
-            Background::Copy(_) => refuse("background", "an image; expected a colour or none".to_owned()),
+        match &self.background {
+            Background::Copy(background) => check_image("background", background, desc.size, desc.target_format),
             _ => Ok(()),
         }
     }
@@ -431,6 +451,20 @@ impl Frame<'_> {
         match self.brings(frame) || (is_resident && !is_covered) {
             true => Ok(()),
             false => refuse("poses", format!("that of frame {frame} is needed and not on the device")),
+        }
+    }
+
+    fn validate_depth(&self, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
+        check_depth(self.depth.as_ref().map(|depth| &depth.host), desc.size, desc.depth)?;
+        let Some(DepthInput { view, .. }) = &self.depth else { return Ok(()) };
+        view.camera.validate()?;
+        self.needs(view.frame, desc, resident)?;
+        let others = self.interval.as_ref().map(|interval| &interval.views[2]);
+        match others.into_iter().chain(self.toon.as_ref().map(|toon| &toon.view)).find(|other| *other != view) {
+            Some(other) => {
+                refuse("depth", format!("of frame {}; another view than frame {}'s", view.frame, other.frame))
+            }
+            None => Ok(()),
         }
     }
 
@@ -452,18 +486,18 @@ impl Frame<'_> {
         }
     }
 
-    /// Colour where no frame shows anything but the mesh, and under frames that are drawn.
-    pub(super) fn background(&self) -> [f32; 4] {
-        match self.background {
-            Background::Clear(colour) => colour,
-            _ => [0.0; 4],
-        }
-    }
-
-    /// Frames i and i + 1 as they are drawn if there are no images of them; i only if there is an interval.
-    pub(super) fn drawn(&self) -> [Option<Drawn>; 2] {
-        let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 2] };
-        let previous = self.interval.as_ref().map(|interval| interval.views[1]);
-        [previous, Some(view)].map(|view| view.map(|view| Drawn { view, light }))
+    /// Frames i - 1 to i + 2 as they are drawn if there are no images of them; all but i + 1 only if there is an interval,
+    /// and the outer ones if they exist and the effect has room for them.
+    pub(super) fn drawn(&self, desc: &Desc) -> [Option<Drawn>; 4] {
+        let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 4] };
+        let [before, previous, after] = match &self.interval {
+            Some(IntervalInput { views: [before, previous, next, after], .. }) => [
+                Some(*before).filter(|view| desc.outer && view.frame.checked_add(1) == Some(previous.frame)),
+                Some(*previous),
+                Some(*after).filter(|view| desc.outer && next.frame.checked_add(1) == Some(view.frame)),
+            ],
+            None => [None; 3],
+        };
+        [before, previous, Some(view), after].map(|view| view.map(|view| Drawn { view, light }))
     }
 }

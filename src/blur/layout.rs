@@ -59,7 +59,6 @@ buffers! {
     NORMALS = "Normals",
     LARGE_GROUPS = "LargeGroups",
     TILES = "Tiles",
-    COVER = "Cover",
     COMPLETING = "Completing",
     SUMS = "Sums",
     TABLES = "Tables",
@@ -67,6 +66,7 @@ buffers! {
     SAMPLE_STATES = "SampleStates",
     SAMPLE_SIDES = "SampleSides",
     LISTS = "Lists",
+    SURFACE = "Surface",
 }
 
 /// The most objects that completion learns colours of; places of others have what the frame that shows them has.
@@ -131,23 +131,30 @@ pub const OUTER_DEPTH: [ImageId; 2] = [ImageId(12), ImageId(13)];
 /// The host's images of these, as shaders see them.
 pub const OUTER_FRAMES: [ImageId; 2] = [ImageId(14), ImageId(15)];
 /// Frames that are drawn because the host has no images of them: frame f stands in place f modulo their number.
-pub const TOON: [ImageId; 2] = [ImageId(16), ImageId(17)];
+/// Only two are used where frames i - 1 and i + 2 are not.
+pub const TOON: [ImageId; 4] = [ImageId(16), ImageId(17), ImageId(18), ImageId(19)];
 /// An after-image, at four samples a pixel.
-pub const GHOST: ImageId = ImageId(18);
+pub const GHOST: ImageId = ImageId(20);
 /// Its format.
 pub const GHOST_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Its depth.
-pub const GHOST_DEPTH: ImageId = ImageId(19);
+pub const GHOST_DEPTH: ImageId = ImageId(21);
+/// The host's background, as shaders see it.
+pub const BACKGROUND: ImageId = ImageId(22);
 /// Own images.
-pub const IMAGES: u16 = 20;
+pub const IMAGES: u16 = 23;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(IMAGES);
 /// The host's images of frames i and i + 1.
 pub const HOST_FRAMES: [ImageId; 2] = [ImageId(IMAGES + 1), ImageId(IMAGES + 2)];
 /// The host's images of frames i - 1 and i + 2.
 pub const HOST_OUTER: [ImageId; 2] = [ImageId(IMAGES + 3), ImageId(IMAGES + 4)];
+/// The host's depth.
+pub const HOST_DEPTH: ImageId = ImageId(IMAGES + 5);
+/// The host's background.
+pub const HOST_BACKGROUND: ImageId = ImageId(IMAGES + 6);
 /// Images of the host's.
-pub const HOST_IMAGES: usize = 5;
+pub const HOST_IMAGES: usize = 7;
 
 /// What a shader's slot stands for: each buffer and image goes by one name everywhere.
 pub fn resource(slot: &Slot) -> Option<Resource> {
@@ -170,6 +177,7 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "depth_after" => Some(OUTER_DEPTH[1]),
         "frame_before" => Some(OUTER_FRAMES[0]),
         "frame_after" => Some(OUTER_FRAMES[1]),
+        "background_image" => Some(BACKGROUND),
         _ => None,
     };
     let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
@@ -269,6 +277,7 @@ impl Layout {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);
+        self.set(SURFACE, if desc.depth.is_some() { 16 * pixels } else { 0 });
         self.set(BASE_COLOURS, if desc.toon { 48 * u64::from(desc.triangles) } else { 0 });
         self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
         self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });
@@ -284,13 +293,13 @@ impl Layout {
             self.set(CORNER_GROUPS, 16 * u64::from(desc.triangles));
             self.set(GROUP_STARTS, 4 * (u64::from(desc.groups) + 1));
             self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
-            self.set(NORMALS, 2 * 16 * u64::from(desc.groups));
+            let frames = if desc.outer && desc.toon { 4 } else { 2 };
+            self.set(NORMALS, frames * 16 * u64::from(desc.groups));
             let most_large = u64::from(desc.group_triangles / (FEW_TRIANGLES + 1));
             self.set(LARGE_GROUPS, 4 * (LARGE_WORDS as u64 + most_large));
         }
         let tiles = desc.size.map(|side| u64::from(side.div_ceil(8)));
-        self.set(TILES, 4 * (TILE_WORDS as u64 + 2 * tiles[0] * tiles[1]));
-        self.set(COVER, 4 * pixels);
+        self.set(TILES, 4 * (TILE_WORDS as u64 + 2 * tiles[0] * tiles[1] + pixels));
         self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
         self.set(SUMS, 4 * 4 * 9 * BINS * tables);
         self.set(TABLES, 4 * 16 * BINS * tables);
@@ -354,6 +363,7 @@ impl Layout {
                 | vk::ImageUsageFlags::SAMPLED,
             ..frame
         };
+        let outer_drawn = ImageDesc { extent: if desc.outer { drawn.extent } else { [1; 2] }, ..drawn };
         let ghost = ImageDesc {
             name: "blur ghost",
             extent: if desc.settings.ghosts.count > 0 { extent } else { [1; 2] },
@@ -382,8 +392,11 @@ impl Layout {
             ImageDesc { name: "blur frame after", extent: outside, ..frame },
             drawn,
             drawn,
+            outer_drawn,
+            outer_drawn,
             ghost,
             ImageDesc { name: "blur ghost depth", extent: ghost.extent, ..depth },
+            ImageDesc { name: "blur background", ..frame },
         ]
     }
 

@@ -17,10 +17,10 @@ pub mod steps;
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-pub use crate::host::Background;
+pub use crate::host::{Background, DepthFormat, HostDepth};
 pub use frame::{
-    Counts, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput, TopologyInput,
-    Trajectories, VertexColours, View,
+    Counts, DepthInput, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput,
+    TopologyInput, Trajectories, VertexColours, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -29,7 +29,7 @@ pub use settings::Settings;
 use crate::error::{Error, Result};
 use crate::gpu::effect::{Inventory, OnDevice, effect_methods};
 use crate::gpu::profiler::Timing;
-use crate::host::{Host, Memory, check_sides};
+use crate::host::{Host, HostBuffer, Memory, check_sides};
 use crate::plan::Plan;
 use layout::Layout;
 use params::{BASE_MASK, MOST_SEGMENTS};
@@ -120,7 +120,10 @@ impl Blur {
         unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
         self.has_mesh = true;
         self.drawn.iter_mut().for_each(|place| *place = place.filter(|drawn| !frame.brings(drawn.frame())));
-        steps::drawn(&self.desc, frame).into_iter().flatten().for_each(|new| self.drawn[new.place()] = Some(new));
+        steps::drawn(&self.desc, frame)
+            .into_iter()
+            .flatten()
+            .for_each(|new| self.drawn[new.place(&self.desc)] = Some(new));
         if let Some(poses) = &frame.poses {
             for new in poses.first..poses.first + poses.count {
                 self.resident[(new % self.desc.frames_resident) as usize] = Some(new);
@@ -160,9 +163,24 @@ impl Blur {
         for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
             resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
+        resources.set_host_image(layout::HOST_DEPTH, frame.depth.map(|depth| depth.host.image));
+        let background = match frame.background {
+            Background::Copy(image) => Some(image),
+            _ => None,
+        };
+        resources.set_host_image(layout::HOST_BACKGROUND, background);
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
             resources.set_host_image(id, image);
         }
+    }
+
+    /// What the mesh covers pixels with in the frame recorded last, for [`crate::smoke::Frame::edges`] of a frame that is
+    /// recorded after it; none if the host has no depth.
+    pub fn edges(&self) -> Option<HostBuffer> {
+        self.desc.depth?;
+        let (buffer, offset, size) = self.buffer(layout::SURFACE);
+        let (stage, access) = (vk::PipelineStageFlags2::COMPUTE_SHADER, vk::AccessFlags2::SHADER_STORAGE_WRITE);
+        Some(HostBuffer { buffer, offset, size, stage, access })
     }
 
     /// The most steps that a frame can have, and the most bytes of its updates.
@@ -177,6 +195,8 @@ effect_methods!(Blur, host_images: [
     layout::HOST_FRAMES[1],
     layout::HOST_OUTER[0],
     layout::HOST_OUTER[1],
+    layout::HOST_DEPTH,
+    layout::HOST_BACKGROUND,
 ]);
 
 fn validate(desc: &Desc) -> Result<()> {

@@ -9,6 +9,7 @@ use crate::blur::frame::{self, Desc, Frame, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 pub use crate::blur::motion::{Cluster, Piece};
 use crate::blur::settings::{Settings, Toon};
+use crate::host::Background;
 use crate::layout::push_constants;
 use crate::view::{Camera, Light, LightSource};
 
@@ -131,8 +132,10 @@ push_constants! {
     LinesConstants { colour: [f32; 4], length_of: f32, width: f32 }
     /// Of `ghosts` and `ghosts_blend`.
     GhostConstants { back: f32, opacity: f32 }
-    /// Of `background`.
-    BackgroundConstants { background: [f32; 4] }
+    /// Of `composite_depth` and `depth`: the terms of the host's depth.
+    HostDepthConstants { terms: [f32; 2] }
+    /// Of `background` and `surface`.
+    BackgroundConstants { background: [f32; 4], has_image: u32 }
     /// Of `seams`.
     SeamConstants { from: u32 }
     /// Of `settle`.
@@ -143,6 +146,17 @@ push_constants! {
     VisibilityConstants { frame: u32 }
     /// Of the benchmark's `bench_extent`.
     BenchExtentConstants { first: u32, end: u32 }
+}
+
+impl BackgroundConstants {
+    /// Of what is under a frame that is drawn.
+    pub fn new(background: Background) -> BackgroundConstants {
+        match background {
+            Background::Clear(background) => BackgroundConstants { background, has_image: 0 },
+            Background::Copy(_) => BackgroundConstants { background: [0.0; 4], has_image: 1 },
+            Background::Keep => BackgroundConstants { background: [0.0; 4], has_image: 0 },
+        }
+    }
 }
 
 impl Control {
@@ -252,8 +266,7 @@ impl BlurParams {
     pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput, frame: &Frame, outer: [bool; 2]) -> BlurParams {
         let settings = &desc.settings;
         let height = desc.size[1];
-        let mut params = BlurParams::of_views(desc, &interval.views);
-        params.background = frame.background();
+        let mut params = BlurParams::of_views(desc, &interval.views, frame.background);
         params.image[3] = interval.counts.generation;
         let knots = match interval.trajectories {
             frame::Trajectories::Poses(knots) => knots.len() as u32,
@@ -269,9 +282,9 @@ impl BlurParams {
         // to 5 * 2^-24 of it away.
         let margin = interval.counts.farthest * 1e-6;
         params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
-        let is_whole = desc.layers || !desc.skipping;
+        let is_whole = desc.layers || desc.depth.is_some() || !desc.skipping;
         params.modes = [frame.images.is_none().into(), settings.is_clipped().into(), is_whole.into(), 0];
-        let images = u32::from(outer[0]) + 2 * u32::from(outer[1]);
+        let images = u32::from(outer[0]) + 2 * u32::from(outer[1]) + params.completion[1];
         params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
         for (to, segment) in params.segments.iter_mut().zip(segments) {
             *to = [segment.begin, segment.end, 0.0, 0.0];
@@ -280,12 +293,17 @@ impl BlurParams {
     }
 
     /// What the kernels of a frame that stands still are told.
-    pub fn of_views(desc: &Desc, views: &[frame::View; 4]) -> BlurParams {
+    pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: Background) -> BlurParams {
         let mut params = BlurParams::zeroed();
         params.views = views.map(|view| View::new(&view, desc));
         params.image = [desc.size[0], desc.size[1], desc.seed, 0];
         params.counts = [desc.points, desc.triangles, 0, 0];
         params.lens[0] = views[1].camera.near as f32;
+        match background {
+            Background::Clear(colour) => params.background = colour,
+            Background::Copy(_) => params.completion[1] = 4,
+            Background::Keep => {}
+        }
         params
     }
 }

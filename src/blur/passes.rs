@@ -6,6 +6,7 @@ use crate::blur::frame::Desc;
 use crate::blur::layout::*;
 use crate::blur::params::{PIECE_SEGMENTS, ink_reach};
 use crate::blur::settings::{Completion, Operator, Refine, Space};
+use crate::host::DepthFormat;
 use crate::plan::{
     Blend, ColourAttachment, Declare, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage,
 };
@@ -74,11 +75,22 @@ pub struct Passes {
     /// Of each place.
     pub(super) toon_background: [PassId; TOON.len()],
     pub(super) toon_frames: PassId,
+    /// Frames i - 1 and i + 2.
+    pub(super) toon_outer_frames: [PassId; 2],
+    pub(super) behind: PassId,
     pub(super) ghost: PassId,
     pub(super) ghost_blend: PassId,
     pub(super) lines_begin: PassId,
     pub(super) lines_choose: PassId,
     pub(super) lines: PassId,
+    pub(super) depth_params: PassId,
+    pub(super) depth_project: PassId,
+    pub(super) depth_see: PassId,
+    /// An image that is given, and one that has been drawn.
+    pub(super) depth_frame: [PassId; 2],
+    pub(super) surface: PassId,
+    /// None where the host has no depth.
+    pub(super) depth: Option<PassId>,
 }
 
 impl Passes {
@@ -152,7 +164,7 @@ impl Passes {
             groups: d.transfer("blur.mesh", &copies(HOST_GROUPS, [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES])),
             completing: d.writes("blur.params", &[COMPLETING]),
             sums: d.writes("blur.learn", &[SUMS]),
-            tiles_begin: d.writes("blur.tiles", &[TILES, COVER, SAMPLE_STATES]),
+            tiles_begin: d.writes("blur.tiles", &[TILES, SAMPLE_STATES]),
             tiles: d.compute("blur.tiles", &glsl::tiles::SHADER),
             cover: d.compute("blur.cover", &glsl::cover::SHADER),
             large_groups: d.writes("blur.normals", &[LARGE_GROUPS]),
@@ -167,26 +179,30 @@ impl Passes {
                 .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::border::SHADER).specialise([gradient]))),
             inward: [0, 1]
                 .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]))),
-            compose: d.add(Pass::compute("blur.compose", &glsl::compose::SHADER).specialise([u32::from(desc.layers)])),
-            composite: d.add(whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc)),
+            compose: d.add(
+                Pass::compute("blur.compose", &glsl::compose::SHADER)
+                    .specialise([u32::from(desc.layers), u32::from(desc.depth.is_some())]),
+            ),
+            composite: d.add(match desc.depth {
+                Some(format) => composite_depth(desc, format),
+                None => whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc),
+            }),
             colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [BASE_COLOURS])),
             toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
             toon_project: d.compute("blur.toon", &glsl::project::SHADER),
-            toon_see: {
-                let extent = desc.size.map(|side| 2 * side);
-                d.add(drawing("blur.toon", &glsl::visibility_vertex::SHADER, SAMPLED, SAMPLED_DEPTH, extent))
-            },
+            toon_see: d.add(sampling("blur.toon", desc)),
             toon_lines: {
                 let second = u32::from(desc.settings.toon.outline.operator == Operator::Second);
                 d.add(Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]))
             },
             toon: TOON.map(|image| d.add(toon(desc, image))),
             toon_background: TOON.map(|image| d.add(begin(desc, image))),
-            toon_frames: {
-                let from = TOON.map(|image| (image.into(), Usage::COPY_SOURCE));
-                let to = FRAMES.map(|image| (image.into(), Usage::COPY_TARGET));
-                d.transfer("blur.frames", &[from, to].concat())
-            },
+            toon_frames: d.transfer("blur.frames", &from_toon(&FRAMES)),
+            toon_outer_frames: OUTER_FRAMES.map(|image| d.transfer("blur.frames", &from_toon(&[image]))),
+            behind: d.transfer(
+                "blur.background",
+                &[(HOST_BACKGROUND.into(), Usage::COPY_SOURCE), (BACKGROUND.into(), Usage::COPY_TARGET)],
+            ),
             ghost: d.add(ghost(desc).specialise([screen])),
             ghost_blend: {
                 let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghosts_blend_fragment::SHADER);
@@ -198,6 +214,18 @@ impl Passes {
                 let (vertex, fragment) = (&glsl::lines_vertex::SHADER, &glsl::lines_fragment::SHADER);
                 d.add(over_target("blur.lines", Topology::Triangles, vertex, fragment, desc).specialise([screen]))
             },
+            depth_params: d.writes("blur.depth", &[PARAMS]),
+            depth_project: d.compute("blur.depth", &glsl::project::SHADER),
+            depth_see: d.add(sampling("blur.depth", desc)),
+            depth_frame: [
+                d.transfer(
+                    "blur.depth",
+                    &[(HOST_FRAMES[1].into(), Usage::COPY_SOURCE), (FRAMES[1].into(), Usage::COPY_TARGET)],
+                ),
+                d.transfer("blur.depth", &from_toon(&FRAMES[1..])),
+            ],
+            surface: d.add(Pass::compute("blur.depth", &glsl::surface::SHADER).specialise([u32::from(desc.layers)])),
+            depth: desc.depth.map(|format| d.add(depth(desc, format))),
             list: d.list,
         }
     }
@@ -218,16 +246,36 @@ fn drawing(name: &'static str, vertex: &'static Shader, image: ImageId, depth: I
         vertex,
         fragment: &glsl::name_fragment::SHADER,
         colour: Some(ColourAttachment { image, format, clear: Some([0; 4]), blend }),
-        depth: Some(nearest(depth)),
+        depth: Some(DepthAttachment::nearest(depth)),
         extent,
     };
     Pass::raster(name, raster)
 }
 
-/// Depth that is near / W.
-fn nearest(image: ImageId) -> DepthAttachment {
-    let (format, compare) = (vk::Format::D32_SFLOAT, vk::CompareOp::GREATER);
-    DepthAttachment { image, format, clear: Some(0.0), compare, layer: 0 }
+/// A frame at four samples a pixel.
+fn sampling(name: &'static str, desc: &Desc) -> Pass {
+    let extent = desc.size.map(|side| 2 * side);
+    drawing(name, &glsl::visibility_vertex::SHADER, SAMPLED, SAMPLED_DEPTH, extent)
+}
+
+/// The mesh's depth into the host's.
+fn depth(desc: &Desc, format: DepthFormat) -> Pass {
+    let depth = DepthAttachment::of_host(HOST_DEPTH, format, true);
+    Pass::raster("blur.depth", quad(&glsl::depth_fragment::SHADER, None, Some(depth), desc))
+}
+
+/// The picture, where the host has drawn nothing nearer. What pixels show is not what is nearest there: depth follows by
+/// itself.
+fn composite_depth(desc: &Desc, format: DepthFormat) -> Pass {
+    let depth = DepthAttachment::of_host(HOST_DEPTH, format, false);
+    let fragment = &glsl::composite_depth_fragment::SHADER;
+    Pass::raster("blur.composite", quad(fragment, Some(TARGET), Some(depth), desc))
+}
+
+/// Copies of drawn frames.
+fn from_toon(to: &[ImageId]) -> Vec<(Resource, Usage)> {
+    let to = to.iter().map(|image| ((*image).into(), Usage::COPY_TARGET));
+    TOON.iter().map(|image| ((*image).into(), Usage::COPY_SOURCE)).chain(to).collect()
 }
 
 /// A frame from what its samples see.
@@ -245,16 +293,20 @@ fn begin(desc: &Desc, drawn: ImageId) -> Pass {
 
 /// Replaces a whole picture, or what its shader does not discard.
 fn whole(name: &'static str, fragment: &'static Shader, image: ImageId, desc: &Desc) -> Pass {
+    Pass::raster(name, quad(fragment, Some(image), None, desc))
+}
+
+/// All of a picture, replaced.
+fn quad(fragment: &'static Shader, image: Option<ImageId>, depth: Option<DepthAttachment>, desc: &Desc) -> Raster {
     let (format, blend) = (desc.target_format, Blend::Replace);
-    let raster = Raster {
+    Raster {
         topology: Topology::Quads,
         vertex: &glsl::composite_vertex::SHADER,
         fragment,
-        colour: Some(ColourAttachment { image, format, clear: None, blend }),
-        depth: None,
+        colour: image.map(|image| ColourAttachment { image, format, clear: None, blend }),
+        depth,
         extent: desc.size,
-    };
-    Pass::raster(name, raster)
+    }
 }
 
 /// An after-image's surface.
@@ -265,7 +317,7 @@ fn ghost(desc: &Desc) -> Pass {
         vertex: &glsl::ghosts_vertex::SHADER,
         fragment: &glsl::ghosts_fragment::SHADER,
         colour: Some(ColourAttachment { image: GHOST, format: GHOST_FORMAT, clear: Some([0; 4]), blend }),
-        depth: Some(nearest(GHOST_DEPTH)),
+        depth: Some(DepthAttachment::nearest(GHOST_DEPTH)),
         extent: desc.size.map(|side| 2 * side),
     };
     Pass::raster("blur.ghosts", raster)

@@ -2,15 +2,18 @@
 
 use std::mem::offset_of;
 
-use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
+use crate::blur::frame::{
+    DepthInput, Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories,
+};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES,
-    LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, ToonParams,
-    VisibilityConstants,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
+    LINE_VERTICES, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants,
+    SettleConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
+use crate::host::Background;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
@@ -61,6 +64,17 @@ pub struct Steps<'a> {
     pub drawn: &'a [Option<Drawn>; TOON.len()],
 }
 
+/// What is on the device of frame i + 1.
+#[derive(Clone, Copy, Debug, Default)]
+struct There {
+    /// Parameters and clip coordinates.
+    is_projected: bool,
+    /// What the output shows of the mesh, at four samples a pixel.
+    is_seen: bool,
+    /// What it covers pixels with.
+    is_composed: bool,
+}
+
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
 pub fn still(desc: &Desc, frame: &Frame) -> Option<&'static str> {
     match &frame.interval {
@@ -77,10 +91,12 @@ fn draws_behind(desc: &Desc) -> bool {
     desc.settings.lines.count > 0 || desc.settings.ghosts.count > 0
 }
 
-/// Frames i and i + 1 where an output needs them and the host has no images of them.
-pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 2] {
-    let [previous, next] = frame.drawn();
-    [previous.filter(|_| still(desc, frame).is_none()), next]
+/// Frames i - 1 to i + 2 where an output needs them and the host has no images of them.
+pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 4] {
+    let [before, previous, next, after] = frame.drawn(desc);
+    let [before, previous, after] =
+        [before, previous, after].map(|drawn| drawn.filter(|_| still(desc, frame).is_none()));
+    [before, previous, next, after]
 }
 
 impl Steps<'_> {
@@ -91,6 +107,12 @@ impl Steps<'_> {
             let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
             self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
             self.plan.skip("blur.toon", "images are given");
+        }
+        if matches!(frame.background, Background::Copy(_))
+            && (frame.images.is_none() || still(self.desc, frame).is_none())
+        {
+            let (from, to, extent) = (HOST_BACKGROUND, BACKGROUND, self.desc.size);
+            self.plan.step(self.passes.behind, Command::CopyImage { from, to, extent });
         }
         match &frame.mesh {
             Some(mesh) => {
@@ -108,16 +130,18 @@ impl Steps<'_> {
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
             MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
-            return self.toon(frame, false);
+            let there = self.toon(frame, There::default());
+            return self.depth(frame, there);
         };
-        let outer = frame.outer.map(|image| image.is_some());
+        let [before, _, _, after] = drawn(self.desc, frame);
+        let outer = [frame.outer[0].is_some() || before.is_some(), frame.outer[1].is_some() || after.is_some()];
         let params = BlurParams::new(self.desc, self.layout, interval, frame, outer);
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
         self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
-        self.toon(frame, true);
+        self.toon(frame, There { is_projected: true, ..There::default() });
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
@@ -138,10 +162,12 @@ impl Steps<'_> {
         } else {
             self.tiles();
             self.learn();
-            self.shade();
+            self.shade(frame);
         }
         self.ghosts();
         self.lines(interval);
+        let is_composed = self.desc.settings.strength > 0.0;
+        self.depth(frame, There { is_projected: true, is_seen: true, is_composed });
     }
 
     /// After-images, the earliest first.
@@ -185,31 +211,65 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
     }
 
-    /// Draws what the host has no images of, and begins the target with it. `projected`: the parameters and clip
-    /// coordinates of all frames are there.
-    fn toon(&mut self, frame: &Frame, projected: bool) {
+    /// What the output shows of the mesh, for what is behind it.
+    fn depth(&mut self, frame: &Frame, there: There) {
+        let (Some(input), Some(pass)) = (&frame.depth, self.passes.depth) else {
+            return self.plan.skip("blur.depth", "the host has no depth");
+        };
+        if !there.is_composed {
+            self.surface(frame, input, there);
+        }
+        let constants = HostDepthConstants { terms: input.host.terms };
+        self.plan.step_with(pass, Command::Draw { vertices: 4 }, &constants);
+    }
+
+    /// What the mesh covers image i + 1 with.
+    fn surface(&mut self, frame: &Frame, input: &DepthInput, there: There) {
+        let Desc { size: [width, height], triangles, points, .. } = *self.desc;
+        if !there.is_projected {
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);
+            self.plan.update(self.passes.depth_params, PARAMS, &params);
+            self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [points, 4, 1] });
+        }
+        if !there.is_seen {
+            let constants = VisibilityConstants { frame: 2 };
+            self.plan.step_with(self.passes.depth_see, Command::Draw { vertices: 3 * triangles }, &constants);
+        }
+        let (pass, from, background) = match drawn(self.desc, frame)[2] {
+            Some(drawn) => (self.passes.depth_frame[1], TOON[drawn.place(self.desc)], frame.background),
+            None => (self.passes.depth_frame[0], HOST_FRAMES[1], Background::Keep),
+        };
+        self.plan.step(pass, Command::CopyImage { from, to: FRAMES[1], extent: self.desc.size });
+        let pixels = Command::Dispatch { threads: [width, height, 1] };
+        self.plan.step_with(self.passes.surface, pixels, &BackgroundConstants::new(background));
+    }
+
+    /// Draws what the host has no images of, and begins the target with it. What is there before, and after.
+    fn toon(&mut self, frame: &Frame, there: There) -> There {
         let frames = drawn(self.desc, frame);
-        let (Some(next), Some(input)) = (frames[1], &frame.toon) else { return };
-        let stays =
-            |new: &Drawn| self.desc.skipping && self.drawn[new.place()] == Some(*new) && !frame.brings(new.frame());
-        let missing = frames.map(|drawn| drawn.filter(|drawn| !stays(drawn)));
-        if !projected && missing != [None; 2] {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4]);
+        let (Some(next), Some(input)) = (frames[2], &frame.toon) else { return there };
+        let is_there = |new: &Drawn| self.drawn[new.place(self.desc)] == Some(*new) && !frame.brings(new.frame());
+        let missing = frames.map(|drawn| drawn.filter(|drawn| !(self.desc.skipping && is_there(drawn))));
+        let is_missing = missing != [None; 4];
+        if !there.is_projected && is_missing {
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);
             self.plan.update(self.passes.params, PARAMS, &params);
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
-        if missing != [None; 2] {
-            self.normals();
+        if is_missing {
+            self.normals(if missing[0].or(missing[3]).is_some() { 4 } else { 2 });
         }
-        for (index, (wanted, missing)) in (1..).zip(frames.into_iter().zip(missing)) {
+        for (index, (wanted, missing)) in (0..).zip(frames.into_iter().zip(missing)) {
             match missing {
                 Some(drawn) => self.draw_toon(index, &drawn, input),
                 None if wanted.is_some() => self.plan.skip("blur.toon", "the frame is there since an earlier output"),
                 None => {}
             }
         }
-        let constants = BackgroundConstants { background: frame.background() };
-        self.plan.step_with(self.passes.toon_background[next.place()], Command::Draw { vertices: 4 }, &constants);
+        let constants = BackgroundConstants::new(frame.background);
+        let begin = self.passes.toon_background[next.place(self.desc)];
+        self.plan.step_with(begin, Command::Draw { vertices: 4 }, &constants);
+        There { is_projected: there.is_projected || is_missing, is_seen: missing[2].is_some(), ..there }
     }
 
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.
@@ -223,7 +283,7 @@ impl Steps<'_> {
             let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
             self.plan.step(self.passes.toon_lines, samples);
         }
-        self.plan.step_with(self.passes.toon[drawn.place()], Command::Draw { vertices: 4 }, &constants);
+        self.plan.step_with(self.passes.toon[drawn.place(self.desc)], Command::Draw { vertices: 4 }, &constants);
     }
 
     fn colours(&mut self, mesh: &TopologyInput) {
@@ -362,24 +422,28 @@ impl Steps<'_> {
     }
 
     fn frames(&mut self, frame: &Frame, outer: [bool; 2]) {
-        let drawn = drawn(self.desc, frame);
-        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip(drawn) {
+        let [before, previous, next, after] = drawn(self.desc, frame);
+        for ((from, to), drawn) in HOST_FRAMES.into_iter().zip(FRAMES).zip([previous, next]) {
             let (pass, from) = match drawn {
-                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place()]),
+                Some(drawn) => (self.passes.toon_frames, TOON[drawn.place(self.desc)]),
                 None => (self.passes.frames, from),
             };
             self.plan.step(pass, Command::CopyImage { from, to, extent: self.desc.size });
         }
         for i in [0, 1].into_iter().filter(|i| outer[*i]) {
-            let command = Command::CopyImage { from: HOST_OUTER[i], to: OUTER_FRAMES[i], extent: self.desc.size };
-            self.plan.step(self.passes.outer_frames[i], command);
+            let (pass, from) = match [before, after][i] {
+                Some(drawn) => (self.passes.toon_outer_frames[i], TOON[drawn.place(self.desc)]),
+                None => (self.passes.outer_frames[i], HOST_OUTER[i]),
+            };
+            self.plan.step(pass, Command::CopyImage { from, to: OUTER_FRAMES[i], extent: self.desc.size });
         }
     }
 
-    fn normals(&mut self) {
-        let none: [u32; LARGE_WORDS] = [0, 2, 1, 0];
+    /// Of frames i and i + 1, or of all four.
+    fn normals(&mut self, frames: u32) {
+        let none: [u32; LARGE_WORDS] = [0, frames, 1, 0];
         self.plan.update_slice(self.passes.large_groups, LARGE_GROUPS, &none);
-        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
+        self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, frames, 1] });
         self.plan.step(self.passes.normals_large, Command::DispatchIndirect { arguments: LARGE_GROUPS, offset: 0 });
     }
 
@@ -395,7 +459,6 @@ impl Steps<'_> {
         (head[6], head[10], head[14]) = (1, 2, 4);
         self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: TILES, word: 0 });
         self.plan.update_slice(self.passes.tiles_begin, TILES, &head);
-        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: COVER, word: 0 });
         self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: SAMPLE_STATES, word: NOTHING_SEEN });
         self.plan.step(self.passes.tiles, Command::Dispatch { threads: [width, height, 1] });
     }
@@ -408,7 +471,7 @@ impl Steps<'_> {
             let reason = "completion does not follow from the surface";
             return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
         }
-        self.normals();
+        self.normals(2);
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Self::over_tiles(1);
         self.plan.step(self.passes.learn[0], pixels);
@@ -426,7 +489,7 @@ impl Steps<'_> {
         }
     }
 
-    fn shade(&mut self) {
+    fn shade(&mut self, frame: &Frame) {
         self.plan.step(self.passes.shade, Self::over_tiles(2));
         if self.desc.layers {
             let [width, height] = self.desc.size;
@@ -437,14 +500,20 @@ impl Steps<'_> {
         }
         self.inward(0, MEAN_DISPATCHES);
         self.plan.step(self.passes.compose, Self::over_tiles(0));
-        self.plan.step(self.passes.composite, Command::Draw { vertices: 4 });
+        let draw = Command::Draw { vertices: 4 };
+        match &frame.depth {
+            Some(DepthInput { host, .. }) => {
+                self.plan.step_with(self.passes.composite, draw, &HostDepthConstants { terms: host.terms });
+            }
+            None => self.plan.step(self.passes.composite, draw),
+        }
     }
 }
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 48
-        + 33
+    let steps = 58
+        + 48
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
         + MEAN_DISPATCHES as usize

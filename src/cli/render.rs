@@ -276,12 +276,12 @@ fn background(shot: &Shot) -> Result<Option<Picture<[f32; 4]>>, Failure> {
     Ok(Some(picture))
 }
 
-/// Fire lights smoke, and only smoke.
+/// Fire lights what else is in the shot.
 fn check_light(shot: &Shot) -> Result<(), Failure> {
     match &shot.flame {
-        Some(flame) if flame.settings.light > 0.0 && shot.smoke.is_none() => {
+        Some(flame) if flame.settings.light > 0.0 && shot.smoke.is_none() && shot.blur.is_none() => {
             let (name, light) = (&shot.name, flame.settings.light);
-            let allowed = "only with smoke in the shot for the fire to tint: add a table [smoke], or leave it out";
+            let allowed = "only with something for the fire to tint: add a table [smoke] or [blur], or leave it out";
             Err(Failure::usage(format!("{name}: flame.light = {light}: allowed: {allowed}")))
         }
         _ => Ok(()),

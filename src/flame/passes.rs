@@ -131,13 +131,7 @@ fn raster(desc: &Desc) -> Pass {
         vertex: &glsl::raster_vertex::SHADER,
         fragment: &glsl::raster_fragment::SHADER,
         colour: Some(ColourAttachment { image: DRAWN, format, clear: Some([0; 4]), blend }),
-        depth: Some(DepthAttachment {
-            image: DRAWN_DEPTH,
-            format: vk::Format::D32_SFLOAT,
-            clear: Some(0.0),
-            compare: vk::CompareOp::GREATER,
-            layer: 0,
-        }),
+        depth: Some(DepthAttachment::nearest(DRAWN_DEPTH)),
         extent,
     };
     // Which look-up a sprite needs is its own to find out: the mask may be magnified in one frame and not in another.

@@ -104,7 +104,7 @@ pub struct Settings {
     pub adaptive: f32,
     /// Share of the render particles that are drawn anew each frame, 0 to 1; default 0.
     pub flicker: f32,
-    /// How strongly the fire tints the smoke of the same frame, >= 0; default 0 (off).
+    /// How strongly the fire tints what is in the scene, >= 0; default 0 (off).
     pub light: f32,
 }
 

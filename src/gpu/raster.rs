@@ -65,7 +65,8 @@ unsafe fn create_pipeline(
         vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let mut depth_state = vk::PipelineDepthStencilStateCreateInfo::default();
     if let Some(depth) = &raster.depth {
-        depth_state = depth_state.depth_test_enable(true).depth_write_enable(true).depth_compare_op(depth.compare);
+        depth_state =
+            depth_state.depth_test_enable(true).depth_write_enable(depth.write).depth_compare_op(depth.compare);
     }
     let blend_attachments: Vec<_> = raster.colour.iter().map(|colour| blend(colour.blend)).collect();
     let blend_state = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend_attachments);

@@ -15,6 +15,13 @@ pub const COPIED_FROM: ImageState = ImageState {
     layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
 };
 
+/// The state of an image that has been cleared.
+pub const CLEARED: ImageState = ImageState {
+    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
+    access: vk::AccessFlags2::TRANSFER_WRITE,
+    layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+};
+
 /// A buffer that the host writes and the device copies from. Grows as needed.
 #[derive(Debug, Default)]
 pub struct Upload(Option<Buffer>);
@@ -221,6 +228,34 @@ pub unsafe fn record_picture(
         host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().image_memory_barriers(&before));
         host.device.cmd_copy_buffer_to_image(commands, from.buffer, image, target, &regions);
         host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().image_memory_barriers(&after));
+    }
+}
+
+/// Records one depth over all of a depth image, whatever it held, and leaves it in state [`CLEARED`].
+///
+/// # Safety
+/// `host` holds valid handles and `commands` is in recording state outside of a render pass. The image has a depth and no
+/// stencil, and is as a copy target can be.
+pub unsafe fn record_depth(host: &Host, commands: vk::CommandBuffer, image: vk::Image, depth: f32) {
+    let range = vk::ImageSubresourceRange {
+        aspect_mask: vk::ImageAspectFlags::DEPTH,
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: 0,
+        layer_count: 1,
+    };
+    let barriers = [vk::ImageMemoryBarrier2::default()
+        .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+        .dst_stage_mask(CLEARED.stage)
+        .dst_access_mask(CLEARED.access)
+        .new_layout(CLEARED.layout)
+        .image(image)
+        .subresource_range(range)];
+    let value = vk::ClearDepthStencilValue { depth, stencil: 0 };
+    // SAFETY: the caller's.
+    unsafe {
+        host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().image_memory_barriers(&barriers));
+        host.device.cmd_clear_depth_stencil_image(commands, image, CLEARED.layout, &value, &[range]);
     }
 }
 

@@ -82,6 +82,13 @@ impl BlurFrame {
     pub fn images(&self) -> [u32; 2] {
         [self.views[1].frame, self.views[2].frame]
     }
+
+    /// Number of frame i - 1, and of frame i + 2, if these exist.
+    pub fn outer_images(&self) -> [Option<u32>; 2] {
+        let [before, previous, next, after] = self.views.map(|view| view.frame);
+        let moves = previous != next;
+        [Some(before).filter(|frame| moves && *frame != previous), Some(after).filter(|frame| moves && *frame != next)]
+    }
 }
 
 impl BlurInput {
@@ -149,8 +156,9 @@ impl BlurInput {
             objects: self.mesh.objects().len() as u32,
             groups: self.mesh.group_triangles().starts.len() as u32 - 1,
             group_triangles: self.mesh.group_triangles().items.len() as u32,
-            outer: false,
+            outer: true,
             toon,
+            depth: None,
             most_triangles: MOST_TRIANGLES.max(triangles.saturating_mul(4)).min(crate::blur::params::BASE_MASK),
             segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
             frames_resident: (last - first + 1).max(4),

@@ -5,7 +5,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use crate::blur::{self, Blur};
 use crate::error::{Error, Result};
-use crate::flame::{self, Flame, SceneFormat};
+use crate::flame::{self, Flame};
 use crate::gpu::profiler::Mode;
 use crate::host::Host;
 use crate::plan::{BufferId, Pass, Plan};
@@ -16,9 +16,10 @@ use crate::smoke::{self, Smoke};
 pub struct Effects {
     /// The smoke.
     pub smoke: Option<smoke::Desc>,
-    /// The flame. With smoke its scene is the smoke's depth, whatever this says.
+    /// The flame. With smoke or blur its scene is their depth, whatever this says.
     pub flame: Option<flame::Desc>,
-    /// The blur, which is behind the others. `frames_resident` is how many frames the sequence has.
+    /// The blur, which is drawn first; the others are behind its mesh and before it. `frames_resident` is how many frames
+    /// the sequence has.
     pub blur: Option<blur::Desc>,
 }
 
@@ -57,14 +58,6 @@ impl Effects {
             }
             None => Ok(size),
         }
-    }
-
-    /// The same with the smoke's depth in front of the fire and behind it.
-    pub(super) fn joined(mut self) -> Effects {
-        if let (Some(_), Some(flame)) = (&self.smoke, &mut self.flame) {
-            flame.scene = Some(SceneFormat::Buffer);
-        }
-        self
     }
 }
 

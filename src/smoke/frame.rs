@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_image};
+use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_depth, check_image};
 use crate::smoke::Settings;
 use crate::view::{Camera, Light};
 
@@ -16,6 +16,8 @@ pub struct Desc {
     pub target_format: vk::Format,
     /// How the host's depth images hold depth, if they are to occlude the smoke.
     pub depth: Option<DepthFormat>,
+    /// Whether frames may say what covers pixels in part; only with `depth`.
+    pub edges: bool,
     /// The largest volume along each axis, in voxels.
     pub dimensions: [u32; 3],
     /// Whether volumes come with velocities.
@@ -78,6 +80,10 @@ pub struct Frame {
     pub background: Background,
     /// The host's depth, given exactly if the effect was made for one and there is a target.
     pub depth: Option<HostDepth>,
+    /// What covers pixels in part and is not in `depth`: the edges of a blurred mesh, [`crate::blur::Blur::edges`]. Smoke
+    /// behind is blended with it. 16 bytes a pixel: linear RGB, premultiplied by the share that is covered, and that
+    /// share, as halves; view depth in metres, `f32`; 4 unused bytes. Usage: `TRANSFER_SRC`.
+    pub edges: Option<HostBuffer>,
 }
 
 /// Shape and place of a volume.
@@ -155,23 +161,18 @@ impl Frame {
         if first && self.sequence != Sequence::Restart {
             return Err(Error::setting("frame.sequence", format!("{:?}", self.sequence), "Restart in the first frame"));
         }
-        if let Some(depth) = &self.depth
-            && !depth.terms.iter().all(|term| term.is_finite())
-        {
-            return Err(Error::setting("frame.depth.terms", format!("{:?}", depth.terms), "two finite numbers"));
-        }
-        if self.target.is_some() && self.depth.is_some() != desc.depth.is_some() {
-            let expected = if desc.depth.is_some() { "expected" } else { "not expected" };
-            return Err(Error::HostResource { name: "depth", why: format!("{expected}: the effect was made so") });
+        if self.target.is_some() {
+            if self.edges.is_some() && !desc.edges {
+                let why = "not expected: the effect was made for none".to_owned();
+                return Err(Error::HostResource { name: "edges", why });
+            }
+            check_depth(self.depth.as_ref(), desc.size, desc.depth)?;
         }
         if let Some(target) = &self.target {
             check_image("target", target, desc.size, desc.target_format)?;
         }
         if let Background::Copy(background) = &self.background {
             check_image("background", background, desc.size, desc.target_format)?;
-        }
-        for (depth, made) in self.depth.iter().zip(desc.depth) {
-            check_image("depth", &depth.image, desc.size, made.format)?;
         }
         Ok(())
     }

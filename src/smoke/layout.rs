@@ -70,6 +70,7 @@ buffers! {
     PICTURE = "Picture",
     TONE_LAYER = "ToneLayer",
     OUTLINE_LAYER = "OutlineLayer",
+    EDGES = "Edges",
 }
 
 /// What a shader's slot stands for: each buffer and image goes by one name everywhere.
@@ -87,6 +88,10 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
 pub const HOST_DENSITY: BufferId = BufferId(BUFFERS);
 /// The host's velocity.
 pub const HOST_VELOCITY: BufferId = BufferId(BUFFERS + 1);
+/// What the host says that covers pixels in part.
+pub const HOST_EDGES: BufferId = BufferId(BUFFERS + 2);
+/// Buffers of the host's.
+pub const HOST_BUFFERS: usize = 3;
 /// Sphere and group seen at each pixel.
 pub const SEEN: ImageId = ImageId(0);
 /// Its depth buffer.
@@ -261,6 +266,7 @@ impl Layout {
         self.set(OCCLUSION, u64::from(self.occlusion_blocks[0]) * u64::from(self.occlusion_blocks[1]) * 4);
         self.set(PIXELS, pixels * 4);
         self.set(DEPTH, pixels * 4);
+        self.set(EDGES, kept(desc.edges, pixels * 16));
         self.set(SHADOW, kept(desc.layers || self.luminance_parts > 1, pixels * 4));
         self.set(REACHED, kept(filtered, blocks * 8));
         self.set(ROW_ITEMS, kept(filtered, items * 4));
@@ -413,6 +419,7 @@ mod tests {
             settings: Settings { particles: 1, ..Settings::default() },
             layers: true,
             depth: None,
+            edges: false,
             skipping: true,
         };
         let limit = 1 << 27;

@@ -88,8 +88,12 @@ impl Smoke {
         let layout = Layout::new(&desc, u64::from(limits.max_storage_buffer_range))?;
         let mut passes = Passes::new(&desc, &layout);
         let tables = Tables::new(&desc.settings, &layout);
-        let inventory =
-            Inventory { buffers: layout.buffers(), host_buffers: 2, images: layout.images(&desc), host_images: 3 };
+        let inventory = Inventory {
+            buffers: layout.buffers(),
+            host_buffers: layout::HOST_BUFFERS,
+            images: layout.images(&desc),
+            host_images: 3,
+        };
         let list = std::mem::take(&mut passes.list);
         // SAFETY: the caller's.
         let on_device = unsafe { OnDevice::new(host, allocator, list, inventory)? };
@@ -131,6 +135,8 @@ impl Smoke {
         self.on_device.resources.set_host_image(layout::BACKGROUND, background);
         let depth = frame.depth.filter(|_| frame.target.is_some());
         self.on_device.resources.set_host_image(layout::HOST_DEPTH, depth.map(|depth| depth.image));
+        let edges = frame.edges.filter(|_| frame.target.is_some());
+        self.on_device.resources.set_host_buffer(layout::HOST_EDGES, edges);
         // SAFETY: the caller's.
         unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
         self.state = state;

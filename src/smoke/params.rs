@@ -112,6 +112,8 @@ pub struct Particle {
 }
 
 push_constants! {
+    /// Of `composite_depth`.
+    CompositeConstants { terms: [f32; 2], edges: u32 }
     /// Of `births`.
     BirthsConstants { blocks: u32 }
     /// Of `pyramid`.
@@ -128,8 +130,6 @@ push_constants! {
     ShadowConstants { face: u32, texels: f32 }
     /// Of `items`.
     ItemsConstants { batch: u32, first_group: u32, group_count: u32, capacity: u32 }
-    /// Of `composite_depth`.
-    CompositeConstants { terms: [f32; 2] }
     /// Of `rows` and `columns`.
     GaussianConstants { base: u32, first_group: u32 }
 }

@@ -2,7 +2,6 @@
 
 use ash::vk;
 
-use crate::host::DepthFormat;
 use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Topology, Usage};
 use crate::shaders::smoke as glsl;
 use crate::smoke::frame::Desc;
@@ -50,6 +49,7 @@ pub struct Passes {
     pub(super) columns: PassId,
     pub(super) outline: PassId,
     pub(super) tone: PassId,
+    pub(super) edges: PassId,
     pub(super) composite: PassId,
 }
 
@@ -118,30 +118,27 @@ impl Passes {
                     .specialise([u32::from(settings.outline.operator == Operator::Second)]),
             ),
             tone: d.add(tone(desc)),
+            edges: d.transfer("smoke.edges", &[(HOST_EDGES.into(), from), (EDGES.into(), to)]),
             composite: d.add(composite(desc)),
             list: d.list,
         }
     }
 }
 
-const REVERSED: vk::CompareOp = vk::CompareOp::GREATER;
-
 /// One face of the shadow map.
 fn shadow_map(desc: &Desc, face: u32) -> Pass {
-    let format = vk::Format::D32_SFLOAT;
     let raster = Raster {
         topology: Topology::Quads,
         vertex: &glsl::shadow_vertex::SHADER,
         fragment: &glsl::shadow_fragment::SHADER,
         colour: None,
-        depth: Some(DepthAttachment { image: SHADOW_MAP, format, clear: Some(0.0), compare: REVERSED, layer: face }),
+        depth: Some(DepthAttachment { layer: face, ..DepthAttachment::nearest(SHADOW_MAP) }),
         extent: [desc.settings.shadow_map; 2],
     };
     Pass::raster("smoke.shadow", raster)
 }
 
 fn spheres(desc: &Desc) -> Pass {
-    let format = vk::Format::D32_SFLOAT;
     let seen =
         ColourAttachment { image: SEEN, format: vk::Format::R32_UINT, clear: Some([0; 4]), blend: Blend::Replace };
     let raster = Raster {
@@ -149,7 +146,7 @@ fn spheres(desc: &Desc) -> Pass {
         vertex: &glsl::spheres_vertex::SHADER,
         fragment: &glsl::spheres_fragment::SHADER,
         colour: Some(seen),
-        depth: Some(DepthAttachment { image: SEEN_DEPTH, format, clear: Some(0.0), compare: REVERSED, layer: 0 }),
+        depth: Some(DepthAttachment::nearest(SEEN_DEPTH)),
         extent: desc.size,
     };
     Pass::raster("smoke.spheres", raster)
@@ -177,8 +174,6 @@ fn tone(desc: &Desc) -> Pass {
 }
 
 fn composite(desc: &Desc) -> Pass {
-    // Equal depth passes: what is drawn twice stays.
-    let compare = |reversed| if reversed { vk::CompareOp::GREATER_OR_EQUAL } else { vk::CompareOp::LESS_OR_EQUAL };
     let raster = Raster {
         topology: Topology::Quads,
         vertex: &glsl::composite_vertex::SHADER,
@@ -187,13 +182,7 @@ fn composite(desc: &Desc) -> Pass {
             None => &glsl::composite_fragment::SHADER,
         },
         colour: Some(ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over }),
-        depth: desc.depth.map(|DepthFormat { format, reversed }| DepthAttachment {
-            image: HOST_DEPTH,
-            format,
-            clear: None,
-            compare: compare(reversed),
-            layer: 0,
-        }),
+        depth: desc.depth.map(|format| DepthAttachment::of_host(HOST_DEPTH, format, true)),
         extent: desc.size,
     };
     Pass::raster("smoke.composite", raster)

@@ -274,9 +274,21 @@ impl Steps<'_> {
         let tiles = draw(offset_of!(Control, tile_draw));
         match &frame.depth {
             Some(depth) => {
-                self.plan.step_with(self.passes.composite, tiles, &CompositeConstants { terms: depth.terms })
+                self.edges(frame);
+                let constants = CompositeConstants { terms: depth.terms, edges: frame.edges.is_some().into() };
+                self.plan.step_with(self.passes.composite, tiles, &constants)
             }
             None => self.plan.step(self.passes.composite, tiles),
+        }
+    }
+
+    /// What covers pixels in part.
+    fn edges(&mut self, frame: &Frame) {
+        let [width, height] = self.desc.size;
+        let bytes = 16 * u64::from(width) * u64::from(height);
+        match frame.edges {
+            Some(_) => self.plan.step(self.passes.edges, Command::CopyBuffer { from: HOST_EDGES, to: EDGES, bytes }),
+            None => self.plan.skip("smoke.edges", "nothing covers pixels in part"),
         }
     }
 

@@ -6,6 +6,7 @@ use std::f32::consts::TAU;
 use celfx::blur::motion::{Piece, Segment, outline};
 use celfx::blur::params::Vertex;
 use celfx::blur::reference::extent::{Extent, extent, extents};
+use celfx::blur::settings::Ghosts;
 use celfx::blur::{Cluster, Desc, Interval, Mesh, Settings};
 
 use crate::common::blur::{BlurRig, Shot, desc};
@@ -43,7 +44,9 @@ fn device(interval: &Interval, triangle: [u32; 3]) -> Option<Vec<Vertex>> {
     let animation = swing([2, 2], 4, [1920, 1080], 0.1);
     let points = interval.motion.len();
     let mesh = mesh(points, &[triangle]);
-    let desc = desc(animation.size, &mesh, Settings::default());
+    // With an after-image, triangles outside of the small picture are refined, too.
+    let settings = Settings { ghosts: Ghosts { count: 1, ..Ghosts::default() }, ..Settings::default() };
+    let desc = desc(animation.size, &mesh, settings);
     let mut rig =
         BlurRig::new(Desc { size: [64, 64], frames_resident: 4, layers: false, most_triangles: 200, ..desc }, mesh)?;
     let poses = vec![vec![[0.0; 3]; points]; 4];

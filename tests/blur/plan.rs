@@ -52,6 +52,7 @@ fn desc(settings: Settings) -> Desc {
         group_triangles: 5700,
         outer: true,
         toon: true,
+        depth: None,
         most_triangles: 1_000_000,
         segments: Desc::segments_of(&settings),
         frames_resident: 26,
@@ -105,6 +106,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
         toon: None,
         outer: [Some(image(desc)); 2],
         target: image(desc),
+        depth: None,
         background: Background::Keep,
     }
 }
@@ -126,7 +128,7 @@ impl Effect {
 
     fn fill(&mut self, frame: &Frame) {
         let Effect { desc, layout, passes, plan } = self;
-        Steps { plan, passes, desc, layout, drawn: &[None; 2] }.fill(frame);
+        Steps { plan, passes, desc, layout, drawn: &[None; 4] }.fill(frame);
     }
 
     fn names(&self) -> Vec<&'static str> {

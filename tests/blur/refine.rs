@@ -8,9 +8,11 @@ use celfx::blur::reference::refine::{Refined, Rules, refine};
 use celfx::blur::reference::watertight::border;
 use celfx::blur::settings::{Refine, Space};
 use celfx::blur::{Desc, Interval, Mesh, Settings};
+use celfx::simulate::mesh::Builtin;
 
 use crate::common::blur::{BlurRig, Shot, desc};
 use crate::scenes::{Animation, grid, interval, swing};
+use crate::toon::Film;
 
 const SIDES: [u32; 2] = [13, 9];
 
@@ -209,4 +211,20 @@ fn same_frame_same_bits() {
     assert!(first.finished() == second.finished(), "triangles in the same order");
     let bits = |rig: &mut BlurRig| bytemuck::cast_slice::<_, u32>(&rig.vertices()).to_vec();
     assert!(bits(&mut first) == bits(&mut second));
+}
+
+/// Needles, whose edges are straight enough where they are looked at while parts of them are not, were divided until the
+/// last round: of these frames each had some.
+#[test]
+fn a_runner_comes_to_its_end_by_itself() {
+    let frames = [9, 13, 22, 27];
+    for i in frames {
+        let poses = i - 8..i + 10;
+        let Some(mut film) = Film::new(Builtin::Run, 10_000, [512, 512], poses, Settings::default(), false) else {
+            return;
+        };
+        film.output(8, true);
+        let [triangles, _, end, open] = film.rig.control().refined;
+        assert_eq!((end, open), (0, 0), "frame {}: of {triangles} triangles", i + 1);
+    }
 }

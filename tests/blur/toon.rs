@@ -1,8 +1,9 @@
 //! Frames that the effect draws itself: tones and ink against f64, and what decides that a frame is drawn at all.
 
+use ash::vk;
 use celfx::blur::motion::{Motion, Pose, Window};
 use celfx::blur::settings::{Outline, Toon};
-use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings};
+use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings, layout};
 use celfx::io::scene::{AnimatedMesh, Clock};
 use celfx::simulate::mesh::Builtin;
 use celfx::smoke::settings::{Operator, Tone};
@@ -36,6 +37,34 @@ impl Film {
         settings: Settings,
         turned: bool,
     ) -> Option<Film> {
+        Film::make(which, vertices, frames, turned, |mesh| celfx::blur::Desc {
+            toon: true,
+            ..desc(size, mesh, settings)
+        })
+    }
+
+    /// One whose target has another format.
+    pub fn with_format(
+        which: Builtin,
+        vertices: u32,
+        size: [u32; 2],
+        frames: std::ops::Range<u32>,
+        target_format: vk::Format,
+    ) -> Option<Film> {
+        Film::make(which, vertices, frames, false, |mesh| celfx::blur::Desc {
+            toon: true,
+            target_format,
+            ..desc(size, mesh, Settings::default())
+        })
+    }
+
+    fn make(
+        which: Builtin,
+        vertices: u32,
+        frames: std::ops::Range<u32>,
+        turned: bool,
+        describe: impl FnOnce(&Mesh) -> celfx::blur::Desc,
+    ) -> Option<Film> {
         let scene = AnimatedMesh::builtin(which, vertices, Clock { first: 0, fps: which.fps() });
         let count = scene.vertices();
         let order: Vec<usize> = if turned { (0..count).rev().collect() } else { (0..count).collect() };
@@ -63,8 +92,9 @@ impl Film {
             mesh.gather(&order.iter().map(|v| pose[*v]).collect::<Vec<_>>()).expect("a pose")
         });
         let cameras = frames.clone().map(|frame| scene.camera(f64::from(frame)).expect("a camera"));
-        let animation = Animation { poses: poses.collect(), cameras: cameras.collect(), size };
-        let desc = celfx::blur::Desc { toon: true, ..desc(size, &mesh, settings.clone()) };
+        let desc = describe(&mesh);
+        let settings = desc.settings.clone();
+        let animation = Animation { poses: poses.collect(), cameras: cameras.collect(), size: desc.size };
         let mut rig = BlurRig::new(desc, mesh.clone())?;
         rig.colours = Some((triangles.clone(), colours.clone()));
         let light = Light::default();
@@ -97,6 +127,15 @@ impl Film {
         let poses = self.rig.steps().is_empty().then_some((0, &self.animation.poses[..]));
         let views = self.animation.views(i);
         let shot = Shot { poses, interval: interval.as_ref(), views, knots: None };
+        self.rig.frame(&shot).expect("a frame");
+        self.rig.picture()
+    }
+
+    /// As [`Film::output`] of what moves, as the first one after the size has changed.
+    pub fn again(&mut self, i: usize) -> Vec<[f32; 4]> {
+        let interval = self.interval(i);
+        let views = self.animation.views(i);
+        let shot = Shot { poses: Some((0, &self.animation.poses[..])), interval: Some(&interval), views, knots: None };
         self.rig.frame(&shot).expect("a frame");
         self.rig.picture()
     }
@@ -285,13 +324,13 @@ fn a_frame_is_drawn_once() {
     let first = film.output(1, true);
     assert!(film.reasons().is_empty(), "both frames are drawn");
     film.output(2, true);
-    assert_eq!(film.reasons(), ["the frame is there since an earlier output"]);
+    assert_eq!(film.reasons(), ["the frame is there since an earlier output"; 3]);
     let third = film.output(3, true);
-    assert_eq!(film.reasons().len(), 1);
+    assert_eq!(film.reasons().len(), 3);
     // A frame does not depend on those before it.
     assert!(other.output(3, true) == third);
     assert!(other.output(1, true) == first);
-    assert!(other.reasons().is_empty());
+    assert_eq!(other.reasons().len(), 2, "frames i + 1 and i + 2 are there");
     // Another light, another drawing.
     other.set_light(Light { ambient: 0.9, ..Light::default() }, Background::Clear(GREY));
     assert!(other.output(1, true) != first && other.reasons().is_empty());
@@ -302,6 +341,85 @@ fn a_frame_is_drawn_once() {
     let Some(mut weak) = Film::new(Builtin::Run, 800, [128, 72], 22..28, settings, false) else { return };
     assert!(weak.output(3, true) == still, "no strength is the later frame, to the bit");
     assert!(weak.output(3, false) == still && still != third);
+}
+
+/// Frames that are drawn are blurred as if they were images: frames i - 1 and i + 2, too, which show what neither of the
+/// others does.
+#[test]
+fn drawn_frames_are_those_that_images_bring() {
+    let mut seen = 0;
+    for i in [2, 3] {
+        // Only images have lines beside the mesh.
+        let settings = Settings { skirt: 0.0, ..Settings::default() };
+        let make = || Film::new(Builtin::Crossing, 800, [192, 108], 18..26, settings.clone(), false);
+        let (Some(mut film), Some(mut other)) = (make(), make()) else { return };
+        film.set_light(Light::default(), Background::Keep);
+        let picture = film.output(i, true);
+        let frames: Vec<Vec<[f32; 4]>> = (i - 2..=i + 1).map(|frame| film.output(frame, false)).collect();
+        other.rig.toon = None;
+        other.rig.set_image(0, &frames[1]);
+        other.rig.set_image(1, &frames[2]);
+        let inner = other.output(i, true);
+        other.rig.set_outer(0, &frames[0]);
+        other.rig.set_outer(1, &frames[3]);
+        assert!(other.output(i, true) == picture, "frame {i}");
+        seen += (0..picture.len()).filter(|pixel| inner[*pixel] != picture[*pixel]).count();
+        // After another one, with three of its frames already there.
+        film.output(i - 1, true);
+        assert!(film.output(i, true) == picture && film.reasons().len() == 3, "frame {i}: {:?}", film.reasons());
+    }
+    eprintln!("{seen} pixels see frames i - 1 and i + 2");
+    assert!(seen > 5);
+}
+
+/// What frames i and i + 1 both hide has the colour that frame i - 1 or i + 2 shows of it.
+#[test]
+fn what_is_hidden_is_that_of_the_frames_around() {
+    for side in [0, 1] {
+        let Some(mut film) = Film::new(Builtin::Crossing, 800, [192, 108], 18..26, Settings::default(), false) else {
+            return;
+        };
+        film.rig.toon = None;
+        let of = |colour: [f32; 4]| vec![colour; 192 * 108];
+        film.rig.set_image(0, &of([0.0, 0.0, 1.0, 1.0]));
+        film.rig.set_image(1, &of([0.0, 0.0, 1.0, 1.0]));
+        film.rig.set_outer(side, &of([1.0, 0.0, 0.0, 1.0]));
+        let mut red = 0;
+        for i in [2, 3, 4] {
+            let picture = film.output(i, true);
+            let masks: Vec<u32> = film.rig.layer(layout::MASK_LAYER);
+            for (colour, mask) in picture.iter().zip(&masks) {
+                // Of four samples three, or all: the centre is one of these.
+                assert!(colour[0] < 0.76 || *mask == 0, "{colour:?}, {mask}");
+                red += usize::from(colour[0] > 0.2 && colour[0] + colour[2] < 1.001);
+            }
+        }
+        assert!(red > 3, "side {side}: {red} pixels");
+    }
+}
+
+#[test]
+fn a_background_can_be_an_image() {
+    let make = || Film::new(Builtin::Crossing, 800, [128, 72], 22..26, Settings::default(), false);
+    let (Some(mut film), Some(mut other)) = (make(), make()) else { return };
+    // An image of one colour is that colour, drawn or given.
+    let expected = film.output(1, true);
+    other.rig.set_backdrop(&vec![GREY; 128 * 72]);
+    assert!(other.output(1, true) == expected);
+    for film in [&mut film, &mut other] {
+        film.rig.set_image(0, &vec![[0.2, 0.3, 0.4, 1.0]; 128 * 72]);
+        film.rig.set_image(1, &vec![[0.2, 0.3, 0.4, 1.0]; 128 * 72]);
+    }
+    // What is under frames is no part of them: they are not drawn again.
+    let picture: Vec<[f32; 4]> =
+        (0..128 * 72).map(|i| [0, 1, 2, 3].map(|c| crate::common::scenes::random(8, i, c))).collect();
+    other.rig.set_backdrop(&picture);
+    let still = other.output(1, false);
+    let seen = (0..picture.len()).filter(|pixel| still[*pixel] == picture[*pixel]).count();
+    assert!(seen > 128 * 72 / 3 && still[0] == picture[0], "{seen}");
+    let moved = other.output(1, true);
+    let seen = (0..picture.len()).filter(|pixel| moved[*pixel] == picture[*pixel]).count();
+    assert!(seen > 128 * 72 / 3 && other.reasons().len() == 4, "{seen}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use celfx::io::{image, picture};
-use npyz::{NpyFile, WriterBuilder};
+use npyz::NpyFile;
 
 use super::run::{self, Folder, celfx, has_device};
 use super::{fails, succeeds};
@@ -41,16 +41,10 @@ fn array(path: &Path) -> (Vec<u64>, Vec<f32>) {
 }
 
 /// A cache of these positions, [frames, vertices, 3], and one triangle.
-fn write_cache(path: &Path, frames: u64, vertices: u64, values: &[f32]) {
-    let mut archive = npyz::npz::NpzWriter::new(fs::File::create(path).expect("temporary folder"));
-    let writer = archive.array("position", Default::default()).expect("an entry");
-    let mut array = writer.default_dtype().shape(&[frames, vertices, 3]).begin_nd().expect("a header");
-    array.extend(values.iter().copied()).expect("values");
-    array.finish().expect("an array");
-    let writer = archive.array("triangle", Default::default()).expect("an entry");
-    let mut array = writer.default_dtype().shape(&[1, 3]).begin_nd().expect("a header");
-    array.extend([0_u32, 1, 2]).expect("values");
-    array.finish().expect("an array");
+pub fn write_cache(path: &Path, frames: u64, vertices: u64, values: &[f32]) {
+    let mut archive = run::archive(path);
+    run::add_array(&mut archive, "position", &[frames, vertices, 3], values.iter().copied());
+    run::add_array(&mut archive, "triangle", &[1, 3], [0_u32, 1, 2]);
 }
 
 #[test]

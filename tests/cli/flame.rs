@@ -92,9 +92,9 @@ fn a_spread_is_found_and_said() {
 }
 
 #[test]
-fn fire_lights_only_smoke() {
+fn fire_lights_only_what_is_there() {
     let folder = Folder::new();
     folder.write("shot.toml", &format!("{FIRE}light = 0.5\n"));
-    fails(&folder, &["render", "shot.toml"], 2, &["shot.toml", "flame.light = 0.5", "[smoke]"]);
+    fails(&folder, &["render", "shot.toml"], 2, &["shot.toml", "flame.light = 0.5", "[smoke] or [blur]"]);
     assert_eq!(folder.names(), ["shot.toml"], "nothing was written");
 }

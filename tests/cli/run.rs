@@ -96,3 +96,25 @@ pub fn validate() -> &'static str {
     let report: serde_json::Value = serde_json::from_slice(&info().stdout).unwrap_or_default();
     if report["validation_layer"].is_string() { "--validate" } else { "--threads=2" }
 }
+
+/// An archive of arrays that is being written.
+pub type Archive = npyz::npz::NpzWriter<std::fs::File>;
+
+/// A new archive.
+pub fn archive(path: &Path) -> Archive {
+    npyz::npz::NpzWriter::new(std::fs::File::create(path).expect("temporary folder"))
+}
+
+/// Adds an array.
+pub fn add_array<T: npyz::AutoSerialize>(
+    to: &mut Archive,
+    name: &str,
+    shape: &[u64],
+    values: impl IntoIterator<Item = T>,
+) {
+    use npyz::WriterBuilder;
+    let writer = to.array(name, Default::default()).expect("an entry");
+    let mut array = writer.default_dtype().shape(shape).begin_nd().expect("a header");
+    array.extend(values).expect("values");
+    array.finish().expect("an array");
+}

@@ -209,6 +209,7 @@ impl Bench {
             target,
             background: Background::Clear([0.0; 4]),
             depth: None,
+            edges: None,
         };
         let shape = Shape { dimensions, voxel_size, origin };
         let moment = Moment { shape, restart, new_volume: true, first: true, still: None, same_shadow: None };

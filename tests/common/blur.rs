@@ -3,13 +3,16 @@
 use ash::vk;
 use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, GroupInput, Interval, IntervalInput, Knot, MOST_TRIANGLES, Mesh, PoseInput,
-    Settings, ToonInput, TopologyInput, Trajectories, View, layout,
+    Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, GroupInput, HostDepth, Interval, IntervalInput,
+    Knot, MOST_TRIANGLES, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View, layout,
 };
 use celfx::error::Result;
+use celfx::gpu::headless::Submission;
 use celfx::gpu::image::{Image, ImageDesc};
 use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
+use celfx::gpu::transfer::{
+    CLEARED, COPIED_FROM, Copy, Download, Upload, record_depth, record_picture, record_readback,
+};
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::offline::TARGET_FORMAT;
 use celfx::plan::BufferId;
@@ -30,6 +33,7 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         group_triangles: mesh.group_triangles().items.len() as u32,
         outer: true,
         toon: false,
+        depth: None,
         most_triangles: MOST_TRIANGLES.min(100_000),
         segments: Desc::segments_of(&settings),
         frames_resident: 30,
@@ -59,8 +63,13 @@ pub struct BlurRig {
     device: TestDevice,
     blur: Option<Blur>,
     mesh: Mesh,
-    uploads: [Upload; 15],
+    /// Of each slot: target, frames i and i + 1, frames i - 1 and i + 2, background.
     images: Vec<Image>,
+    uploads: [[Upload; 15]; SLOTS],
+    /// Which frame in flight is worked on.
+    pub slot: usize,
+    /// Whether closed objects are said to be.
+    pub are_closed: bool,
     download: Download,
     is_first: bool,
     /// What frames are drawn with and over, if they are.
@@ -69,23 +78,60 @@ pub struct BlurRig {
     pub colours: Option<VertexColours>,
     /// Whether frames i - 1 and i + 2 have images.
     outer: [bool; 2],
+    /// The host's depth, if the effect was made for one.
+    depth: Option<Image>,
+    /// What it holds at view depth z is terms[0] + terms[1] / z; and what it holds before a frame.
+    pub terms: [f32; 2],
+    pub wall: f32,
+    has_backdrop: bool,
+}
+
+/// Frames that may be on their way at once.
+pub const SLOTS: usize = 2;
+/// Images of a slot.
+const IMAGES: usize = 6;
+
+/// A channel as 8-bit formats hold it: as it is, or along the curve of sRGB.
+fn encode(format: vk::Format, channel: usize, value: f32) -> u8 {
+    let curved = if value <= 0.0031308 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
+    let value = if format == vk::Format::R8G8B8A8_SRGB && channel < 3 { curved } else { value };
+    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// What [`encode`] makes a byte from.
+fn decode(format: vk::Format, channel: usize, byte: u8) -> f32 {
+    let value = f32::from(byte) / 255.0;
+    let straight = if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
+    if format == vk::Format::R8G8B8A8_SRGB && channel < 3 { straight } else { value }
+}
+
+fn make_images(device: &mut TestDevice, desc: &Desc) -> Vec<Image> {
+    let usage =
+        vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
+    let (extent, format) = (desc.size, desc.target_format);
+    let image = ImageDesc { name: "test", extent, layers: 1, array_view: false, format, usage };
+    let (host, allocator) = device.parts();
+    // SAFETY: the handles are the device's own.
+    let make = |_| unsafe { Image::new(&host, allocator, &image).expect("an image") };
+    (0..SLOTS * IMAGES).map(make).collect()
 }
 
 impl BlurRig {
     /// None where there is no device and tests may do without.
     pub fn new(desc: Desc, mesh: Mesh) -> Option<BlurRig> {
         let mut device = device()?;
+        let images = make_images(&mut device, &desc);
         let (host, allocator) = device.parts();
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
-            | vk::ImageUsageFlags::TRANSFER_SRC
-            | vk::ImageUsageFlags::TRANSFER_DST;
-        let image =
-            ImageDesc { name: "test", extent: desc.size, layers: 1, array_view: false, format: TARGET_FORMAT, usage };
+        let depth = desc.depth.map(|DepthFormat { format, .. }| {
+            let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
+                | vk::ImageUsageFlags::TRANSFER_SRC
+                | vk::ImageUsageFlags::TRANSFER_DST;
+            let image = ImageDesc { name: "test", extent: desc.size, layers: 1, array_view: false, format, usage };
+            // SAFETY: the handles are the device's own.
+            unsafe { Image::new(&host, allocator, &image).expect("an image") }
+        });
         // SAFETY: the handles are the device's own.
-        let (blur, images) = unsafe {
-            let blur = Blur::new(&host, allocator, desc).expect("the effect can be made");
-            (blur, (0..5).map(|_| Image::new(&host, allocator, &image).expect("an image")).collect())
-        };
+        let blur = unsafe { Blur::new(&host, allocator, desc).expect("the effect can be made") };
         let mut rig = BlurRig {
             device,
             blur: Some(blur),
@@ -97,12 +143,44 @@ impl BlurRig {
             toon: None,
             colours: None,
             outer: [false; 2],
+            depth,
+            terms: [0.0, 1.0],
+            wall: 0.0,
+            has_backdrop: false,
+            slot: 0,
+            are_closed: true,
         };
-        let pixels = (rig.desc().size[0] * rig.desc().size[1]) as usize;
-        for frame in 0..2 {
-            rig.set_image(frame, &vec![[0.0; 4]; pixels]);
-        }
+        rig.clear_images();
         Some(rig)
+    }
+
+    /// Nothing at all in the images of frames i and i + 1.
+    fn clear_images(&mut self) {
+        let pixels = (self.desc().size[0] * self.desc().size[1]) as usize;
+        for slot in (0..SLOTS).rev() {
+            self.slot = slot;
+            (0..2).for_each(|frame| self.set_image(frame, &vec![[0.0; 4]; pixels]));
+        }
+    }
+
+    /// Another size of the picture; images are empty again.
+    pub fn resize(&mut self, size: [u32; 2]) {
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        unsafe {
+            self.blur.as_mut().expect("an effect").resize(&host, allocator, size).expect("a size");
+            self.images.drain(..).for_each(|mut image| image.destroy(&host, allocator));
+        }
+        let desc = self.desc().clone();
+        self.images = make_images(&mut self.device, &desc);
+        (self.outer, self.has_backdrop, self.is_first) = ([false; 2], false, true);
+        self.clear_images();
+    }
+
+    /// An image under everything.
+    pub fn set_backdrop(&mut self, pixels: &[[f32; 4]]) {
+        self.set_image(4, pixels);
+        self.has_backdrop = true;
     }
 
     pub fn blur(&self) -> &Blur {
@@ -121,11 +199,15 @@ impl BlurRig {
 
     /// The image of frame i (0) or i + 1 (1).
     pub fn set_image(&mut self, frame: usize, pixels: &[[f32; 4]]) {
-        let size = self.desc().size;
+        let (size, format) = (self.desc().size, self.desc().target_format);
+        let bytes: Vec<u8> = match format == TARGET_FORMAT {
+            true => bytemuck::cast_slice(pixels).to_vec(),
+            false => pixels.iter().flat_map(|pixel| [0, 1, 2, 3].map(|c| encode(format, c, pixel[c]))).collect(),
+        };
         let (host, allocator) = self.device.parts();
         // SAFETY: the handles are the device's own, and every submission has been waited for.
-        let from = unsafe { self.uploads[0].write(&host, allocator, "test", bytemuck::cast_slice(pixels)) };
-        let (from, image) = (from.expect("an upload"), self.images[1 + frame].handle);
+        let from = unsafe { self.uploads[0][0].write(&host, allocator, "test", &bytes) };
+        let (from, image) = (from.expect("an upload"), self.images[IMAGES * self.slot + 1 + frame].handle);
         let recorded = self.device.one_time("image", |host, commands| {
             // SAFETY: as above.
             unsafe { record_picture(host, commands, &from, image, size) };
@@ -137,20 +219,89 @@ impl BlurRig {
     fn upload<T: bytemuck::NoUninit>(&mut self, place: usize, values: &[T]) -> HostBuffer {
         let (host, allocator) = self.device.parts();
         // SAFETY: the handles are the device's own, and every submission has been waited for.
-        let buffer = unsafe { self.uploads[place].write(&host, allocator, "test", bytemuck::cast_slice(values)) };
+        let upload = &mut self.uploads[self.slot][place];
+        let buffer = unsafe { upload.write(&host, allocator, "test", bytemuck::cast_slice(values)) };
         let buffer = buffer.expect("an upload");
         HostBuffer { size: buffer.size.max(16), ..buffer }
     }
 
     fn host_image(&self, place: usize, state_in: ImageState) -> HostImage {
-        let Image { handle, view, .. } = self.images[place];
-        let extent = self.desc().size;
-        HostImage { image: handle, view, format: TARGET_FORMAT, extent, state_in, state_out: COPIED_FROM }
+        let Image { handle, view, .. } = self.images[IMAGES * self.slot + place];
+        let Desc { size: extent, target_format: format, .. } = *self.desc();
+        HostImage { image: handle, view, format, extent, state_in, state_out: COPIED_FROM }
+    }
+
+    fn host_depth(&self, view: View) -> Option<DepthInput> {
+        let Image { handle: image, view: image_view, .. } = *self.depth.as_ref()?;
+        let (state_in, state_out) = (CLEARED, COPIED_FROM);
+        let (extent, format) = (self.desc().size, self.desc().depth?.format);
+        let image = HostImage { image, view: image_view, format, extent, state_in, state_out };
+        Some(DepthInput { host: HostDepth { image, terms: self.terms }, view })
+    }
+
+    /// What the last frame left in the host's depth.
+    pub fn host_depths(&mut self) -> Vec<f32> {
+        let [width, height] = self.desc().size;
+        let image = self.depth.as_ref().expect("a depth").handle;
+        let aspect_mask = vk::ImageAspectFlags::DEPTH;
+        let layers = vk::ImageSubresourceLayers { aspect_mask, mip_level: 0, base_array_layer: 0, layer_count: 1 };
+        let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(vk::Extent3D {
+            width,
+            height,
+            depth: 1,
+        })];
+        let bytes = 4 * u64::from(width * height);
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        unsafe { self.download.fit(&host, allocator, "test", bytes).expect("memory") };
+        let to = self.download.buffer().expect("a buffer");
+        let read = self.device.one_time("read back", |host, commands| {
+            // SAFETY: as above; the effect left the image in this state, and what reads back makes it visible.
+            unsafe {
+                host.device.cmd_copy_image_to_buffer(commands, image, COPIED_FROM.layout, to.handle, &regions);
+                record_readback(host, commands, &[], &[], to);
+            }
+            Ok(())
+        });
+        read.expect("it runs");
+        self.download.bytes()[..bytes as usize].chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
     }
 
     /// Makes an output.
     pub fn frame(&mut self, shot: &Shot) -> Result<()> {
-        let rows = TopologyInput::triangle_rows(&self.mesh);
+        let frame = self.describe(shot);
+        let (depth, wall) = (self.depth.as_ref().map(|image| image.handle), self.wall);
+        let blur = self.blur.as_mut().expect("an effect");
+        let done = self.device.one_time("frame", |host, commands| {
+            // SAFETY: everything is the test's own, in the declared states, and the frame is waited for.
+            depth.iter().for_each(|image| unsafe { record_depth(host, commands, *image, wall) });
+            // SAFETY: as above.
+            unsafe { blur.record(host, commands, &frame, &mut Timing::None) }
+        });
+        self.is_first &= done.is_err();
+        done
+    }
+
+    /// Begins an output with what belongs to the slot, which nothing else on its way uses.
+    pub fn start(&mut self, shot: &Shot) -> Submission {
+        let frame = self.describe(shot);
+        let commands = self.device.begin().expect("commands");
+        let blur = self.blur.as_mut().expect("an effect");
+        // SAFETY: as in `frame`; frames are submitted in order to one queue.
+        unsafe { blur.record(&self.device.host(), commands.raw(), &frame, &mut Timing::None).expect("a frame") };
+        self.is_first = false;
+        self.device.start(commands, "frame").expect("it starts")
+    }
+
+    pub fn wait(&mut self, submission: Submission) {
+        self.device.wait(submission).expect("it ends");
+    }
+
+    fn describe<'a>(&mut self, shot: &'a Shot) -> Frame<'a> {
+        let mut rows = TopologyInput::triangle_rows(&self.mesh);
+        if !self.are_closed {
+            rows.iter_mut().for_each(|row| row[3] &= !1);
+        }
         let (starts, items) = (self.mesh.neighbours().starts.clone(), self.mesh.neighbours().items.clone());
         let colours = self.colours.as_ref().map(|(triangles, colours)| (&triangles[..], &colours[..]));
         let colours = TopologyInput::colour_rows(&self.mesh, colours);
@@ -186,23 +337,20 @@ impl BlurRig {
                 seams: self.upload(9, &interval.seams),
             }
         });
-        let frame = Frame {
+        Frame {
             mesh,
             poses,
             interval,
             images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
             toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
             outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
+            depth: self.host_depth(shot.views[2]),
             target: self.host_image(0, ImageState::default()),
-            background: self.toon.map_or(Background::Keep, |(_, background)| background),
-        };
-        let blur = self.blur.as_mut().expect("an effect");
-        let done = self.device.one_time("frame", |host, commands| {
-            // SAFETY: everything is the test's own, in the declared states, and the frame is waited for.
-            unsafe { blur.record(host, commands, &frame, &mut Timing::None) }
-        });
-        self.is_first &= done.is_err();
-        done
+            background: match self.has_backdrop {
+                true => Background::Copy(self.host_image(5, COPIED_FROM)),
+                false => self.toon.map_or(Background::Keep, |(_, background)| background),
+            },
+        }
     }
 
     /// Values of one of the effect's buffers.
@@ -229,18 +377,22 @@ impl BlurRig {
     /// The picture.
     pub fn picture(&mut self) -> Vec<[f32; 4]> {
         let size = self.desc().size;
-        let count = (size[0] * size[1]) as usize;
+        let (count, format) = ((size[0] * size[1]) as usize, self.desc().target_format);
         let (host, allocator) = self.device.parts();
         // SAFETY: the handles are the device's own, and every submission has been waited for.
         unsafe { self.download.fit(&host, allocator, "test", 16 * count as u64).expect("memory") };
         let to = self.download.buffer().expect("a buffer");
-        let target = self.images[0].handle;
+        let target = self.images[IMAGES * self.slot].handle;
         let read = self.device.one_time("read back", |host, commands| {
             // SAFETY: as above.
             unsafe { record_readback(host, commands, &[Copy { from: (target, size), to: 0 }], &[], to) };
             Ok(())
         });
         read.expect("it runs");
+        if format != TARGET_FORMAT {
+            let rows = self.download.bytes()[..4 * count].chunks_exact(4);
+            return rows.map(|row| [0, 1, 2, 3].map(|c| decode(format, c, row[c]))).collect();
+        }
         self.download.bytes()[..16 * count].chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
     }
 
@@ -292,8 +444,8 @@ impl Drop for BlurRig {
         // SAFETY: every submission has been waited for; nothing is used afterwards.
         unsafe {
             self.blur.iter_mut().for_each(|blur| blur.destroy(&host, allocator));
-            self.uploads.iter_mut().for_each(|upload| upload.destroy(&host, allocator));
-            self.images.iter_mut().for_each(|image| image.destroy(&host, allocator));
+            self.uploads.iter_mut().flatten().for_each(|upload| upload.destroy(&host, allocator));
+            self.images.iter_mut().chain(&mut self.depth).for_each(|image| image.destroy(&host, allocator));
             self.download.destroy(&host, allocator);
         }
     }

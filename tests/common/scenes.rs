@@ -25,6 +25,7 @@ pub fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
         settings,
         layers: true,
         depth: None,
+        edges: false,
         skipping: true,
     }
 }

@@ -103,3 +103,24 @@ fn a_frame_after_others_is_as_it_is_alone() {
         assert_eq!(picture(&mut rig).differences(&last), [], "{shape:?}: after a frame without fire");
     }
 }
+
+/// The table is made class by class, as temperatures come; those that it has stay.
+#[test]
+fn temperatures_that_come_later_are_as_they_are_alone() {
+    let case = plain();
+    let at = |kelvin: &[f32]| {
+        let temperatures = kelvin.iter().cycle().copied();
+        let temperature = temperatures.take(case.particles.temperature.len()).collect();
+        Case { particles: Particles { temperature, ..case.particles.clone() }, ..case.clone() }
+    };
+    let frames = [at(&[2950.0]), at(&[2300.0]), at(&[2950.0, 2600.0, 2300.0])];
+    let Some(mut rig) = frames[0].render() else { return };
+    for (number, frame) in (1..).zip(&frames[1..]) {
+        rig.frame(&frame.particles, frame.camera);
+        let Some(mut alone) = frame.render() else { return };
+        assert_eq!(picture(&mut rig).differences(&picture(&mut alone)), [], "frame {number}");
+        let burning = rig.mean().iter().filter(|mean| mean[3] > 0.01).count();
+        assert!(burning > 50, "frame {number}: {burning} pixels");
+    }
+    assert_ne!(picture(&mut rig).differences(&picture(&mut frames[0].render().expect("a device"))), []);
+}

@@ -403,6 +403,7 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
             target: Some(drawn),
             background: smoke::Background::Keep,
             depth: None,
+            edges: None,
         };
         let (buffer, offset, bytes) = smoke.buffer(smoke::layout::DEPTH);
         let depth = HostBuffer {

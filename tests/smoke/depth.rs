@@ -4,7 +4,8 @@ use ash::vk;
 use celfx::gpu::buffer::{Buffer, BufferDesc};
 use celfx::gpu::image::{Image, ImageDesc};
 use celfx::gpu::profiler::Timing;
-use celfx::host::{Host, HostImage, ImageState};
+use celfx::gpu::transfer::{CLEARED, record_depth};
+use celfx::host::{Host, HostImage};
 use celfx::smoke::{DepthFormat, Desc, Frame, HostDepth, Sequence, Smoke, layout};
 use gpu_allocator::MemoryLocation;
 
@@ -13,37 +14,6 @@ use crate::host::{COPIED, SIZE, Slot, effect, read};
 
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
-
-const CLEARED: ImageState = ImageState {
-    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
-    access: vk::AccessFlags2::TRANSFER_WRITE,
-    layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-};
-
-/// What the host has drawn: a wall across all of the picture.
-unsafe fn draw_wall(host: &Host, commands: vk::CommandBuffer, image: vk::Image, depth: f32) {
-    let range = vk::ImageSubresourceRange {
-        aspect_mask: vk::ImageAspectFlags::DEPTH,
-        base_mip_level: 0,
-        level_count: 1,
-        base_array_layer: 0,
-        layer_count: 1,
-    };
-    let barriers = [vk::ImageMemoryBarrier2::default()
-        .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
-        .dst_stage_mask(CLEARED.stage)
-        .dst_access_mask(CLEARED.access)
-        .new_layout(CLEARED.layout)
-        .image(image)
-        .subresource_range(range)];
-    let value = vk::ClearDepthStencilValue { depth, stencil: 0 };
-    // SAFETY: the caller's.
-    unsafe {
-        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-        host.device.cmd_pipeline_barrier2(commands, &dependency);
-        host.device.cmd_clear_depth_stencil_image(commands, image, CLEARED.layout, &value, &[range]);
-    }
-}
 
 /// Copies the host's depth, and behind it the smoke's own view depth.
 unsafe fn read_depths(host: &Host, commands: vk::CommandBuffer, image: vk::Image, smoke: &Smoke, to: vk::Buffer) {
@@ -106,7 +76,7 @@ fn a_hosts_depth_occludes_the_smoke_and_takes_its_depth() {
             let rendered = device.one_time("frame", |host, commands| {
                 // SAFETY: everything is the test's own, and the frame is waited for.
                 unsafe {
-                    draw_wall(host, commands, image.handle, stored(wall));
+                    record_depth(host, commands, image.handle, stored(wall));
                     smoke.record(host, commands, &frame, &mut Timing::None)?;
                     read(host, commands, &slot, SIZE);
                     read_depths(host, commands, image.handle, &smoke, depths.handle);

@@ -83,6 +83,7 @@ impl Slot {
             target: Some(target),
             background: Background::Clear([0.0; 4]),
             depth: None,
+            edges: None,
         }
     }
 

@@ -156,6 +156,7 @@ impl Scene {
             group_triangles: self.mesh.group_triangles().items.len() as u32,
             outer: false,
             toon: false,
+            depth: None,
             most_triangles: most_triangles.max(triangles),
             segments: Desc::segments_of(settings),
             frames_resident: self.poses.len() as u32,

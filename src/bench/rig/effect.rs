@@ -115,6 +115,7 @@ impl Made {
                     target: shot.rendered.then_some(target),
                     background,
                     depth: None,
+                    edges: None,
                 };
                 // SAFETY: the caller's.
                 unsafe { smoke.record(host, commands, &frame, &mut Timing::None) }

@@ -201,6 +201,7 @@ impl TakeUpload {
             images: Some([image(&self.images[0]), image(&self.images[1])]),
             toon: None,
             outer: [None; 2],
+            depth: None,
             target,
             background,
         };

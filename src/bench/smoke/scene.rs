@@ -44,6 +44,7 @@ pub(super) fn desc(size: [u32; 2], volume: &Volume, settings: Settings, layers: 
         settings,
         layers,
         depth: None,
+        edges: false,
         skipping: true,
     }
 }

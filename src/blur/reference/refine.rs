@@ -12,6 +12,13 @@ pub const ROUNDS: u32 = 16;
 /// Squared length in pixels^2 below which an edge is not split: 0.25 pixels.
 const SHORTEST: f32 = 0.0625;
 
+/// Squared length in pixels^2, at the reference time, below which an edge is not split where errors decide: what is drawn
+/// of it stays long only because k' jumps.
+const LEAST_SURFACE: f32 = 1.0 / 4096.0;
+/// After so many rounds, each one's tolerance is twice that of the one before: an edge may be straight enough where it is
+/// looked at and its parts not, and then needles to its ends are divided again and again.
+const USUAL_ROUNDS: u32 = 11;
+
 /// Label of a vertex between two clusters, or between such and others: k, l and k' are the mean of its parents', so that
 /// k' is continuous. (If it belonged to one of the two, k' would jump beside the other's vertices, and what crosses the
 /// jump would be split to the last round: hundreds of triangles for each one at a seam.)
@@ -90,7 +97,7 @@ pub fn refine(mesh: &Mesh, extents: &[Extent], rules: &Rules) -> Refined {
         ..Refined::default()
     };
     loop {
-        let split: Vec<[bool; 3]> = refined.triangles.iter().map(|t| rules.split(&refined.vertices, t)).collect();
+        let split: Vec<[bool; 3]> = refined.triangles.iter().map(|t| rules.split(&refined, t)).collect();
         let more = split.iter().flatten().filter(|split| **split).count();
         refined.over_budget = refined.triangles.len() + more > rules.budget;
         if more == 0 || refined.rounds == ROUNDS || refined.over_budget {
@@ -142,8 +149,8 @@ impl Rules<'_> {
         Extent { k, l, offset, time: shifted(self.settings.strength, raw, offset) }
     }
 
-    /// Whether the edge between two vertices is to be split: the same for both orders.
-    pub fn splits(&self, a: &Vertex, b: &Vertex) -> bool {
+    /// Whether the edge between two vertices is to be split in a round: the same for both orders.
+    pub fn splits(&self, a: &Vertex, b: &Vertex, round: u32) -> bool {
         let squared = |p: [f32; 2], q: [f32; 2]| {
             let (x, y) = (p[0] - q[0], p[1] - q[1]);
             x * x + y * y
@@ -154,8 +161,14 @@ impl Rules<'_> {
             return false;
         }
         let by_length = self.settings.refine == Refine::Length;
+        let place = |vertex: &Vertex| [vertex.motion[0], vertex.motion[1]];
+        if !by_length && squared(place(a), place(b)) < LEAST_SURFACE {
+            return false;
+        }
         let [tolerance, edge] =
             [self.settings.tolerance, self.settings.edge].map(|pixels| Settings::scaled(pixels, self.size[1]));
+        let late = 1 << (round.max(USUAL_ROUNDS) - USUAL_ROUNDS);
+        let tolerance = tolerance * late as f32;
         let towards = |p: [f32; 2], q: [f32; 2]| [0, 1].map(|i| p[i] + (q[i] - p[i]) * 0.25);
         let middle = self.middle(a, b);
         let half = [0, 1].map(|i| (a.drawn[i] + b.drawn[i]) * 0.5);
@@ -169,7 +182,7 @@ impl Rules<'_> {
         let departure = departures.into_iter().fold(0.0, |most, off| if off > most { off } else { most });
         let wanted = if by_length { length > edge * edge } else { departure > tolerance * tolerance };
         let far = self.beyond([a, b, &middle, &quarters[0], &quarters[1]]);
-        wanted && !(far * far > departure)
+        wanted && far * far <= departure
     }
 
     /// How far all these vertices are beyond one border of the picture, in pixels; 0: they are not, or after-images are
@@ -185,9 +198,10 @@ impl Rules<'_> {
         if self.settings.is_clipped() { [0, 1, 2, 3].map(side).into_iter().fold(0.0, f32::max) } else { 0.0 }
     }
 
-    fn split(&self, vertices: &[Vertex], triangle: &Triangle) -> [bool; 3] {
-        let [a, b, c] = triangle.corners.map(|corner| &vertices[corner as usize]);
-        [self.splits(a, b), self.splits(b, c), self.splits(c, a)]
+    /// An edge that is not split in the round in which it comes up is not in later ones: their tolerances are larger.
+    fn split(&self, refined: &Refined, triangle: &Triangle) -> [bool; 3] {
+        let [a, b, c] = triangle.corners.map(|corner| &refined.vertices[corner as usize]);
+        [[a, b], [b, c], [c, a]].map(|[a, b]| self.splits(a, b, refined.rounds))
     }
 
     /// Adds the parts of a triangle whose edges (first to second corner, second to third, third to first) are `split`.

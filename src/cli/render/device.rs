@@ -82,6 +82,7 @@ impl<'a> Renderer<'a> {
             blur: step.blur.as_ref().map(|blur| BlurScene {
                 frame: &blur.frame,
                 images: [0, 1].map(|i| blur.images[i].as_deref().map(|picture| &picture.pixels[..])),
+                outer: [0, 1].map(|i| blur.outer[i].as_deref().map(|picture| &picture.pixels[..])),
             }),
             accumulate: false,
             rendered,

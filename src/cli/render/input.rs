@@ -34,7 +34,7 @@ pub(super) struct Inputs {
 struct Images {
     pattern: Pattern,
     size: [u32; 2],
-    /// The last two that were read.
+    /// The last that were read, as many as an output needs.
     last: Vec<(u32, Image)>,
 }
 
@@ -61,6 +61,8 @@ pub(super) struct Blurred {
     pub(super) frame: BlurFrame,
     /// The pictures of the frames that it is between.
     pub(super) images: [Option<Image>; 2],
+    /// Those of the frame before and of the one after, where the shot has such.
+    pub(super) outer: [Option<Image>; 2],
 }
 
 /// A step, or why there are no more.
@@ -111,6 +113,7 @@ impl Inputs {
                 settings: smoke.settings.clone(),
                 layers,
                 depth: None,
+                edges: false,
                 skipping: true,
             });
         }
@@ -175,12 +178,13 @@ impl Inputs {
 
 fn blurred(blur: &mut BlurInput, images: &mut Option<Images>, number: u32) -> Result<Blurred, Failure> {
     let frame = blur.frame(number)?;
-    let [before, after] = frame.images();
-    let images = match images {
-        Some(images) => [Some(images.frame(before)?), Some(images.frame(after)?)],
-        None => [None, None],
+    let ([before, after], [earlier, later]) = (frame.images(), frame.outer_images());
+    let mut image = |frame: Option<u32>| match (&mut *images, frame) {
+        (Some(images), Some(frame)) => images.frame(frame).map(Some),
+        _ => Ok(None),
     };
-    Ok(Blurred { frame, images })
+    let (earlier, before, after, later) = (image(earlier)?, image(Some(before))?, image(Some(after))?, image(later)?);
+    Ok(Blurred { frame, images: [before, after], outer: [earlier, later] })
 }
 
 impl Images {
@@ -215,7 +219,7 @@ impl Images {
             return Err(ReadError::at(&path, place, format!("is {:?}", image.pixels[at]), "finite numbers"));
         }
         let image = Arc::new(image);
-        if self.last.len() > 1 {
+        if self.last.len() > 3 {
             self.last.remove(0);
         }
         self.last.push((frame, image.clone()));

@@ -50,7 +50,7 @@ pub(super) fn decode(effects: &Effects, bytes: &[&[u8]], particles: usize, blurr
     }
     if let (Some(desc), Some(blurred), Some((taken, _))) = (&effects.blur, blurred, bytes.split_first_chunk()) {
         layers.extend(match blurred.is_still {
-            true => blur::still(blurred),
+            true => blur::still(*taken, blurred),
             false => blur::decode(*taken, pixels(desc.size), blurred),
         });
     }

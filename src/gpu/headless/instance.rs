@@ -114,7 +114,9 @@ fn create(
     let mut wanted = vec![vk::EXT_DEBUG_UTILS_NAME];
     let mut layers = Vec::new();
     if validate {
-        wanted.extend([vk::EXT_VALIDATION_FEATURES_NAME, vk::EXT_LAYER_SETTINGS_NAME]);
+        // Not VK_EXT_layer_settings: older loaders refuse what they do not know, and a layer that has it takes the
+        // settings without.
+        wanted.push(vk::EXT_VALIDATION_FEATURES_NAME);
         layers.push(VALIDATION_LAYER.as_ptr());
     }
     wanted.retain(|name| has(name));

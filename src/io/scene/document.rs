@@ -273,12 +273,17 @@ fn check_required(path: &Path, json: &[u8]) -> Result<(), ReadError> {
         extensions_required: Vec<String>,
     }
     #[derive(Deserialize)]
+    #[serde(rename_all = "camelCase")]
     struct Asset {
         version: String,
+        min_version: Option<String>,
     }
     let head: Head = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
     if head.asset.version.split('.').next() != Some("2") {
         return Err(ReadError::at(path, "asset", format!("is glTF {}", head.asset.version), "glTF 2.0"));
+    }
+    if let Some(version) = head.asset.min_version.filter(|version| version != "2.0") {
+        return Err(ReadError::at(path, "asset", format!("needs glTF {version}"), "glTF 2.0"));
     }
     match head.extensions_required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
         None => Ok(()),

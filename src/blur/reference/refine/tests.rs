@@ -224,7 +224,7 @@ fn an_edge_splits_alike_from_both_ends() {
     let rules = rules(&interval, &settings);
     for [a, b, _] in mesh.triangles() {
         let (a, b) = (&refined.vertices[*a as usize], &refined.vertices[*b as usize]);
-        assert_eq!(rules.splits(a, b), rules.splits(b, a));
+        assert_eq!(rules.splits(a, b, 0), rules.splits(b, a, 0));
         assert_eq!(key(&rules.middle(a, b)), key(&rules.middle(b, a)));
     }
     check_watertight(&refined);

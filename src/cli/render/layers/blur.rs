@@ -68,8 +68,11 @@ pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, blurred: &Blu
 
 /// The layers of a frame that is frame i + 1, because nothing moves or the strength is 0: all of it is at k' = 1, and
 /// no triangle has been drawn.
-pub(super) fn still(Blurred { motion, picture, .. }: &Blurred) -> Vec<Layer> {
+pub(super) fn still(bytes: [&[u8]; BUFFERS.len()], blurred: &Blurred) -> Vec<Layer> {
+    let Blurred { motion, picture, is_alone, .. } = blurred;
     let count = picture.len();
+    // Other effects are drawn over it.
+    let picture = if *is_alone { picture.to_vec() } else { read(bytes[BUFFERS.len() - 1], count) };
     let (mesh, interval) = (&motion.mesh, &motion.interval);
     let row = |point: &u32| {
         let point = *point as usize;
@@ -80,11 +83,11 @@ pub(super) fn still(Blurred { motion, picture, .. }: &Blurred) -> Vec<Layer> {
         LayerData::table(COLUMNS, mesh.file_to_point().iter().flat_map(row).collect()),
         LayerData::Array { shape: vec![0, 3, CORNER], values: Vec::new() },
         LayerData::Colour(vec![[0.0; 4]; count]),
-        LayerData::Colour(picture.to_vec()),
+        LayerData::Colour(picture.clone()),
         LayerData::Value(vec![1.0; count]),
         LayerData::Value(vec![NEXT; count]),
         LayerData::Colour(vec![[0.0; 4]; count]),
-        LayerData::Colour(picture.to_vec()),
+        LayerData::Colour(picture),
     ])
 }
 

@@ -51,6 +51,7 @@ fn an_animation_is_chosen_by_its_name() {
 #[test]
 fn every_fault_names_its_place() {
     says(error_after(|file| file.root["asset"]["version"] = "1.0".into()), &["asset: is glTF 1.0", "2.0"]);
+    says(error_after(|file| file.root["asset"]["minVersion"] = "2.1".into()), &["asset: needs glTF 2.1", "2.0"]);
     says(error_after(|file| file.root["scene"] = 5.into()), &["there is no scene 5", "below 1"]);
     says(error_after(|file| file.root["nodes"][0]["mesh"] = 5.into()), &["no mesh 5"]);
     says(error_after(|file| file.root["nodes"][0]["skin"] = 5.into()), &["no skin 5"]);

@@ -1,0 +1,14 @@
+// As `composite`, where the host has drawn nothing nearer.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "../common/host_depth.glsl"
+#include "composite.glsl"
+layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;
+layout(std430, binding = 2) readonly buffer Surface { uvec4 surface[]; };
+
+void main() {
+    uint index = replace();
+    vec2 depths = uintBitsToFloat(surface[index].zw);
+    gl_FragDepth = host_depth(constants.terms, isinf(depths.y) ? depths.x : depths.y);
+}

@@ -1,0 +1,50 @@
+// What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
+layout(std430, binding = 26) writeonly buffer Surface {
+    // Colour, premultiplied by the share that is covered, and that share, as halves; view depth; that behind which all of the
+    // pixel is covered. Of what of the mesh is nearest; another part of it may be behind that. Where there is none: depth of
+    // what was there.
+    uvec4 surface[];
+};
+
+const float FRONT = 0.98;  // share of the nearness of what is nearest that what belongs to it has at least
+
+// Where other things than the mesh are seen of an image, if that can be told.
+bool is_beside(ivec2 pixel);
+vec4 next_at(ivec2 pixel);
+float nearness_at(ivec2 at);
+
+float depth_of(float nearness) {
+    return nearness > 0.0 ? params.lens.x / nearness : uintBitsToFloat(0x7f800000u);
+}
+
+void covers(uint index, vec4 colour, float nearest, float behind) {
+    // Halves end at 65504.
+    vec4 kept = clamp(colour, vec4(0.0), vec4(vec3(65504.0), 1.0));
+    surface[index] =
+        uvec4(packHalf2x16(kept.xy), packHalf2x16(kept.zw), floatBitsToUint(depth_of(nearest)), floatBitsToUint(behind));
+}
+
+// The mesh's part of a pixel of image i + 1, of which so much is covered: the rest is as beside it.
+vec4 part_of_next(ivec2 pixel, float covered) {
+    vec4 own = next_at(pixel);
+    vec4 beside = vec4(0.0);
+    float count = 0.0;
+    for (int i = 0; i < 9; ++i) {
+        ivec2 other = pixel + ivec2(i % 3, i / 3) - 1;
+        if (covered < 1.0 && all(greaterThanEqual(other, ivec2(0))) && all(lessThan(other, ivec2(params.image.xy)))
+            && is_beside(other)) {
+            beside += next_at(other);
+            count += 1.0;
+        }
+    }
+    return count > 0.0 ? max(own - (1.0 - covered) * beside / count, vec4(0.0)) : covered * own;
+}
+
+// Whether none of a pixel's four samples sees the mesh.
+bool is_empty(ivec2 pixel) {
+    float nearest = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        nearest = max(nearest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));
+    }
+    return nearest == 0.0;
+}

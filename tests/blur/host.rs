@@ -1,0 +1,97 @@
+//! A host of the blur: other sizes and formats, frames in flight.
+
+use ash::vk;
+use celfx::blur::{Background, Settings};
+use celfx::simulate::mesh::Builtin;
+use celfx::view::Light;
+
+use crate::common::blur::{SLOTS, Shot};
+use crate::toon::Film;
+
+const SIZE: [u32; 2] = [128, 72];
+
+fn film(size: [u32; 2]) -> Option<Film> {
+    Film::new(Builtin::Run, 800, size, 20..28, Settings::default(), false)
+}
+
+#[test]
+fn another_size_is_another_effect() {
+    let Some(mut film) = film(SIZE) else { return };
+    let first = film.output(2, true);
+    let other = [90, 110];
+    film.rig.resize(other);
+    film.animation.size = other;
+    let resized = film.again(2);
+    let mut fresh = self::film(other).expect("a device");
+    assert!(resized == fresh.output(2, true));
+    film.rig.resize(SIZE);
+    film.animation.size = SIZE;
+    assert!(film.again(2) == first && first != resized);
+}
+
+/// Each frame has a slot's buffers and images, and is begun before the one before it has ended.
+#[test]
+fn frames_in_flight_are_those_that_are_waited_for() {
+    let Some(mut film) = film(SIZE) else { return };
+    let waited: Vec<_> = (1..6).map(|i| film.output(i, true)).collect();
+    let mut other = self::film(SIZE).expect("a device");
+    let intervals: Vec<_> = (1..6).map(|i| other.interval(i)).collect();
+    let poses = other.animation.poses.clone();
+    let (mut on_their_way, mut found) = (std::collections::VecDeque::new(), Vec::new());
+    for (n, interval) in intervals.iter().enumerate() {
+        other.rig.slot = n % SLOTS;
+        if on_their_way.len() == SLOTS {
+            other.rig.wait(on_their_way.pop_front().expect("a submission"));
+            found.push(other.rig.picture());
+        }
+        let poses = (n == 0).then_some((0, &poses[..]));
+        let shot = Shot { poses, interval: Some(interval), views: other.animation.views(n + 1), knots: None };
+        on_their_way.push_back(other.rig.start(&shot));
+    }
+    for n in intervals.len() - SLOTS..intervals.len() {
+        other.rig.wait(on_their_way.pop_front().expect("a submission"));
+        other.rig.slot = n % SLOTS;
+        found.push(other.rig.picture());
+    }
+    assert!(found == waited);
+}
+
+/// Targets of 8 bits have the picture of floats to a step, whether their frames are drawn or images.
+#[test]
+fn targets_of_eight_bits_are_floats_rounded() {
+    for format in [vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM] {
+        let Some(mut exact) = film(SIZE) else { return };
+        let mut rounded = Film::with_format(Builtin::Run, 800, SIZE, 20..28, format).expect("a device");
+        for film in [&mut exact, &mut rounded] {
+            film.set_light(Light::default(), Background::Clear([0.1, 0.2, 0.3, 1.0]));
+        }
+        let (exact, rounded) = (exact.output(2, true), rounded.output(2, true));
+        // Frames are rounded, and what is made of them: a step each, and half of one where both are mixed. A step of
+        // sRGB is up to 1 / 115 of linear light.
+        let step = if format == vk::Format::R8G8B8A8_UNORM { 1.0 / 255.0 } else { 1.0 / 115.0 };
+        let off = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
+        let mut differences: Vec<f32> = exact.iter().zip(&rounded).map(off).collect();
+        differences.sort_by(f32::total_cmp);
+        let (usual, worst) = (differences[differences.len() * 99 / 100], differences[differences.len() - 1]);
+        eprintln!("{format:?}: {usual:.4}, {worst:.4}");
+        assert!(usual <= 1.5 * step, "{format:?}: {usual}");
+        // Completion decides by colours which prediction is the better one.
+        assert!(worst < 0.5, "{format:?}: {worst}");
+    }
+}
+
+/// Where only the far sides of closed objects are left out, nothing changes.
+#[test]
+fn culling_changes_nothing() {
+    let Some(mut film) = Film::new(Builtin::Spin, 800, SIZE, 2..8, Settings::default(), false) else { return };
+    let picture = film.output(2, true);
+    let culled = film.rig.finished().iter().filter(|triangle| triangle[3] & celfx::blur::params::CULLED != 0).count();
+    assert!(culled > 50, "{culled} triangles are culled");
+    let mut open = Film::new(Builtin::Spin, 800, SIZE, 2..8, Settings::default(), false).expect("a device");
+    open.rig.are_closed = false;
+    let whole = open.output(2, true);
+    assert!(open.rig.finished().iter().all(|triangle| triangle[3] & celfx::blur::params::CULLED == 0));
+    let differing = (0..picture.len()).filter(|pixel| picture[*pixel] != whole[*pixel]).count();
+    // Where it is smeared, a few of what faces away in both frames is turned over at the outline.
+    assert!(differing <= picture.len() / 200, "{differing} pixels");
+}
