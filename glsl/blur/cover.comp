@@ -18,7 +18,9 @@ layout(std430, binding = 10) buffer Completing { uint completing[]; };
 #include "samples.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
+const uint MOVING = 1u;   // it sees what moves, of frame f shifted by f
 shared uint most[3];
+shared uint moving;
 
 bool is_moving(uint seen) {
     uvec4 base = triangles[seen - 1u];
@@ -74,14 +76,22 @@ void main() {
     if (lane < 3u) {
         most[lane] = 0u;
     }
+    if (lane == 0u) {
+        moving = 0u;
+    }
     barrier();
     if (is_inside) {
-        cover[uint(at.y) * params.image.x + uint(at.x)] = cover_of(1u, at) | cover_of(2u, at);
+        uint covers = cover_of(1u, at) | cover_of(2u, at);
+        cover[uint(at.y) * params.image.x + uint(at.x)] = covers;
+        atomicAdd(moving, bitCount(covers & (MOVING << 1u | MOVING << 2u)));
         measure(texelFetch(frame_previous, at, 0), 0u);
         measure(texelFetch(frame_next, at, 0), 1u);
     }
     barrier();
     if (lane < 3u && most[lane] > 0u) {
         atomicMax(completing[SCALES + lane], most[lane]);
+    }
+    if (lane == 0u && moving > 0u) {
+        atomicAdd(completing[MOVING_COUNT], moving);
     }
 }

@@ -4,8 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, Piece, ROUNDS, Round, ToonParams,
-    Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, MOST_SITES,
+    Piece, ROUNDS, Round, Site, Tones, ToonParams, Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
@@ -65,6 +65,9 @@ buffers! {
     COMPLETING = "Completing",
     SUMS = "Sums",
     TABLES = "Tables",
+    SITES = "Sites",
+    LIGHTS = "Lights",
+    TONES = "ToneList",
     SAMPLE_COLOURS = "SampleColours",
     SAMPLE_STATES = "SampleStates",
     SAMPLE_SIDES = "SampleSides",
@@ -172,7 +175,7 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
 
 /// Objects whose colours are learnt.
 fn tables(desc: &Desc, limit: u64) -> u32 {
-    let room = (limit / (4 * 4 * 9 * BINS)).min(MOST_TABLES.into()) as u32;
+    let room = (limit / (2 * 4 * 9 * BINS)).min(MOST_TABLES.into()) as u32;
     if desc.settings.completion == Completion::Surface { desc.objects.min(room) } else { 0 }
 }
 
@@ -281,13 +284,17 @@ impl Layout {
             self.set(NORMALS, 2 * 16 * u64::from(desc.groups));
         }
         self.set(COVER, 4 * pixels);
-        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
-        self.set(SUMS, 4 * 4 * 9 * BINS * tables);
-        self.set(TABLES, 4 * 16 * BINS * tables);
+        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 8 * tables);
+        self.set(SUMS, 2 * 4 * 9 * BINS * tables);
+        self.set(TABLES, 2 * 16 * BINS * tables);
+        let sites = MOST_SITES.iter().map(|most| u64::from(*most)).sum::<u64>() * size_of::<Site>() as u64;
+        self.set(SITES, if tables > 0 { sites } else { 0 });
+        self.set(LIGHTS, if tables > 0 { 2 * 2 * 16 * u64::from(LIGHT_CANDIDATES[0]) } else { 0 });
+        self.set(TONES, size_of::<Tones>() as u64 * (1 + tables));
         self.set(SAMPLE_COLOURS, 4 * 16 * pixels);
         self.set(SAMPLE_STATES, 4 * 4 * pixels);
         let is_gradient = desc.settings.completion == Completion::Gradient;
-        self.set(SAMPLE_SIDES, if is_gradient { 4 * 32 * pixels } else { 0 });
+        self.set(SAMPLE_SIDES, if is_gradient { 4 * 16 * pixels } else { 0 });
         self.set(LISTS, 4 * 4 * u64::from(self.listed));
     }
 

@@ -49,9 +49,11 @@ pub struct Passes {
     pub(super) sums: PassId,
     pub(super) cover: PassId,
     pub(super) normals: PassId,
-    /// Colours at normals, how far others are off, and how good predictions are.
-    pub(super) learn: [PassId; 3],
+    pub(super) learn: PassId,
     pub(super) fill: PassId,
+    pub(super) pairs: PassId,
+    pub(super) light: PassId,
+    pub(super) tone: PassId,
     pub(super) shade: PassId,
     pub(super) sides: PassId,
     /// Of samples that neither frame shows, and of those that one does.
@@ -149,9 +151,11 @@ impl Passes {
             sums: d.writes("blur.learn", &[SUMS]),
             cover: d.compute("blur.cover", &glsl::cover::SHADER),
             normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
-            learn: [0, 1, 2]
-                .map(|stage| d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, stage]))),
+            learn: d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups])),
             fill: d.compute("blur.learn", &glsl::fill::SHADER),
+            pairs: d.add(Pass::compute("blur.tones", &glsl::pairs::SHADER).specialise([desc.groups])),
+            light: d.compute("blur.tones", &glsl::light::SHADER),
+            tone: d.compute("blur.tones", &glsl::tone::SHADER),
             shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion])),
             sides: d.compute("blur.layers", &glsl::sides::SHADER),
             border: [0, 1]

@@ -5,15 +5,16 @@ use std::mem::offset_of;
 use crate::blur::frame::{Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LINE_VERTICES, MOST_KNOTS, MOST_LINES, ROUNDS,
-    Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants, ToonParams, VisibilityConstants,
+    self, BlurParams, ChooseConstants, Control, GhostConstants, Knot, LIGHT_CANDIDATES, LINE_VERTICES, LightConstants,
+    MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, SpeedConstants,
+    ToneConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 19] = [
+const MOTION_STEPS: [&str; 20] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -27,6 +28,7 @@ const MOTION_STEPS: [&str; 19] = [
     "blur.cover",
     "blur.normals",
     "blur.learn",
+    "blur.tones",
     "blur.shade",
     "blur.complete",
     "blur.compose",
@@ -35,8 +37,9 @@ const MOTION_STEPS: [&str; 19] = [
     "blur.lines",
 ];
 
-/// Lanes of a workgroup of `fill`, of which there is one a table.
-const FILL_LANES: u32 = 256;
+/// Lanes of a workgroup of `fill`, of which there is one a table, and of `light` and `tone`, of which there is one a
+/// candidate.
+const TABLE_LANES: u32 = 256;
 /// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
 /// stays as it is.
 const GRADIENT_DISPATCHES: u32 = 16;
@@ -121,7 +124,15 @@ impl Steps<'_> {
         self.frames(frame, outer);
         if self.desc.settings.strength == 0.0 {
             // The target has frame i + 1, and only what is behind the mesh is missing.
-            let steps = ["blur.cover", "blur.normals", "blur.learn", "blur.shade", "blur.compose", "blur.composite"];
+            let steps = [
+                "blur.cover",
+                "blur.normals",
+                "blur.learn",
+                "blur.tones",
+                "blur.shade",
+                "blur.compose",
+                "blur.composite",
+            ];
             steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
         } else {
             self.learn();
@@ -370,15 +381,22 @@ impl Steps<'_> {
         self.plan.step(self.passes.cover, Command::Dispatch { threads: [width, height, 1] });
         if self.layout.tables == 0 {
             let reason = "completion does not follow from the surface";
-            return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
+            return ["blur.normals", "blur.learn", "blur.tones"].iter().for_each(|name| self.plan.skip(name, reason));
         }
         self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, 2, 1] });
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Command::Dispatch { threads: [width, height, 2] };
-        self.plan.step(self.passes.learn[0], pixels);
-        self.plan.step(self.passes.fill, Command::Dispatch { threads: [FILL_LANES * 4 * self.layout.tables, 1, 1] });
-        self.plan.step(self.passes.learn[1], pixels);
-        self.plan.step(self.passes.learn[2], pixels);
+        self.plan.step(self.passes.learn, pixels);
+        self.plan.step(self.passes.fill, Command::Dispatch { threads: [TABLE_LANES * 2 * self.layout.tables, 1, 1] });
+        self.plan.step(self.passes.pairs, pixels);
+        for (round, candidates) in (0..).zip(LIGHT_CANDIDATES) {
+            let command = Command::Dispatch { threads: [TABLE_LANES * candidates, 1, 1] };
+            self.plan.step_with(self.passes.light, command, &LightConstants { round });
+        }
+        for (is_own, groups) in [(0, 1), (1, self.layout.tables)] {
+            let command = Command::Dispatch { threads: [TABLE_LANES * groups, 1, 1] };
+            self.plan.step_with(self.passes.tone, command, &ToneConstants { is_own });
+        }
     }
 
     /// Samples that get their colour from neighbours: no group runs where there are none.
@@ -407,7 +425,7 @@ impl Steps<'_> {
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 48
+    let steps = 56
         + 24
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
