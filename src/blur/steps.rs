@@ -37,9 +37,10 @@ const MOTION_STEPS: [&str; 20] = [
     "blur.lines",
 ];
 
-/// Lanes of a workgroup of `fill`, of which there is one a table, and of `light` and `tone`, of which there is one a
-/// candidate.
+/// Lanes of a workgroup of `fill`, of which there is one a table, and of `tone`, of which there is one an object.
 const TABLE_LANES: u32 = 256;
+/// Of `light`, of which there is one a candidate.
+const LIGHT_LANES: u32 = 64;
 /// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
 /// stays as it is.
 const GRADIENT_DISPATCHES: u32 = 16;
@@ -390,7 +391,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.fill, Command::Dispatch { threads: [TABLE_LANES * 2 * self.layout.tables, 1, 1] });
         self.plan.step(self.passes.pairs, pixels);
         for (round, candidates) in (0..).zip(LIGHT_CANDIDATES) {
-            let command = Command::Dispatch { threads: [TABLE_LANES * candidates, 1, 1] };
+            let command = Command::Dispatch { threads: [LIGHT_LANES * candidates, 1, 1] };
             self.plan.step_with(self.passes.light, command, &LightConstants { round });
         }
         for (is_own, groups) in [(0, 1), (1, self.layout.tables)] {

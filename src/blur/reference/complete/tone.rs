@@ -134,7 +134,7 @@ pub fn sites(surface: &Surface, frames: [&Frame; 2]) -> [Vec<Site>; 2] {
             all.push(site);
             if changed(change) >= CLEAR {
                 few.push(site);
-            } else if at[0] / stride % 4 == 0 && at[1] / stride % 2 == 0 {
+            } else if (at[0] / stride).is_multiple_of(4) && (at[1] / stride).is_multiple_of(2) {
                 few.push(Site { weight: 8, ..site });
             }
         }
@@ -176,8 +176,8 @@ pub fn solve(sites: &[Site], lights: [[f64; 3]; 2], steps: usize, weighing: Weig
             let is_whole = time == 0 || residual <= scale;
             let weight = site.weight * if is_whole { WHOLE } else { (WHOLE * scale + residual / 2) / residual };
             couple(&mut matrix, at, f64::from(weight));
-            for i in 0..3 {
-                let value = f64::from(weight) * f64::from(site.change[i]);
+            for (i, change) in site.change.into_iter().enumerate() {
+                let value = f64::from(weight) * f64::from(change);
                 rights[at[0]][i] += value;
                 rights[at[1]][i] -= value;
             }

