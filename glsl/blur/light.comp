@@ -5,6 +5,8 @@
 #include "params.glsl"
 #include "samples.glsl"
 #include "tones.glsl"
+layout(local_size_x = 64) in;
+const uint LANES = 64u;  // few: there are many groups, which often wait for their lanes
 #include "solve.glsl"
 layout(push_constant) uniform LightConstants {
     uint round;

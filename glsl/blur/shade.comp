@@ -18,7 +18,6 @@ layout(std430, binding = 22) buffer Completing { uint completing[]; };
 layout(std430, binding = 23) writeonly buffer SampleColours { vec4 sample_colours[]; };
 layout(std430, binding = 24) writeonly buffer SampleStates { uint sample_states[]; };
 layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]; };
-layout(std430, binding = 26) readonly buffer ToneList { Tones found[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
 layout(constant_id = 1) const uint COMPLETION = 0;  // 0: none, 1: from the surface, 2: from the gradient
 #include "tables.glsl"
@@ -69,12 +68,12 @@ bool is_explained(uint object) {
 
 // The logarithm of the tone at a normal. Between neighbours that differ little it changes evenly, between others at once.
 vec3 tone_at(uint place, uint frame, vec3 normal) {
-    vec3 light = found[place].lights[frame].xyz;
+    vec3 light = uintBitsToFloat(tables[row_of_light(place, frame)].xyz);
     uint nearest = step_of(light, normal, STEPS);
     float beside = (dot(light, normal) * 0.5 + 0.5) * float(STEPS) - (float(nearest) + 0.5);
     uint next = uint(clamp(int(nearest) + (beside < 0.0 ? -1 : 1), 0, int(STEPS) - 1));
-    ivec3 own = found[place].tones[nearest].xyz;
-    ivec3 way = found[place].tones[next].xyz - own;
+    ivec3 own = ivec3(tables[row_of_tone(place, nearest)].xyz);
+    ivec3 way = ivec3(tables[row_of_tone(place, next)].xyz) - own;
     bool is_even = abs(way.x) + abs(way.y) + abs(way.z) < EVEN;
     return vec3(own) + (is_even ? min(abs(beside), 0.5) * vec3(way) : vec3(0.0));
 }

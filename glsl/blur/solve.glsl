@@ -1,10 +1,8 @@
-// Tones that explain best how colours change between two frames: a workgroup solves its normal equations.
-layout(local_size_x = 256) in;
+// Tones that explain best how colours change between two frames: a workgroup of LANES solves its normal equations.
 layout(std430, binding = 1) readonly buffer Sites { Site sites[]; };
 layout(std430, binding = 2) buffer Lights { vec4 lights[]; };
 layout(std430, binding = 3) buffer Completing { uint completing[]; };
 
-const uint LANES = 256u;
 const uint ALL = 0xffffffffu;
 const uint WHOLE = 16u;  // weight of a place; also of neighbouring steps having one tone
 
@@ -52,8 +50,8 @@ void gather(uvec2 range, vec3 earlier, vec3 later, uint steps, uint scale, uint 
     for (uint i = lane; i < steps * steps; i += LANES) {
         cells[i] = 0;
     }
-    if (lane < 3u * steps) {
-        rights[lane] = 0;
+    for (uint i = lane; i < 3u * steps; i += LANES) {
+        rights[i] = 0;
     }
     barrier();
     for (uint i = lane; i < range.y; i += LANES) {
@@ -101,8 +99,8 @@ void solve(uint steps) {
     for (uint i = lane; i < steps * steps; i += LANES) {
         cells[i] = floatBitsToInt(float(cells[i]));
     }
-    if (lane < 3u * steps) {
-        rights[lane] = floatBitsToInt(float(rights[lane]));
+    for (uint i = lane; i < 3u * steps; i += LANES) {
+        rights[i] = floatBitsToInt(float(rights[i]));
     }
     barrier();
     for (uint pivot = 0u; pivot + 1u < steps; ++pivot) {
@@ -128,10 +126,10 @@ void solve(uint steps) {
     for (uint left = steps; left > 0u; --left) {
         uint pivot = left - 1u;
         float diagonal = intBitsToFloat(cells[pivot * steps + pivot]);
-        if (lane < 3u * pivot) {
-            float solved = intBitsToFloat(rights[3u * pivot + lane % 3u]) / diagonal;
-            float factor = intBitsToFloat(cells[lane / 3u * steps + pivot]);
-            rights[lane] = floatBitsToInt(intBitsToFloat(rights[lane]) - factor * solved);
+        for (uint i = lane; i < 3u * pivot; i += LANES) {
+            float solved = intBitsToFloat(rights[3u * pivot + i % 3u]) / diagonal;
+            float factor = intBitsToFloat(cells[i / 3u * steps + pivot]);
+            rights[i] = floatBitsToInt(intBitsToFloat(rights[i]) - factor * solved);
         }
         if (lane < 3u) {
             tones[3u * pivot + lane] = int(floor(intBitsToFloat(rights[3u * pivot + lane]) / diagonal + 0.5));

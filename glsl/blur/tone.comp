@@ -5,8 +5,10 @@
 #include "params.glsl"
 #include "samples.glsl"
 #include "tones.glsl"
+layout(local_size_x = 256) in;
+const uint LANES = 256u;
 #include "solve.glsl"
-layout(std430, binding = 4) buffer ToneList { Tones found[]; };
+layout(std430, binding = 4) buffer Tables { uvec4 tables[]; };
 layout(push_constant) uniform ToneConstants {
     uint is_own;  // 1: those of objects
 } constants;
@@ -32,7 +34,7 @@ void main() {
         judged[lane] = 0u;
     }
     if (is_own && lane < 3u * STEPS) {
-        common_tones[lane] = found[0].tones[lane / 3u][lane % 3u];
+        common_tones[lane] = int(tables[row_of_tone(0u, lane / 3u)][lane % 3u]);
     }
     barrier();
     for (uint repeat = 0u; repeat < REPEATS; ++repeat) {
@@ -44,11 +46,11 @@ void main() {
         for (uint i = 0u; i < 3u; ++i) {
             whole[i] = tones[3u * lane + i] + common_tones[3u * lane + i];
         }
-        found[place].tones[lane] = ivec4(whole, 0);
+        tables[row_of_tone(place, lane)] = uvec4(uvec3(whole), 0u);
     }
     if (lane == 0u) {
-        found[place].lights[0] = vec4(earlier, 0.0);
-        found[place].lights[1] = vec4(later, 0.0);
+        tables[row_of_light(place, 0u)] = uvec4(floatBitsToUint(earlier), 0u);
+        tables[row_of_light(place, 1u)] = uvec4(floatBitsToUint(later), 0u);
     }
     if (!is_own) {
         return;

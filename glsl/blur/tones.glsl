@@ -21,11 +21,15 @@ struct Site {
     ivec4 change;     // logarithm of the colour in frame i + 1 by that in frame i; how many places it stands for
 };
 
-// What has been found: of all, then of each object.
-struct Tones {
-    vec4 lights[2];     // directions in frames i and i + 1
-    ivec4 tones[STEPS]; // logarithms at each step
-};
+// What has been found stands behind the tables of colours: of all (place 0), then of each object, 50 rows each: the light's
+// directions in frames i and i + 1, and the logarithm of the tone at each step.
+uint row_of_light(uint place, uint frame) {
+    return 2u * 1024u * params.completion.x + (STEPS + 2u) * place + frame;
+}
+
+uint row_of_tone(uint place, uint step) {
+    return row_of_light(place, 2u) + step;
+}
 
 uint step_of(vec3 light, vec3 normal, uint steps) {
     return uint(clamp((dot(light, normal) * 0.5 + 0.5) * float(steps), 0.0, float(steps) - 1.0));

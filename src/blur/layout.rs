@@ -5,7 +5,7 @@ use ash::vk;
 use crate::blur::frame::Desc;
 use crate::blur::params::{
     BLOCK, BlurParams, Cluster, Control, Knot, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, MOST_SITES,
-    Piece, ROUNDS, Round, Site, Tones, ToonParams, Vertex,
+    Piece, ROUNDS, Round, Site, TONE_STEPS, ToonParams, Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
@@ -67,7 +67,6 @@ buffers! {
     TABLES = "Tables",
     SITES = "Sites",
     LIGHTS = "Lights",
-    TONES = "ToneList",
     SAMPLE_COLOURS = "SampleColours",
     SAMPLE_STATES = "SampleStates",
     SAMPLE_SIDES = "SampleSides",
@@ -286,11 +285,12 @@ impl Layout {
         self.set(COVER, 4 * pixels);
         self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 8 * tables);
         self.set(SUMS, 2 * 4 * 9 * BINS * tables);
-        self.set(TABLES, 2 * 16 * BINS * tables);
+        // Behind the tables, the light's directions and tones: of all and of each object.
+        let tones = if tables > 0 { 16 * (2 + TONE_STEPS as u64) * (1 + tables) } else { 0 };
+        self.set(TABLES, 2 * 16 * BINS * tables + tones);
         let sites = MOST_SITES.iter().map(|most| u64::from(*most)).sum::<u64>() * size_of::<Site>() as u64;
         self.set(SITES, if tables > 0 { sites } else { 0 });
         self.set(LIGHTS, if tables > 0 { 2 * 2 * 16 * u64::from(LIGHT_CANDIDATES[0]) } else { 0 });
-        self.set(TONES, size_of::<Tones>() as u64 * (1 + tables));
         self.set(SAMPLE_COLOURS, 4 * 16 * pixels);
         self.set(SAMPLE_STATES, 4 * 4 * pixels);
         let is_gradient = desc.settings.completion == Completion::Gradient;

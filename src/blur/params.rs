@@ -137,14 +137,6 @@ pub struct Site {
     pub change: [i32; 4],
 }
 
-/// `Tones`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Tones {
-    pub lights: [[f32; 4]; 2],
-    pub tones: [[i32; 4]; TONE_STEPS],
-}
-
 push_constants! {
     /// Of `light`.
     LightConstants { round: u32 }
