@@ -138,7 +138,7 @@ float outline_share(vec4 beside, vec4 without) {
 }
 
 void main() {
-    ivec2 pixel = ivec2(tile_origin() + gl_LocalInvocationID.xy);
+    ivec2 pixel = ivec2(tile_origin(gl_WorkGroupID) + gl_LocalInvocationID.xy);
     if (!is_in_picture(pixel)) {
         return;
     }

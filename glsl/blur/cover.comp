@@ -19,7 +19,9 @@ layout(std430, binding = 10) buffer Completing { uint completing[]; };
 #include "samples.glsl"
 
 const float STEP = 0.98;  // share of its depth that what is before something else has at most
+const uint MOVING = 1u;   // it sees what moves, of frame f shifted by f
 shared uint most[3];
+shared uint moving;
 
 bool is_moving(uint seen) {
     uvec4 base = triangles[seen - 1u];
@@ -69,20 +71,29 @@ void measure(vec4 colour, uint frame) {
 }
 
 void main() {
-    ivec2 at = ivec2(tile_origin() + gl_LocalInvocationID.xy);
+    ivec2 at = ivec2(tile_origin(gl_WorkGroupID) + gl_LocalInvocationID.xy);
     bool is_inside = all(lessThan(at, ivec2(params.image.xy)));
     uint lane = gl_LocalInvocationIndex;
     if (lane < 3u) {
         most[lane] = 0u;
     }
+    if (lane == 0u) {
+        moving = 0u;
+    }
     barrier();
     if (is_inside) {
-        tiles[cover_of(at)] = shown_at(1u, at) | shown_at(2u, at);
-        measure(texelFetch(frame_previous, at, 0), 0u);
-        measure(texelFetch(frame_next, at, 0), 1u);
+        uint covers = shown_at(1u, at) | shown_at(2u, at);
+        tiles[cover_of(at)] = covers;
+        atomicAdd(moving, bitCount(covers & (MOVING << 1u | MOVING << 2u)));
+        // Nothing but the mesh is looked at.
+        measure(seen_at(1u, at) > 0u ? texelFetch(frame_previous, at, 0) : vec4(0.0), 0u);
+        measure(seen_at(2u, at) > 0u ? texelFetch(frame_next, at, 0) : vec4(0.0), 1u);
     }
     barrier();
     if (lane < 3u && most[lane] > 0u) {
         atomicMax(completing[SCALES + lane], most[lane]);
+    }
+    if (lane == 0u && moving > 0u) {
+        atomicAdd(completing[MOVING_COUNT], moving);
     }
 }

@@ -70,19 +70,12 @@ void main() {
         full[lane] = 0u;
     }
     barrier();
-    uint kind = gl_WorkGroupID.x & 1u;
-    uint frame = gl_WorkGroupID.x >> 1 & 1u;
-    uint object = table - (2u * frame + kind) * BINS;
-    // What its places are in the other frame, if it is of these; what this frame shows, and the other.
-    uvec3 sources = kind == 0u ? uvec3(2u * frame, 2u - 2u * frame, 2u * frame)
-        : uvec3(2u * frame + 1u, 2u - 2u * frame, 2u * frame);
+    // What this frame shows, and the other.
+    uint other = (gl_WorkGroupID.x ^ 1u) * BINS;
     for (uint bin = lane; bin < BINS; bin += LANES) {
-        uint at = 0u;
-        uint count = 0u;
-        for (uint i = 0u; i < 3u && count == 0u; ++i) {
-            at = (object + sources[i] * BINS) * 9u + bin;
-            count = sums[at];
-        }
+        uint own = table * 9u + bin;
+        uint at = sums[own] > 0u ? own : other * 9u + bin;
+        uint count = sums[at];
         if (count > 0u) {
             uvec4 units;
             for (uint i = 0u; i < 4u; ++i) {

@@ -5,6 +5,7 @@
 #include "samples.glsl"
 layout(local_size_x = 256) in;
 #include "inward.glsl"
+#include "sides.glsl"
 #include "hsv.glsl"
 
 const uint LANES = 256u;
@@ -13,6 +14,12 @@ const uint ROUND_TURNS = 5u;     // of a round, and of what a lane does in it wi
 const uint SAMPLE_TURNS = 11u;
 
 shared uvec3 turn;  // list, its first and its last sample
+
+// What a frame shows of a sample.
+vec4 side_of(uint index, uint side) {
+    uvec4 words = sample_sides[index];
+    return unpacked(side == 0u ? words.xy : words.zw);
+}
 
 vec4 mean_of(uint index, uint state) {
     vec4 sum = vec4(0.0);
@@ -26,13 +33,13 @@ vec4 mean_of(uint index, uint state) {
         uint there = sample_states[other];
         if (is_kin(state, there) && has_colour(there)) {
             vec4 colour = sample_colours[other];
-            sum += GRADIENT == 1u ? change(colour, sample_sides[2u * other + side]) : colour;
+            sum += GRADIENT == 1u ? change(colour, side_of(other, side)) : colour;
             count += 1.0;
         }
     }
     vec4 mean = sum / count;
     float brightest = max(uintBitsToFloat(completing[BRIGHTEST]), 1.0);
-    return GRADIENT == 1u ? changed(sample_sides[2u * index + side], mean, brightest) : mean;
+    return GRADIENT == 1u ? changed(side_of(index, side), mean, brightest) : mean;
 }
 
 // The samples around one that has got its colour have one more.

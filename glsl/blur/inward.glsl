@@ -2,7 +2,7 @@
 
 coherent layout(std430, binding = 1) buffer SampleColours { vec4 sample_colours[]; };
 coherent layout(std430, binding = 2) buffer SampleStates { uint sample_states[]; };
-layout(std430, binding = 3) readonly buffer SampleSides { vec4 sample_sides[]; };
+layout(std430, binding = 3) readonly buffer SampleSides { uvec4 sample_sides[]; };
 coherent layout(std430, binding = 4) buffer Lists { uint lists[]; };
 coherent layout(std430, binding = 5) buffer Completing { uint completing[]; };
 layout(constant_id = 0) const uint GRADIENT = 0;  // 1: of samples that one frame shows; 0: of those that neither does

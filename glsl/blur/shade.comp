@@ -5,6 +5,8 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 #include "samples.glsl"
+#include "tones.glsl"
+#include "sides.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
@@ -15,7 +17,7 @@ layout(std430, binding = 21) readonly buffer Tables { uvec4 tables[]; };
 layout(std430, binding = 22) buffer Completing { uint completing[]; };
 layout(std430, binding = 23) writeonly buffer SampleColours { vec4 sample_colours[]; };
 layout(std430, binding = 24) writeonly buffer SampleStates { uint sample_states[]; };
-layout(std430, binding = 25) writeonly buffer SampleSides { vec4 sample_sides[]; };
+layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
 layout(constant_id = 1) const uint COMPLETION = 0;  // 0: none, 1: from the surface, 2: from the gradient
 #include "tables.glsl"
@@ -47,35 +49,47 @@ vec4 mixed(Sides sides, float moved) {
     return sides.known == 3u ? both : sides.colours[sides.known >> 1];
 }
 
-// What an object looks like in a frame at a normal, or what its places do in the other (kind 1); w below 0: unknown.
-vec4 typical(uint object, uint frame, uint kind, vec3 normal) {
+// What an object looks like in a frame at a normal; w below 0: unknown.
+vec4 typical(uint object, uint frame, vec3 normal) {
     uint bin = bin_of(normal);
     if (object >= params.completion.x || bin == NO_BIN) {
         return vec4(-1.0);
     }
-    uvec4 units = tables[table_of(object, frame, kind) + bin];
+    uvec4 units = tables[table_of(object, frame) + bin];
     return units.x == NO_COLOUR ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
 }
 
-// Whether the other frame's colours are nearer to an object's than predictions, where both are known.
-bool is_better_known(uint object, uint frame) {
-    uint errors = products_of(object, frame) + 4u;
-    uvec2 predicted = uvec2(completing[errors], completing[errors + 1u]);
-    uvec2 known = uvec2(completing[errors + 2u], completing[errors + 3u]);
-    return predicted.y > known.y || (predicted.y == known.y && predicted.x > known.x);
+// Whether tones explain how colours change: of all at least a quarter, and of an object what it must.
+bool is_explained(uint object) {
+    uint own = OBJECTS + 2u * object;
+    bool is_own = object >= params.completion.x || completing[own] <= completing[own + 1u];
+    return is_own && 4u * completing[UNEXPLAINED] <= 3u * completing[UNEXPLAINED + 1u];
 }
 
-// The colour in the frame that hides it of what the other one shows: typical of its normal, and as far off as has been
-// seen to stay. w below 0: unknown.
+// The logarithm of the tone at a normal. Between neighbours that differ little it changes evenly, between others at once.
+vec3 tone_at(uint place, uint frame, vec3 normal) {
+    vec3 light = uintBitsToFloat(tables[row_of_light(place, frame)].xyz);
+    uint nearest = step_of(light, normal, STEPS);
+    float beside = (dot(light, normal) * 0.5 + 0.5) * float(STEPS) - (float(nearest) + 0.5);
+    uint next = uint(clamp(int(nearest) + (beside < 0.0 ? -1 : 1), 0, int(STEPS) - 1));
+    ivec3 own = ivec3(tables[row_of_tone(place, nearest)].xyz);
+    ivec3 way = ivec3(tables[row_of_tone(place, next)].xyz) - own;
+    bool is_even = abs(way.x) + abs(way.y) + abs(way.z) < EVEN;
+    return vec3(own) + (is_even ? min(abs(beside), 0.5) * vec3(way) : vec3(0.0));
+}
+
+// The colour in the frame that hides it of what the other one shows: it changes as the tone does. w below 0: unknown.
 vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     uint object = fragment.base.w >> 1;
-    vec4 own = typical(object, frame, 0u, normal_at(frame, fragment.place, fragment.base, fragment.shares));
-    vec4 other = typical(object, frame, 1u, normal_at(1u - frame, fragment.place, fragment.base, fragment.shares));
-    if (own.w < 0.0 || other.w < 0.0 || is_better_known(object, frame)) {
+    vec3 hidden = unit(normal_at(frame, fragment.place, fragment.base, fragment.shares));
+    vec3 shown = unit(normal_at(1u - frame, fragment.place, fragment.base, fragment.shares));
+    if (params.completion.x == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(object)) {
         return vec4(-1.0);
     }
-    vec4 colour = own + float(share_of(object, frame)) * (1.0 / 256.0) * (known - other);
-    return clamp(colour, vec4(0.0), vec4(vec3(scale_of_images()), 1.0));
+    uint place = object < params.completion.x ? 1u + object : 0u;
+    vec3 change = (tone_at(place, frame, hidden) - tone_at(place, 1u - frame, shown)) / LOGARITHM;
+    vec3 colour = (max(known.xyz, vec3(0.0)) + LEAST_COLOUR) * exp(change) - LEAST_COLOUR;
+    return vec4(clamp(colour, vec3(0.0), max(vec3(scale_of_images()), known.xyz)), known.w);
 }
 
 // Colour and state of a sample.
@@ -83,8 +97,7 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
     Sides sides = sides_of(fragment, uvec2(1u, 2u), 3u);
     uint mask = sides.known;
     if (COMPLETION == 2u) {
-        sample_sides[2u * index] = sides.colours[0];
-        sample_sides[2u * index + 1u] = sides.colours[1];
+        sample_sides[index] = uvec4(packed(sides.colours[0]), packed(sides.colours[1]));
     }
     state = mask | KNOWN;
     if (mask == 0u) {
@@ -93,7 +106,7 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
     if (sides.known == 0u && COMPLETION == 1u) {
         for (uint frame = 0u; frame < 2u; ++frame) {
             vec3 normal = normal_at(frame, fragment.place, fragment.base, fragment.shares);
-            sides.colours[frame] = typical(fragment.base.w >> 1, frame, 0u, normal);
+            sides.colours[frame] = typical(fragment.base.w >> 1, frame, normal);
             sides.known |= sides.colours[frame].w >= 0.0 ? 1u << frame : 0u;
         }
     } else if ((mask == 1u || mask == 2u) && COMPLETION != 0u && !is_still(fragment.base)) {
@@ -110,7 +123,7 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
 
 void main() {
     uvec2 part = 8u * uvec2(gl_WorkGroupID.z & 1u, gl_WorkGroupID.z >> 1);
-    ivec2 at = ivec2(2u * tile_origin() + part + gl_LocalInvocationID.xy);
+    ivec2 at = ivec2(2u * tile_origin(gl_WorkGroupID) + part + gl_LocalInvocationID.xy);
     uvec2 size = 2u * params.image.xy;
     bool is_inside = all(lessThan(at, ivec2(size)));
     if (gl_LocalInvocationIndex < 2u) {

@@ -1,5 +1,4 @@
-// Colours by world normal: of each object, and each of frames i (0) and i + 1 (1), what is typical of it (0), and of the
-// places that it shows in the other one (1).
+// Colours by world normal: what is typical of each object in each of frames i (0) and i + 1 (1).
 
 const uint SIDE = 32u;
 const uint BINS = SIDE * SIDE;
@@ -8,8 +7,8 @@ const uint NO_COLOUR = 0xffffffffu;
 const float UNITS = 65536.0;
 
 // Where a table begins.
-uint table_of(uint object, uint frame, uint kind) {
-    return ((2u * object + frame) * 2u + kind) * BINS;
+uint table_of(uint object, uint frame) {
+    return (2u * object + frame) * BINS;
 }
 
 float sign_of(float value) {
@@ -52,26 +51,6 @@ float scale_of_images() {
         scale = scale < most ? 2.0 * scale : scale;
     }
     return scale;
-}
-
-// Where the sums of an object begin.
-uint products_of(uint object, uint frame) {
-    return PRODUCTS + 8u * (2u * object + frame);
-}
-
-float number_at(uint at, bool is_signed) {
-    uint low = completing[at];
-    uint high = completing[at + 1u];
-    return (is_signed ? float(int(high)) : float(high)) * 4294967296.0 + float(low);
-}
-
-// How much of a departure from the typical colour stays from one frame to the other, in 1/256: the least-squares slope. All,
-// where nothing departs.
-int share_of(uint object, uint frame) {
-    uint products = products_of(object, frame);
-    float square = number_at(products + 2u, false);
-    float share = square > 0.0 ? clamp(number_at(products, true) / square, 0.0, 1.0) : 1.0;
-    return int(share * 256.0 + 0.5);
 }
 
 uvec4 quantised(vec4 colour, float scale) {

@@ -26,8 +26,8 @@ uint cover_of(ivec2 pixel) {
 }
 
 // The first pixel of the tile that a workgroup works on; far outside of the picture where there is nothing to do.
-uvec2 tile_origin() {
-    uint place = gl_WorkGroupID.y * ROW + gl_WorkGroupID.x;
+uvec2 tile_origin(uvec3 group) {
+    uint place = group.y * ROW + group.x;
     uint tile = place < tiles[0] ? tiles[place_of(place)] : 0u;
     uvec2 origin = 8u * uvec2(tile % tiles_across(), tile / tiles_across());
     return place < tiles[0] ? origin : uvec2(NO_PLACE);

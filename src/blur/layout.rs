@@ -4,7 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, MOST_KNOTS, MOST_LINES, Piece, ROUNDS, Round, ToonParams, Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, MOST_SITES,
+    Piece, ROUNDS, Round, Site, TONE_STEPS, ToonParams, Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
@@ -62,6 +63,8 @@ buffers! {
     COMPLETING = "Completing",
     SUMS = "Sums",
     TABLES = "Tables",
+    SITES = "Sites",
+    LIGHTS = "Lights",
     SAMPLE_COLOURS = "SampleColours",
     SAMPLE_STATES = "SampleStates",
     SAMPLE_SIDES = "SampleSides",
@@ -186,7 +189,7 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
 
 /// Objects whose colours are learnt.
 fn tables(desc: &Desc, limit: u64) -> u32 {
-    let room = (limit / (4 * 4 * 9 * BINS)).min(MOST_TABLES.into()) as u32;
+    let room = (limit / (2 * 4 * 9 * BINS)).min(MOST_TABLES.into()) as u32;
     if desc.settings.completion == Completion::Surface { desc.objects.min(room) } else { 0 }
 }
 
@@ -300,13 +303,18 @@ impl Layout {
         }
         let tiles = desc.size.map(|side| u64::from(side.div_ceil(8)));
         self.set(TILES, 4 * (TILE_WORDS as u64 + 2 * tiles[0] * tiles[1] + pixels));
-        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 2 * 32 * tables);
-        self.set(SUMS, 4 * 4 * 9 * BINS * tables);
-        self.set(TABLES, 4 * 16 * BINS * tables);
+        self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 8 * tables);
+        self.set(SUMS, 2 * 4 * 9 * BINS * tables);
+        // Behind the tables, the light's directions and tones: of all and of each object.
+        let tones = if tables > 0 { 16 * (2 + TONE_STEPS as u64) * (1 + tables) } else { 0 };
+        self.set(TABLES, 2 * 16 * BINS * tables + tones);
+        let sites = MOST_SITES.iter().map(|most| u64::from(*most)).sum::<u64>() * size_of::<Site>() as u64;
+        self.set(SITES, if tables > 0 { sites } else { 0 });
+        self.set(LIGHTS, if tables > 0 { 2 * 2 * 16 * u64::from(LIGHT_CANDIDATES[0]) } else { 0 });
         self.set(SAMPLE_COLOURS, 4 * 16 * pixels);
         self.set(SAMPLE_STATES, 4 * 4 * pixels);
         let is_gradient = desc.settings.completion == Completion::Gradient;
-        self.set(SAMPLE_SIDES, if is_gradient { 4 * 32 * pixels } else { 0 });
+        self.set(SAMPLE_SIDES, if is_gradient { 4 * 16 * pixels } else { 0 });
         self.set(LISTS, 4 * 4 * u64::from(self.listed));
     }
 

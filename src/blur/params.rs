@@ -33,6 +33,12 @@ pub const MOST_LINES: u32 = 16_384;
 pub const LINE_VERTICES: u32 = 96;
 /// The most tones of a frame that is drawn.
 pub const MOST_TONES: usize = 256;
+/// Steps of the cosine to the light, of which each has its tone.
+pub const TONE_STEPS: usize = 48;
+/// The most places that tones are learnt from, and of them the most that the search for the light begins with.
+pub const MOST_SITES: [u32; 2] = [32_768, 8_192];
+/// Candidates of each round of this search.
+pub const LIGHT_CANDIDATES: [u32; 6] = [1024, 81, 81, 81, 25, 25];
 /// The least length of an edge that is divided, in pixels.
 const LEAST_LENGTH: f32 = 0.25;
 
@@ -125,7 +131,19 @@ pub struct ToonParams {
     pub tones: [[f32; 4]; MOST_TONES],
 }
 
+/// `Site`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Site {
+    pub normals: [[f32; 4]; 2],
+    pub change: [i32; 4],
+}
+
 push_constants! {
+    /// Of `light`.
+    LightConstants { round: u32 }
+    /// Of `tone`.
+    ToneConstants { is_own: u32 }
     /// Of `lines_choose`.
     ChooseConstants { round: u32, strips: u32 }
     /// Of `lines`.

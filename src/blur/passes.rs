@@ -52,9 +52,11 @@ pub struct Passes {
     pub(super) large_groups: PassId,
     pub(super) normals: PassId,
     pub(super) normals_large: PassId,
-    /// Colours at normals, how far others are off, and how good predictions are.
-    pub(super) learn: [PassId; 3],
+    pub(super) learn: PassId,
     pub(super) fill: PassId,
+    pub(super) pairs: PassId,
+    pub(super) light: PassId,
+    pub(super) tone: PassId,
     pub(super) shade: PassId,
     pub(super) sides: PassId,
     /// Of samples that neither frame shows, and of those that one does.
@@ -170,9 +172,11 @@ impl Passes {
             large_groups: d.writes("blur.normals", &[LARGE_GROUPS]),
             normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
             normals_large: d.add(Pass::compute("blur.normals", &glsl::normals_large::SHADER).specialise([desc.groups])),
-            learn: [0, 1, 2]
-                .map(|stage| d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups, stage]))),
+            learn: d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups])),
             fill: d.compute("blur.learn", &glsl::fill::SHADER),
+            pairs: d.add(Pass::compute("blur.tones", &glsl::pairs::SHADER).specialise([desc.groups])),
+            light: d.compute("blur.tones", &glsl::light::SHADER),
+            tone: d.compute("blur.tones", &glsl::tone::SHADER),
             shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion])),
             sides: d.compute("blur.layers", &glsl::sides::SHADER),
             border: [0, 1]

@@ -52,7 +52,8 @@ pub enum Refine {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Completion {
-    /// What that frame shows of the same object at the nearest normal.
+    /// The colour of the other frame, changed as the light on the surface changes: how that follows from normals is learnt
+    /// from the places that both frames show. Where neither shows a place: what is typical of the object at that normal.
     #[default]
     Surface,
     /// The change of colour of the neighbouring pixels, in HSV (the paper's way, section 2.8).

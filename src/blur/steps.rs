@@ -8,8 +8,8 @@ use crate::blur::frame::{
 use crate::blur::layout::*;
 use crate::blur::params::{
     self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
-    LINE_VERTICES, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round, RoundConstants, SeamConstants,
-    SettleConstants, ToonParams, VisibilityConstants,
+    LIGHT_CANDIDATES, LINE_VERTICES, LightConstants, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round,
+    RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
@@ -17,7 +17,7 @@ use crate::host::Background;
 use crate::plan::{Command, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 20] = [
+const MOTION_STEPS: [&str; 21] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -32,6 +32,7 @@ const MOTION_STEPS: [&str; 20] = [
     "blur.cover",
     "blur.normals",
     "blur.learn",
+    "blur.tones",
     "blur.shade",
     "blur.complete",
     "blur.compose",
@@ -42,8 +43,10 @@ const MOTION_STEPS: [&str; 20] = [
 
 /// State of a sample that sees nothing (`glsl/blur/samples.glsl`).
 const NOTHING_SEEN: u32 = 4;
-/// Lanes of a workgroup of `fill`, of which there is one a table.
-const FILL_LANES: u32 = 256;
+/// Lanes of a workgroup of `fill`, of which there is one a table, and of `tone`, of which there is one an object.
+const TABLE_LANES: u32 = 256;
+/// Of `light`, of which there is one a candidate.
+const LIGHT_LANES: u32 = 64;
 /// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
 /// stays as it is.
 const GRADIENT_DISPATCHES: u32 = 16;
@@ -154,6 +157,7 @@ impl Steps<'_> {
                 "blur.cover",
                 "blur.normals",
                 "blur.learn",
+                "blur.tones",
                 "blur.shade",
                 "blur.compose",
                 "blur.composite",
@@ -469,15 +473,22 @@ impl Steps<'_> {
         self.plan.step(self.passes.cover, Self::over_tiles(0));
         if self.layout.tables == 0 {
             let reason = "completion does not follow from the surface";
-            return ["blur.normals", "blur.learn"].iter().for_each(|name| self.plan.skip(name, reason));
+            return ["blur.normals", "blur.learn", "blur.tones"].iter().for_each(|name| self.plan.skip(name, reason));
         }
         self.normals(2);
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Self::over_tiles(1);
-        self.plan.step(self.passes.learn[0], pixels);
-        self.plan.step(self.passes.fill, Command::Dispatch { threads: [FILL_LANES * 4 * self.layout.tables, 1, 1] });
-        self.plan.step(self.passes.learn[1], pixels);
-        self.plan.step(self.passes.learn[2], pixels);
+        self.plan.step(self.passes.learn, pixels);
+        self.plan.step(self.passes.fill, Command::Dispatch { threads: [TABLE_LANES * 2 * self.layout.tables, 1, 1] });
+        self.plan.step(self.passes.pairs, pixels);
+        for (round, candidates) in (0..).zip(LIGHT_CANDIDATES) {
+            let command = Command::Dispatch { threads: [LIGHT_LANES * candidates, 1, 1] };
+            self.plan.step_with(self.passes.light, command, &LightConstants { round });
+        }
+        for (is_own, groups) in [(0, 1), (1, self.layout.tables)] {
+            let command = Command::Dispatch { threads: [TABLE_LANES * groups, 1, 1] };
+            self.plan.step_with(self.passes.tone, command, &ToneConstants { is_own });
+        }
     }
 
     /// Samples that get their colour from neighbours: no group runs where there are none.
@@ -512,7 +523,7 @@ impl Steps<'_> {
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 58
+    let steps = 66
         + 48
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize

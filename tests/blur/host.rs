@@ -1,11 +1,13 @@
 //! A host of the blur: other sizes and formats, frames in flight.
 
 use ash::vk;
+use celfx::blur::settings::Completion;
 use celfx::blur::{Background, Settings};
 use celfx::simulate::mesh::Builtin;
 use celfx::view::Light;
 
 use crate::common::blur::{SLOTS, Shot};
+use crate::common::scenes::random;
 use crate::toon::Film;
 
 const SIZE: [u32; 2] = [128, 72];
@@ -94,4 +96,36 @@ fn culling_changes_nothing() {
     let differing = (0..picture.len()).filter(|pixel| picture[*pixel] != whole[*pixel]).count();
     // Where it is smeared, a few of what faces away in both frames is turned over at the outline.
     assert!(differing <= picture.len() / 200, "{differing} pixels");
+}
+
+/// Tiles without the mesh are left out, and frames that are there are not drawn again: to the bit nothing changes by it,
+/// whatever reaches over the mesh's outline, and however bright what is beside it is.
+#[test]
+fn skipping_changes_nothing() {
+    let usual = Settings::default();
+    let all = [
+        Settings { strength: 2.0, skirt: 9.5, ..usual.clone() },
+        Settings { completion: Completion::Gradient, ..usual.clone() },
+        Settings { completion: Completion::None, skirt: 0.0, ..usual.clone() },
+        usual,
+    ];
+    for settings in all {
+        // Tiles that are not whole at the right and at the bottom.
+        let size = [250, 141];
+        let make = |skipping| Film::without_layers(800, size, 18..26, settings.clone(), skipping);
+        let (Some(mut film), Some(mut whole)) = (make(true), make(false)) else { return };
+        for i in 1..4 {
+            assert!(film.output(i, true) == whole.output(i, true), "drawn, {settings:?}");
+        }
+        for frame in 0..2 {
+            let channel = |at: u32, c: u32| random(20 + frame, at, c) * if c < 3 { 4.0 } else { 1.0 };
+            let image: Vec<_> = (0..size[0] * size[1]).map(|at| [0, 1, 2, 3].map(|c| channel(at, c))).collect();
+            for film in [&mut film, &mut whole] {
+                film.rig.toon = None;
+                film.rig.set_image(frame as usize, &image);
+            }
+        }
+        let (picture, expected) = (film.output(2, true), whole.output(2, true));
+        assert!(picture == expected, "images, {settings:?}");
+    }
 }

@@ -58,6 +58,22 @@ impl Film {
         })
     }
 
+    /// One that keeps no layers, and leaves out what a frame does not need, or nothing.
+    pub fn without_layers(
+        vertices: u32,
+        size: [u32; 2],
+        frames: std::ops::Range<u32>,
+        settings: Settings,
+        skipping: bool,
+    ) -> Option<Film> {
+        Film::make(Builtin::Crossing, vertices, frames, false, |mesh| celfx::blur::Desc {
+            toon: true,
+            layers: false,
+            skipping,
+            ..desc(size, mesh, settings)
+        })
+    }
+
     fn make(
         which: Builtin,
         vertices: u32,

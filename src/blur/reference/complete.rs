@@ -2,11 +2,13 @@
 
 pub mod gradient;
 pub mod table;
+pub mod tone;
 
 use super::distort::Drawing;
 use super::visible::{Colour, Frame, Shaded, Surface, mix};
 use crate::blur::settings::Completion;
 use table::Table;
+use tone::Tones;
 
 /// The colour of every sample of the distorted mesh, premultiplied; 0 where it sees nothing.
 ///
@@ -14,8 +16,8 @@ use table::Table;
 /// - Where frames i - 1 and i + 2 had to help (mask 0): [`mix`] of the two, or the one that is known.
 /// - Where one side is known and the triangle stays where it is: that side. Nothing moves there.
 /// - Where one side is known else: by `how`. `None`: that side. `Surface`: [`mix`] of that side and what
-///   [`Table::predict`] says of the other; that side where it says nothing, as of objects whose colours stay nearer than
-///   it predicts them. `Gradient`: [`gradient`].
+///   [`Tones::predict`] says of the other; that side where it says nothing, as of objects whose colours do not follow from
+///   tones. `Gradient`: [`gradient`].
 /// - Where nothing is known: with `Surface`, [`mix`] of what [`Table::typical`] says of both frames, or the one of which
 ///   it says something. All that is left: [`inward`], the mean of the neighbours that have a colour. Samples that this
 ///   does not reach have no colour: 0.
@@ -26,15 +28,17 @@ pub fn complete(
     shaded: &[Shaded],
     how: Completion,
 ) -> Vec<Colour> {
-    let tables = (how == Completion::Surface)
-        .then(|| [Table::learn(surface, frames[0], frames[1]), Table::learn(surface, frames[1], frames[0])]);
+    let tables = (how == Completion::Surface).then(|| {
+        let tables = [Table::learn(surface, frames[0], frames[1]), Table::learn(surface, frames[1], frames[0])];
+        (tables, Tones::learn(surface, frames))
+    });
     let colour = |sample: &Shaded| {
         let fragment = sample.fragment?;
         let normal = |side: usize| frames[side].normal(surface, fragment.base, fragment.weights);
         let object = surface.objects[fragment.base as usize];
         match (sample.sides, &tables) {
             ([Some(previous), Some(next)], _) => Some(mix(fragment.time, [previous, next])),
-            ([None, None], Some(tables)) => {
+            ([None, None], Some((tables, _))) => {
                 let typical = [0, 1].map(|side| tables[side].typical(object, normal(side)));
                 match typical {
                     [Some(previous), Some(next)] => Some(mix(fragment.time, [previous, next])),
@@ -48,8 +52,8 @@ pub fn complete(
                     return Some(known);
                 }
                 let missing = usize::from(one.is_some());
-                let Some(tables) = tables else { return (how == Completion::None).then_some(known) };
-                let predicted = tables[missing].predict(object, normal(missing), normal(1 - missing), known);
+                let Some((_, tones)) = tables else { return (how == Completion::None).then_some(known) };
+                let predicted = tones.predict(object, missing, [normal(0), normal(1)], known);
                 let sides = [one, other].map(|side| side.or(predicted).unwrap_or(known));
                 Some(mix(fragment.time, sides))
             }

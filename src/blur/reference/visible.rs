@@ -73,6 +73,11 @@ impl<'a> Frame<'a> {
         Frame { corners, normals, image, seen: raster(&shapes, size, near), shapes }
     }
 
+    /// The pixels of the image that see the mesh.
+    pub fn shown(&self) -> impl Iterator<Item = &'a [f32; 4]> {
+        self.image.iter().zip(&self.seen.seen).filter(|(_, seen)| **seen > 0).map(|(pixel, _)| pixel)
+    }
+
     /// The colour of a place, given by its triangle and its barycentric coordinates there: four bilinear taps, of which
     /// those count that see the same object at the depth that the triangle's plane has at the tap's centre, within
     /// [`DEPTH_TOLERANCE`]. Of a triangle without area the place's own depth counts. Taps off screen see nothing, and

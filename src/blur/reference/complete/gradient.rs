@@ -64,9 +64,9 @@ pub fn predict(known: Colour, changes: &[[Colour; 2]], most: f64) -> Colour {
     premultiplied([hue, (s + mean(1)).clamp(0.0, 1.0), (v + mean(2)).clamp(0.0, most), (a + mean(3)).clamp(0.0, 1.0)])
 }
 
-/// The largest value that any pixel of two images has, at least 1: colours do not become brighter.
+/// The largest value that two images show of the mesh, at least 1: colours do not become brighter.
 fn most_of(frames: [&Frame; 2]) -> f64 {
-    let pixels = frames.iter().flat_map(|frame| frame.image);
+    let pixels = frames.iter().flat_map(|frame| frame.shown());
     pixels.map(|pixel| hsva(pixel.map(f64::from))[2]).fold(1.0, f64::max)
 }
 

@@ -1,4 +1,5 @@
-//! Colours by world normal: what a frame that hides a place shows of the same object where it is turned the same way.
+//! Colours by world normal: what a frame shows of an object where it is turned some way. Of places that neither frame shows
+//! nothing else is known.
 //!
 //! All sums and means are whole numbers, so that their order does not matter and a device has the same.
 
@@ -34,10 +35,10 @@ pub fn bin(normal: [f64; 3]) -> Option<usize> {
     Some(place(y) * SIDE + place(x))
 }
 
-/// The scale of an image: the least power of two that no channel of any pixel, alpha included, is above, 1 to 16. Channels
+/// The scale of pixels: the least power of two that no channel of any of them, alpha included, is above, 1 to 16. Channels
 /// that are not finite do not count; those above 16 are clamped, so that a highlight does not take the others' accuracy.
-pub fn scale(image: &[[f32; 4]]) -> f32 {
-    let finite = image.iter().flatten().filter(|c| c.is_finite());
+pub fn scale<'a>(pixels: impl IntoIterator<Item = &'a [f32; 4]>) -> f32 {
+    let finite = pixels.into_iter().flatten().filter(|c| c.is_finite());
     let most = finite.fold(1.0_f32, |most, c| most.max(*c));
     let mut scale = 1.0;
     while scale < most.min(LARGEST_SCALE) {
@@ -120,64 +121,36 @@ fn pushed(above: &[[u32; 4]], side: usize, place: usize) -> [u32; 4] {
     std::array::from_fn(|i| (9 * own[i] + 3 * in_x[i] + 3 * in_y[i] + in_both[i] + 8) / 16)
 }
 
-/// What is learnt of an object in the frame that hides places of it, and in the other one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Learnt {
-    /// Of each bin: colours that the frame shows at normals of the bin.
-    pub shown: Vec<Sum>,
-    /// Colours that the other frame shows at normals of the bin.
-    pub shown_by_other: Vec<Sum>,
-    /// Colours that the other frame shows of the places of those pixels of the frame that both show, by the normals there
-    /// in the other frame.
-    pub paired: Vec<Sum>,
-    /// Over places that both frames show: the sum of products of how far their colours are from [`Table::typical`] and
-    /// from [`Table::reference`]; the sum of squares of the latter.
-    pub products: [i64; 2],
-    /// Over the same places and red, green and blue: the sum of how far the colour in this frame is from its prediction,
-    /// and from the colour in the other frame.
-    pub errors: [u64; 2],
-}
-
-/// Colours of one frame (*this*), learnt for places that only the other one shows.
+/// Colours of one frame by normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// What is learnt of each object that either frame shows.
-    pub objects: BTreeMap<u32, Learnt>,
-    filled: BTreeMap<u32, Filled>,
+    filled: BTreeMap<u32, Vec<[u32; 4]>>,
     /// The scale of both images.
     scale: f32,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-struct Filled {
-    typical: Vec<[u32; 4]>,
-    reference: Vec<[u32; 4]>,
-}
-
-/// A place that both frames show.
-struct Pair {
-    object: u32,
-    bins: [usize; 2],
-    colours: [[u32; 4]; 2],
-}
-
 /// A pixel that teaches.
-struct Lesson {
-    object: u32,
-    base: u32,
-    weights: [f64; 3],
+pub(super) struct Lesson {
+    /// Its place on screen.
+    pub pixel: usize,
+    /// What it sees.
+    pub object: u32,
+    /// The mesh's triangle.
+    pub base: u32,
+    /// Barycentric coordinates there.
+    pub weights: [f64; 3],
     bin: usize,
     colour: [u32; 4],
 }
 
 /// The pixels of a frame that teach: those of which all four neighbours that there are on screen see the same object, so
 /// that borders and what is mixed there do not. By the normal at their centre.
-fn lessons(surface: &Surface, frame: &Frame, scale: f32) -> Vec<Lesson> {
+pub(super) fn lessons(surface: &Surface, frame: &Frame, scale: f32) -> Vec<Lesson> {
     let lesson = |pixel: usize| {
         let (base, weights) = frame.place(pixel)?;
         let bin = bin(frame.normal(surface, base, weights))?;
         let object = surface.objects[base as usize];
-        Some(Lesson { object, base, weights, bin, colour: quantised(frame.image[pixel], scale) })
+        Some(Lesson { pixel, object, base, weights, bin, colour: quantised(frame.image[pixel], scale) })
     };
     let inner = (0..frame.image.len()).filter(|pixel| is_inner(surface, frame, *pixel));
     inner.filter_map(lesson).collect()
@@ -185,127 +158,29 @@ fn lessons(surface: &Surface, frame: &Frame, scale: f32) -> Vec<Lesson> {
 
 impl Table {
     /// Learns from the inner pixels of both frames, those of which all four neighbours that there are on screen see the
-    /// same object. Colours are [`quantised`] by the [`scale`] of both images, the larger of the two.
-    ///
-    /// 1. [`Learnt::shown`] and [`Learnt::shown_by_other`]: of each inner pixel its colour, by the normal at its centre.
-    /// 2. [`Learnt::paired`]: of each inner pixel of `frame` whose place the other frame shows too ([`Frame::look_up`]) the
-    ///    colour found there, by the normal there.
-    /// 3. *Typical* colours: the means of `shown`, where it is empty of `shown_by_other`, [`filled`]. *Reference* colours:
-    ///    the means of `paired`, where it is empty of `shown_by_other`, there of `shown`, [`filled`]. A light that stays
-    ///    makes a normal look the same in both frames, so the other one's colour at the normal itself is better than this
-    ///    one's at another normal.
-    /// 4. [`Learnt::products`]: again of each pixel of 2, how far its colour in this frame is from the typical one, d, and
-    ///    that in the other from the reference, e, in units; sums over red, green and blue of d e and of e e. 61 bits hold
-    ///    those of 2^26 pixels.
-    /// 5. [`Learnt::errors`]: once more of each pixel of 2, how far its colour is from the prediction in whole units, typical
-    ///    + ((256 share * e + 128) >> 8), and from that in the other frame.
+    /// same object: of each bin the mean of the colours that `frame` shows there; where it shows none, of those that
+    /// `other` does, for a light that stays makes a normal look the same; then [`filled`]. Colours are [`quantised`] by the
+    /// [`scale`] of what both images show of the mesh, the larger of the two.
     pub fn learn(surface: &Surface, frame: &Frame, other: &Frame) -> Table {
-        let scale = scale(frame.image).max(scale(other.image));
-        let none = || vec![Sum::default(); BINS];
-        let nothing =
-            || Learnt { shown: none(), shown_by_other: none(), paired: none(), products: [0; 2], errors: [0; 2] };
-        let mut objects: BTreeMap<u32, Learnt> = BTreeMap::new();
-        for Lesson { object, bin, colour, .. } in lessons(surface, other, scale) {
-            objects.entry(object).or_insert_with(nothing).shown_by_other[bin].add(colour);
+        let scale = scale(frame.shown()).max(scale(other.shown()));
+        let mut objects: BTreeMap<u32, [Vec<Sum>; 2]> = BTreeMap::new();
+        for (k, frame) in [frame, other].into_iter().enumerate() {
+            for Lesson { object, bin, colour, .. } in lessons(surface, frame, scale) {
+                let sums = objects.entry(object).or_insert_with(|| [(); 2].map(|()| vec![Sum::default(); BINS]));
+                sums[k][bin].add(colour);
+            }
         }
-        let mut pairs = Vec::new();
-        for Lesson { object, base, weights, bin: own, colour } in lessons(surface, frame, scale) {
-            let learnt = objects.entry(object).or_insert_with(nothing);
-            learnt.shown[own].add(colour);
-            let look = other.look_up(surface, base, weights).known();
-            let Some((there, seen)) = bin(other.normal(surface, base, weights)).zip(look) else { continue };
-            let seen = quantised(seen.map(|c| c as f32), scale);
-            learnt.paired[there].add(seen);
-            pairs.push(Pair { object, bins: [own, there], colours: [colour, seen] });
-        }
-        let filled = objects.iter().filter_map(|(object, learnt)| Some((*object, learnt.filled()?))).collect();
-        let mut table = Table { objects, filled, scale };
-        pairs.iter().for_each(|pair| table.compare(pair));
-        let predicted: Vec<i64> = table.objects.values().map(Learnt::share_in_256).collect();
-        let shares: BTreeMap<u32, i64> = table.objects.keys().copied().zip(predicted).collect();
-        pairs.iter().for_each(|pair| table.judge(pair, shares[&pair.object]));
-        table
-    }
-
-    /// How far the colours of a pair are from the typical and the reference one, in red, green and blue.
-    fn apart(&self, pair: &Pair) -> [[i64; 2]; 3] {
-        let Some(filled) = self.filled.get(&pair.object) else { return [[0; 2]; 3] };
-        let means = [filled.typical[pair.bins[0]], filled.reference[pair.bins[1]]];
-        let apart = |k: usize, i: usize| i64::from(pair.colours[k][i]) - i64::from(means[k][i]);
-        [0, 1, 2].map(|i| [apart(0, i), apart(1, i)])
-    }
-
-    fn compare(&mut self, pair: &Pair) {
-        let apart = self.apart(pair);
-        let Some(learnt) = self.objects.get_mut(&pair.object) else { return };
-        for [d, e] in apart {
-            learnt.products[0] += d * e;
-            learnt.products[1] += e * e;
-        }
-    }
-
-    fn judge(&mut self, pair: &Pair, share: i64) {
-        let apart = self.apart(pair);
-        let Some(learnt) = self.objects.get_mut(&pair.object) else { return };
-        for (i, [d, e]) in apart.into_iter().enumerate() {
-            learnt.errors[0] += (d - ((share * e + 128) >> 8)).unsigned_abs();
-            learnt.errors[1] += u64::from(pair.colours[0][i].abs_diff(pair.colours[1][i]));
-        }
-    }
-
-    fn colour(&self, units: [u32; 4]) -> Colour {
-        units.map(|units| f64::from(units) * f64::from(self.scale / UNITS))
+        let means = |[own, other]: &[Vec<Sum>; 2]| {
+            let mean = |place: usize| own[place].mean().or_else(|| other[place].mean());
+            filled(&(0..BINS).map(mean).collect::<Vec<_>>())
+        };
+        Table { filled: objects.iter().filter_map(|(object, sums)| Some((*object, means(sums)?))).collect(), scale }
     }
 
     /// What an object looks like in this frame at a normal; none where neither frame shows it.
     pub fn typical(&self, object: u32, normal: [f64; 3]) -> Option<Colour> {
-        Some(self.colour(self.filled.get(&object)?.typical[bin(normal)?]))
-    }
-
-    /// What places of an object that this frame shows look like in the other frame at a normal there.
-    pub fn reference(&self, object: u32, other_normal: [f64; 3]) -> Option<Colour> {
-        Some(self.colour(self.filled.get(&object)?.reference[bin(other_normal)?]))
-    }
-
-    /// The colour in this frame of a place that only the other frame shows, in colour `known`: what is typical of its
-    /// normal in this frame, plus [`Learnt::share`] of how far `known` is from the reference of its normal in the other
-    /// one. That carries texture and shadow over, as far as they have been seen to stay. Channels are clamped to 0 to the
-    /// scale, alpha to 0 to 1. None where the place has no normal, and of an object of which the other frame's colours are
-    /// nearer than predictions where both are known ([`Learnt::errors`]).
-    pub fn predict(&self, object: u32, normal: [f64; 3], other_normal: [f64; 3], known: Colour) -> Option<Colour> {
-        let (typical, reference) = (self.typical(object, normal)?, self.reference(object, other_normal)?);
-        let learnt = self.objects.get(&object)?;
-        if learnt.errors[0] > learnt.errors[1] {
-            return None;
-        }
-        let share = learnt.share();
-        let most = f64::from(self.scale);
-        let [r, g, b, a] = std::array::from_fn(|i| typical[i] + share * (known[i] - reference[i]));
-        Some([r.clamp(0.0, most), g.clamp(0.0, most), b.clamp(0.0, most), a.clamp(0.0, 1.0)])
-    }
-}
-
-impl Learnt {
-    /// How much of a departure from the reference stays from one frame to the other: the least-squares slope, clamped to 0
-    /// to 1; 1 where nothing departs, for then nothing is known of texture but that it belongs to the surface.
-    pub fn share(&self) -> f64 {
-        self.share_in_256() as f64 / 256.0
-    }
-
-    /// The share in whole 1/256, halves rounded up.
-    fn share_in_256(&self) -> i64 {
-        let [product, square] = self.products;
-        let share = if square == 0 { 1.0 } else { (product as f64 / square as f64).clamp(0.0, 1.0) };
-        (share * 256.0 + 0.5) as i64
-    }
-
-    fn filled(&self) -> Option<Filled> {
-        let first = |lists: &[&Vec<Sum>]| {
-            let mean = |place: usize| lists.iter().find_map(|list| list[place].mean());
-            filled(&(0..BINS).map(mean).collect::<Vec<_>>())
-        };
-        let typical = first(&[&self.shown, &self.shown_by_other])?;
-        Some(Filled { typical, reference: first(&[&self.paired, &self.shown_by_other, &self.shown])? })
+        let units = self.filled.get(&object)?[bin(normal)?];
+        Some(units.map(|units| f64::from(units) * f64::from(self.scale / UNITS)))
     }
 }
 

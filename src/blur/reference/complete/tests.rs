@@ -173,98 +173,11 @@ fn the_gradient_of_a_ramp_is_found() {
     }
 }
 
-const TALL: [f64; 4] = [0.0, 0.0, 3.0, 8.0];
-
 fn strip(place: u32, normal: [f64; 3], colours: [f32; 2]) -> Square {
     let left = f64::from(place) * 3.0;
     let bounds = [left, 0.0, left + 3.0, 8.0];
     let colours = colours.map(|c| [c, c, c, 1.0]);
     Square { normals: [normal; 2], is_still: false, ..Square::new(1, 4.0, [bounds; 2], colours) }
-}
-
-/// The colour of the first strip, which frame i + 1 does not show.
-fn predicted(strips: &[Square], how: Completion) -> Colour {
-    let cover = Square::new(9, 1.0, [[-9.0, 0.0, -6.0, 8.0], TALL], [[9.0, 0.0, 0.0, 1.0]; 2]);
-    let mut squares = strips.to_vec();
-    squares.push(Square { is_still: false, ..cover });
-    let rig = Rig::new(&squares, [0.0; 4]);
-    let (surface, frames) = (rig.surface(), [rig.frame(0), rig.frame(1)]);
-    // The cover is drawn half way: off screen.
-    let drawing = rig.draw(0.25, 1);
-    let shaded = shade(&surface, &drawing, [&frames[0], &frames[1]], [None; 2]);
-    assert_eq!(shaded[4 * 24 + 1].mask, 1);
-    complete(&surface, &drawing, [&frames[0], &frames[1]], &shaded, how)[4 * 24 + 1]
-}
-
-#[test]
-fn what_is_hidden_has_the_colour_of_its_normal() {
-    let (up, side) = ([0.0, 1.0, 0.1], [1.0, 0.0, 0.1]);
-    let strips = [
-        strip(0, up, [0.8, 0.0]),
-        strip(2, side, [0.2, 0.6]),
-        strip(4, up, [0.8, 0.4]),
-        strip(6, [-1.0, 0.0, 0.1], [0.1, 0.1]),
-    ];
-    let found = predicted(&strips, Completion::Surface);
-    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.4), 1e-4), "{found:?}");
-    assert!(close(predicted(&strips, Completion::None), grey(0.8), 1e-6));
-    // What stays where it is keeps what is known of it.
-    let mut still = strips;
-    still[0].is_still = true;
-    let found = predicted(&still, Completion::Surface);
-    assert!(close(found, grey(0.8), 1e-6), "{found:?}");
-    // An object of which only the other frame shows something.
-    let mut other = strips;
-    other[0].object = 5;
-    assert!(close(predicted(&other, Completion::Surface), grey(0.8), 1e-3));
-    // It is textured: what is known of it stays.
-    (other[1].object, other[1].normals) = (5, other[0].normals);
-    other[1].boxes[1] = [100.0, 0.0, 103.0, 8.0];
-    assert!(close(predicted(&other, Completion::Surface), grey(0.8), 1e-3));
-}
-
-#[test]
-fn texture_is_carried_over_where_it_has_been_seen_to_stay() {
-    let up = [0.0, 1.0, 0.1];
-    let with = |next: [f32; 4]| {
-        let albedo = [0.2, 0.4, 0.6, 0.8];
-        let mut strips = vec![strip(0, up, [0.8, 0.0])];
-        strips.extend((0..4).map(|i| strip(i as u32 + 1, up, [albedo[i], next[i]])));
-        predicted(&strips, Completion::Surface)
-    };
-    // Darker by 0.1, texture and all: the mean is 0.4, and 0.3 is added to it.
-    let found = with([0.1, 0.3, 0.5, 0.7]);
-    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.7), 1e-3), "{found:?}");
-    // Nothing in common: the mean. The outer strips have two columns that teach, the inner ones three.
-    let found = with([0.3, 0.1, 0.1, 0.3]);
-    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.18), 1e-4), "{found:?}");
-    // More than all of it, or the opposite: all, or none.
-    let found = with([0.05, 0.35, 0.65, 0.95]);
-    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.8), 1e-3), "{found:?}");
-    let found = with([0.7, 0.5, 0.3, 0.1]);
-    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.4), 1e-3), "{found:?}");
-    // Half of it stays.
-    let found = with([0.35, 0.45, 0.55, 0.65]);
-    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.65), 1e-3), "{found:?}");
-}
-
-#[test]
-fn a_prediction_is_a_colour() {
-    // Dark in the frame that hides it, and far darker than its normal's kind: not below 0.
-    let up = [0.0, 1.0, 0.1];
-    let strips = [strip(0, up, [0.0, 0.0]), strip(1, up, [0.9, 0.5]), strip(2, up, [0.5, 0.1])];
-    let found = predicted(&strips, Completion::Surface);
-    assert!(found[0] == 0.0 && found[3] == 1.0, "{found:?}");
-}
-
-#[test]
-fn each_frame_has_its_own_normals() {
-    let (up, side) = ([0.0, 1.0, 0.1], [1.0, 0.0, 0.1]);
-    let turning = Square { normals: [up, side], ..strip(0, up, [0.8, 0.0]) };
-    let strips =
-        [turning, strip(2, up, [0.8, 0.1]), strip(4, side, [0.2, 0.3]), strip(6, [-1.0, 0.0, 0.1], [0.1, 0.2])];
-    let found = predicted(&strips, Completion::Surface);
-    assert!(close(found, grey(0.75 * 0.8 + 0.25 * 0.3), 1e-3), "{found:?}");
 }
 
 #[test]

@@ -188,7 +188,8 @@ fn error(scene: &Scene, drawing: &Drawing, striped: bool, how: Completion) -> (f
 
 #[test]
 fn the_surface_predicts_better_than_the_other_side_and_the_gradient() {
-    for (turn, most) in [(SLOWLY, [1.0, 1.0]), (FAST, [0.7, 1.0])] {
+    // Both spheres that move have shadows of their own colour, so that little of a tone is common to all.
+    for (turn, most) in [(SLOWLY, [1.0, 1.0]), (FAST, [0.75, 1.0])] {
         let scene = Scene::new(turn);
         let drawing = scene.draw(1, true);
         for (striped, most) in [false, true].into_iter().zip(most) {

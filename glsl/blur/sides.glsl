@@ -1,0 +1,12 @@
+// Colours of both sides of a sample, in half precision: so those of a picture are no more than its samples' colours.
+
+const float MOST_HALF = 65504.0;
+
+uvec2 packed(vec4 colour) {
+    colour = clamp(colour, vec4(-MOST_HALF), vec4(MOST_HALF));
+    return uvec2(packHalf2x16(colour.xy), packHalf2x16(colour.zw));
+}
+
+vec4 unpacked(uvec2 words) {
+    return vec4(unpackHalf2x16(words.x), unpackHalf2x16(words.y));
+}

@@ -1,0 +1,57 @@
+// How the light on a surface depends on its normal: places that both frames show, and what is found from them. A colour is
+// what the surface is painted with times a tone, and the tone follows from how far the normal turns to a direction, the
+// light's. Logarithms of colours are whole numbers here, so that sums do not depend on their order.
+
+const uint CLEAR = 77u;             // units of a change that is seen, over three channels
+const uint STEPS = 48u;             // of the cosine to the light, from -1 to 1
+const float LOGARITHM = 256.0;      // units of a logarithm
+const float LEAST_COLOUR = 0.01;    // added to colours: what is black has no tone
+const int MOST_CHANGE = 1024;       // of a logarithm
+const int EVEN = 128;               // tones of neighbouring steps that differ by less, over three channels, change evenly
+const uint MOST_SITES = 32768u;     // places
+const uint MOST_FEW = 8192u;        // places that the search begins with, after these
+const uint WANTED_SITES = 16384u;
+const uint SEARCHES = 6u;           // rounds of the search for the light
+const uint STARTS = 1024u;          // candidates of the first
+const uint STILL_STARTS = 512u;     // of them, those where it stays
+
+// A place that both frames show.
+struct Site {
+    vec4 normals[2];  // unit, in frames i and i + 1; w: the object's number, unused
+    ivec4 change;     // logarithm of the colour in frame i + 1 by that in frame i; how many places it stands for
+};
+
+// What has been found stands behind the tables of colours: of all (place 0), then of each object, 50 rows each: the light's
+// directions in frames i and i + 1, and the logarithm of the tone at each step.
+uint row_of_light(uint place, uint frame) {
+    return 2u * 1024u * params.completion.x + (STEPS + 2u) * place + frame;
+}
+
+uint row_of_tone(uint place, uint step) {
+    return row_of_light(place, 2u) + step;
+}
+
+uint step_of(vec3 light, vec3 normal, uint steps) {
+    return uint(clamp((dot(light, normal) * 0.5 + 0.5) * float(steps), 0.0, float(steps) - 1.0));
+}
+
+// Of length 1; 0 of what has no direction.
+vec3 unit(vec3 normal) {
+    float most = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+    bool has_direction = most > 0.0 && most < uintBitsToFloat(0x7f800000u);
+    return has_direction ? normalize(normal / most) : vec3(0.0);
+}
+
+// A channel that has a logarithm: what is not a number or below 0 is 0.
+float lit(float channel) {
+    return (channel > 0.0 ? min(channel, 65504.0) : 0.0) + LEAST_COLOUR;
+}
+
+uint sum_of(ivec3 change) {
+    return uint(abs(change.x) + abs(change.y) + abs(change.z));
+}
+
+// A departure of logarithms, of little weight where it is small: an error of less than 0.3 hardly shows.
+uint badness(uint residual) {
+    return residual < CLEAR ? residual * residual / 154u : residual - 38u;
+}
