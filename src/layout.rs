@@ -74,14 +74,14 @@ impl<const N: usize> Sizes<N> {
         }
     }
 
-    /// Descriptions, in order. `uniform` is a uniform buffer, all others are storage buffers.
-    pub(crate) fn descriptions(
+    /// Descriptions, in order. `uniform` are uniform buffers, all others are storage buffers.
+    pub(crate) fn descriptions<const M: usize>(
         &self,
         names: &Names<N>,
-        uniform: BufferId,
-    ) -> impl Iterator<Item = BufferDesc> + use<N> {
+        uniform: [BufferId; M],
+    ) -> impl Iterator<Item = BufferDesc> + use<N, M> {
         let names = names.debug;
-        self.0.into_iter().enumerate().map(move |(index, bytes)| match BufferId(index as u16) == uniform {
+        self.0.into_iter().enumerate().map(move |(index, bytes)| match uniform.contains(&BufferId(index as u16)) {
             true => BufferDesc::uniform(names[index], bytes),
             false => BufferDesc::storage(names[index], bytes),
         })

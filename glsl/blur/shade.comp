@@ -1,5 +1,4 @@
-// What samples of the distorted mesh look like: colours from where its surface is in frames i and i + 1, and what can be
-// said of a side that its frame hides. Four samples a pixel.
+// Samples of images.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -10,48 +9,14 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
-layout(binding = 18) uniform utexture2D sampled;
-layout(std430, binding = 19) readonly buffer CornerGroups { uvec4 corner_groups[]; };
-layout(std430, binding = 20) readonly buffer Normals { vec4 normals[]; };
+#include "shade.glsl"
 layout(std430, binding = 21) readonly buffer Tables { uvec4 tables[]; };
-layout(std430, binding = 22) buffer Completing { uint completing[]; };
-layout(std430, binding = 23) writeonly buffer SampleColours { vec4 sample_colours[]; };
-layout(std430, binding = 24) writeonly buffer SampleStates { uint sample_states[]; };
 layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]; };
-layout(constant_id = 0) const uint GROUPS = 0;
-layout(constant_id = 1) const uint COMPLETION = 0;  // 0: none, 1: from the surface, 2: from the gradient
-#include "tables.glsl"
 
-// Whether a sample of the workgroup is to be made from its neighbours': where neither frame shows it, or one.
-shared uint pending[2];
-
-struct Sides {
-    vec4 colours[2];  // of frames i and i + 1, or i - 1 and i + 2
-    uint known;       // which of them are known: 1 and 2
-};
-
-Sides sides_of(Fragment fragment, uvec2 frames, uint wanted) {
-    Sides sides = Sides(vec4[2](vec4(0.0), vec4(0.0)), 0u);
-    for (uint side = 0u; side < 2u; ++side) {
-        if ((wanted >> side & 1u) != 0u) {
-            float weight;
-            look(frames[side], fragment.base, fragment.shares, sides.colours[side], weight);
-            sides.known |= weight > LEAST_WEIGHT ? 1u << side : 0u;
-        }
-    }
-    return sides;
-}
-
-// The mixture at the time, or what is known of it.
-vec4 mixed(Sides sides, float moved) {
-    float later = clamp(moved, 0.0, 1.0);
-    vec4 both = (1.0 - later) * sides.colours[0] + later * sides.colours[1];
-    return sides.known == 3u ? both : sides.colours[sides.known >> 1];
-}
-
-// What an object looks like in a frame at a normal; w below 0: unknown.
-vec4 typical(uint object, uint frame, vec3 normal) {
-    uint bin = bin_of(normal);
+// What the object looks like at the place's normal.
+vec4 typical(Fragment fragment, uint frame) {
+    uint object = fragment.base.w >> 1;
+    uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.shares));
     if (object >= params.completion.x || bin == NO_BIN) {
         return vec4(-1.0);
     }
@@ -78,7 +43,7 @@ vec3 tone_at(uint place, uint frame, vec3 normal) {
     return vec3(own) + (is_even ? min(abs(beside), 0.5) * vec3(way) : vec3(0.0));
 }
 
-// The colour in the frame that hides it of what the other one shows: it changes as the tone does. w below 0: unknown.
+// It changes as the tone does.
 vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     uint object = fragment.base.w >> 1;
     vec3 hidden = unit(normal_at(frame, fragment.place, fragment.base, fragment.shares));
@@ -92,62 +57,8 @@ vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     return vec4(clamp(colour, vec3(0.0), max(vec3(scale_of_images()), known.xyz)), known.w);
 }
 
-// Colour and state of a sample.
-vec4 shade(Fragment fragment, uint index, out uint state) {
-    Sides sides = sides_of(fragment, uvec2(1u, 2u), 3u);
-    uint mask = sides.known;
+void keep(uint index, Sides sides) {
     if (COMPLETION == 2u) {
         sample_sides[index] = uvec4(packed(sides.colours[0]), packed(sides.colours[1]));
-    }
-    state = mask | KNOWN;
-    if (mask == 0u) {
-        sides = sides_of(fragment, uvec2(0u, 3u), params.completion.y);
-    }
-    if (sides.known == 0u && COMPLETION == 1u) {
-        for (uint frame = 0u; frame < 2u; ++frame) {
-            vec3 normal = normal_at(frame, fragment.place, fragment.base, fragment.shares);
-            sides.colours[frame] = typical(fragment.base.w >> 1, frame, normal);
-            sides.known |= sides.colours[frame].w >= 0.0 ? 1u << frame : 0u;
-        }
-    } else if ((mask == 1u || mask == 2u) && COMPLETION != 0u && !is_still(fragment.base)) {
-        state = COMPLETION == 2u ? mask | PENDING : state;
-        if (COMPLETION == 1u) {
-            vec4 other = predicted(fragment, 2u - mask, sides.colours[mask - 1u]);
-            sides.colours[2u - mask] = other;
-            sides.known = other.w >= 0.0 ? 3u : mask;
-        }
-    }
-    state = sides.known == 0u ? PENDING : state;
-    return sides.known == 0u ? vec4(0.0) : mixed(sides, fragment.moved);
-}
-
-void main() {
-    uvec2 part = 8u * uvec2(gl_WorkGroupID.z & 1u, gl_WorkGroupID.z >> 1);
-    ivec2 at = ivec2(2u * tile_origin(gl_WorkGroupID) + part + gl_LocalInvocationID.xy);
-    uvec2 size = 2u * params.image.xy;
-    bool is_inside = all(lessThan(at, ivec2(size)));
-    if (gl_LocalInvocationIndex < 2u) {
-        pending[gl_LocalInvocationIndex] = 0u;
-    }
-    barrier();
-    uint name = is_inside ? texelFetch(sampled, at, 0).x : 0u;
-    uint state = 4u;
-    vec4 colour = vec4(0.0);
-    uint index = uint(at.y) * size.x + uint(at.x);
-    if (name > 0u) {
-        Fragment fragment = fragment_at(name, 0.5 * (vec2(at) + 0.5));
-        colour = shade(fragment, index, state);
-        state |= is_still(fragment.base) ? STILL : 0u;
-        if ((state & PENDING) != 0u) {
-            atomicOr(pending[(state & MASK) == 0u ? 0 : 1], 1u);
-        }
-    }
-    if (is_inside) {
-        sample_colours[index] = colour;
-        sample_states[index] = state;
-    }
-    barrier();
-    if (gl_LocalInvocationIndex < 2u && pending[gl_LocalInvocationIndex] > 0u) {
-        atomicMax(completing[BEGIN_ARGUMENTS + 4u * gl_LocalInvocationIndex], (size.x + 7u) / 8u);
     }
 }

@@ -31,16 +31,21 @@ uint bin_of(vec3 normal) {
     return place.y * SIDE + place.x;
 }
 
+// Whether what is seen of a triangle in a frame is its inside: only of what is open.
+bool is_turned(uint frame, uvec4 base) {
+    vec3 a = corner_of(frame + 1u, base.x);
+    vec3 b = corner_of(frame + 1u, base.y);
+    vec3 c = corner_of(frame + 1u, base.z);
+    return (base.w & 1u) == 0u && dot(a, cross(b, c)) > 0.0;
+}
+
 // The normal that a frame has at a place: turned over where what is open is turned away.
 vec3 normal_at(uint frame, uint place, uvec4 base, vec3 shares) {
     uvec4 groups = corner_groups[place];
     uint first = frame * GROUPS;
     vec3 normal = shares.x * normals[first + groups.x].xyz + shares.y * normals[first + groups.y].xyz
         + shares.z * normals[first + groups.z].xyz;
-    vec3 a = corner_of(frame + 1u, base.x);
-    vec3 b = corner_of(frame + 1u, base.y);
-    vec3 c = corner_of(frame + 1u, base.z);
-    return (base.w & 1u) == 0u && dot(a, cross(b, c)) > 0.0 ? -normal : normal;
+    return is_turned(frame, base) ? -normal : normal;
 }
 
 // The least power of two that no channel of either image is above, 1 to 16.

@@ -12,7 +12,6 @@ layout(std430, binding = 5) readonly buffer BaseColours { vec4 base_colours[]; }
 layout(std430, binding = 6) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 7) readonly buffer Lines { float lines[]; };
 layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]; };
-layout(std430, binding = 8) readonly buffer ToonBuffer { ToonParams toon; };
 layout(push_constant) uniform VisibilityConstants {
     uint frame;  // 0 to 3: frames i - 1 to i + 2
 } constants;
@@ -24,22 +23,7 @@ float cross2(vec2 a, vec2 b) {
     return a.x * b.y - a.y * b.x;
 }
 
-vec3 pose(uint point) {
-    uint at = 3u * (params.views[constants.frame].slot.x * params.counts.x + point);
-    return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
-}
-
-// The way to the light from a place of a triangle.
-vec3 to_light(uvec4 triangle, vec3 shares) {
-    if (toon.light.w == 0.0) {
-        return toon.light.xyz;
-    }
-    vec3 a = toon.light.xyz - pose(triangle.x);
-    vec3 b = toon.light.xyz - pose(triangle.y);
-    vec3 c = toon.light.xyz - pose(triangle.z);
-    vec3 way = shares.x * a + shares.y * b + shares.z * c;
-    return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
-}
+#include "toned.glsl"
 
 // Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
@@ -69,15 +53,7 @@ vec3 tone_of(uint index, vec2 at) {
     normal = length_of > 0.0 ? normal / length_of : vec3(0.0);
     // The side that is seen.
     normal = sum > 0.0 ? -normal : normal;
-    float lit = max(dot(normal, to_light(triangle, shares)), 0.0);
-    float luminance = toon.lens.y + (1.0 - toon.lens.y) * lit;
-    vec3 tone = toon.tones[0].rgb;
-    for (uint i = 1u; i < toon.counts.x && luminance >= toon.tones[i].w; ++i) {
-        tone = toon.tones[i].rgb;
-    }
-    vec3 base = shares.x * base_colours[3u * index].rgb + shares.y * base_colours[3u * index + 1u].rgb
-        + shares.z * base_colours[3u * index + 2u].rgb;
-    return tone * max(base, vec3(0.0));
+    return toned(constants.frame, index, triangle, shares, normal);
 }
 
 // The line, widened: the strongest of the samples near enough, fading over the last sample.

@@ -9,7 +9,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1) uniform utexture2D sampled;
 layout(binding = 2) uniform texture2D sampled_depth;
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
-layout(std430, binding = 4) readonly buffer ToonBuffer { ToonParams toon; };
 layout(std430, binding = 5) writeonly buffer Lines { float lines[]; };
 layout(constant_id = 0) const uint SECOND = 0u;  // 1: second differences
 

@@ -4,8 +4,8 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, MOST_SEGMENTS, MOST_SITES,
-    Piece, ROUNDS, Round, Site, TONE_STEPS, ToonParams, Vertex,
+    BLOCK, BlurParams, Cluster, Control, Knot, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, MOST_SITES, Piece, ROUNDS,
+    Round, Site, TONE_STEPS, ToonParams, Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
@@ -42,7 +42,7 @@ buffers! {
     FINISHED = "Finished",
     BLOCKS_SUMS = "Blocks",
     BASE_COLOURS = "BaseColours",
-    TOON_PARAMS = "ToonBuffer",
+    TOON_PARAMS = "ToonParams",
     TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
     NEXT_NAMES = "NextNames",
@@ -340,7 +340,7 @@ impl Layout {
 
     /// Descriptions of the own buffers, in order.
     pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
-        self.sizes.descriptions(&NAMES, PARAMS)
+        self.sizes.descriptions(&NAMES, [PARAMS, TOON_PARAMS])
     }
 
     /// Descriptions of the own images, in order.

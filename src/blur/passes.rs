@@ -57,7 +57,10 @@ pub struct Passes {
     pub(super) pairs: PassId,
     pub(super) light: PassId,
     pub(super) tone: PassId,
+    pub(super) shade_params: PassId,
     pub(super) shade: PassId,
+    /// Of frames that are drawn, if any are and completion follows from the surface.
+    pub(super) shade_drawn: Option<PassId>,
     pub(super) sides: PassId,
     /// Of samples that neither frame shows, and of those that one does.
     pub(super) border: [PassId; 2],
@@ -177,6 +180,10 @@ impl Passes {
             pairs: d.add(Pass::compute("blur.tones", &glsl::pairs::SHADER).specialise([desc.groups])),
             light: d.compute("blur.tones", &glsl::light::SHADER),
             tone: d.compute("blur.tones", &glsl::tone::SHADER),
+            shade_params: d.writes("blur.shade", &[TOON_PARAMS]),
+            shade_drawn: (desc.toon && desc.settings.completion == Completion::Surface).then(|| {
+                d.add(Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise([desc.groups, completion]))
+            }),
             shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion])),
             sides: d.compute("blur.layers", &glsl::sides::SHADER),
             border: [0, 1]

@@ -14,7 +14,7 @@ use crate::blur::params::{
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
 use crate::host::Background;
-use crate::plan::{Command, Plan};
+use crate::plan::{Command, PassId, Plan};
 
 /// What follows from motion: left out where nothing moves.
 const MOTION_STEPS: [&str; 21] = [
@@ -165,7 +165,7 @@ impl Steps<'_> {
             steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
         } else {
             self.tiles();
-            self.learn();
+            self.learn(frame);
             self.shade(frame);
         }
         self.ghosts();
@@ -467,15 +467,28 @@ impl Steps<'_> {
         self.plan.step(self.passes.tiles, Command::Dispatch { threads: [width, height, 1] });
     }
 
-    fn learn(&mut self) {
+    /// The pass that knows what frames that are drawn hide, if they are.
+    fn shade_drawn(&self, frame: &Frame) -> Option<PassId> {
+        self.passes.shade_drawn.filter(|_| frame.images.is_none())
+    }
+
+    fn learn(&mut self, frame: &Frame) {
         self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
         self.plan.update_slice(self.passes.completing, COMPLETING, &params::completing(self.desc));
         self.plan.step(self.passes.cover, Self::over_tiles(0));
-        if self.layout.tables == 0 {
-            let reason = "completion does not follow from the surface";
-            return ["blur.normals", "blur.learn", "blur.tones"].iter().for_each(|name| self.plan.skip(name, reason));
+        let is_drawn = self.shade_drawn(frame).is_some();
+        if is_drawn || self.layout.tables > 0 {
+            self.normals(2);
+        } else {
+            self.plan.skip("blur.normals", "completion does not follow from the surface");
         }
-        self.normals(2);
+        if is_drawn || self.layout.tables == 0 {
+            let reason = match is_drawn {
+                true => "what drawn frames hide can be drawn",
+                false => "completion does not follow from the surface",
+            };
+            return ["blur.learn", "blur.tones"].iter().for_each(|name| self.plan.skip(name, reason));
+        }
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Self::over_tiles(1);
         self.plan.step(self.passes.learn, pixels);
@@ -501,7 +514,13 @@ impl Steps<'_> {
     }
 
     fn shade(&mut self, frame: &Frame) {
-        self.plan.step(self.passes.shade, Self::over_tiles(2));
+        let drawn = self.shade_drawn(frame).zip(frame.toon.as_ref());
+        if let Some((_, input)) = drawn {
+            let params = ToonParams::new(self.desc, &input.view.camera, &input.light);
+            self.plan.update(self.passes.shade_params, TOON_PARAMS, &params);
+        }
+        let pass = drawn.map_or(self.passes.shade, |(pass, _)| pass);
+        self.plan.step(pass, Self::over_tiles(2));
         if self.desc.layers {
             let [width, height] = self.desc.size;
             self.plan.step(self.passes.sides, Command::Dispatch { threads: [width, height, 1] });
@@ -523,7 +542,7 @@ impl Steps<'_> {
 
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 66
+    let steps = 67
         + 48
         + 2 * desc.settings.ghosts.count as usize
         + GRADIENT_DISPATCHES as usize
@@ -532,7 +551,7 @@ pub fn capacity(desc: &Desc) -> (usize, usize) {
         + desc.segments as usize
         + desc.settings.seam_smoothing as usize
         + 3 * (ROUNDS as usize + 1);
-    let bytes = TOON.len() * size_of::<ToonParams>()
+    let bytes = (TOON.len() + 1) * size_of::<ToonParams>()
         + size_of::<BlurParams>()
         + size_of::<Control>()
         + MOST_KNOTS * size_of::<Knot>();

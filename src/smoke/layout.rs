@@ -298,7 +298,7 @@ impl Layout {
 
     /// Descriptions of the own buffers, in order.
     pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
-        self.sizes.descriptions(&NAMES, PARAMS)
+        self.sizes.descriptions(&NAMES, [PARAMS])
     }
 
     /// Descriptions of the own images, in order.

@@ -1,0 +1,35 @@
+// Samples of frames that are drawn here: what they hide is drawn, too, and need not be guessed.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "params.glsl"
+#include "samples.glsl"
+#include "toon.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "seeing.glsl"
+#include "fragment.glsl"
+#include "shade.glsl"
+layout(std430, binding = 26) readonly buffer Poses { float poses[]; };
+layout(std430, binding = 27) readonly buffer BaseColours { vec4 base_colours[]; };
+#include "toned.glsl"
+
+vec3 unit(vec3 normal) {
+    float largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+    return largest > 0.0 ? normalize(normal / largest) : vec3(0.0);
+}
+
+vec4 typical(Fragment fragment, uint frame) {
+    uvec4 groups = corner_groups[fragment.place];
+    uint first = frame * GROUPS;
+    vec3 normal = fragment.shares.x * unit(normals[first + groups.x].xyz)
+        + fragment.shares.y * unit(normals[first + groups.y].xyz)
+        + fragment.shares.z * unit(normals[first + groups.z].xyz);
+    normal = is_turned(frame, fragment.base) ? -normal : normal;
+    return vec4(toned(1u + frame, fragment.place, fragment.base, fragment.shares, unit(normal)), 1.0);
+}
+
+vec4 predicted(Fragment fragment, uint frame, vec4 known) {
+    return typical(fragment, frame);
+}
+
+void keep(uint index, Sides sides) {}
