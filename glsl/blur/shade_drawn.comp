@@ -13,6 +13,8 @@ layout(std430, binding = 26) readonly buffer Poses { float poses[]; };
 layout(std430, binding = 27) readonly buffer BaseColours { vec4 base_colours[]; };
 #include "toned.glsl"
 
+const float LEAST_COLOUR = 0.01;  // added to colours: what is black changes by no factor
+
 vec3 unit(vec3 normal) {
     float largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
     return largest > 0.0 ? normalize(normal / largest) : vec3(0.0);
@@ -28,8 +30,12 @@ vec4 typical(Fragment fragment, uint frame) {
     return vec4(toned(1u + frame, fragment.place, fragment.base, fragment.shares, unit(normal)), 1.0);
 }
 
+// As the tone of the place changes from the frame that shows it: so an ink line on it stays one.
 vec4 predicted(Fragment fragment, uint frame, vec4 known) {
-    return typical(fragment, frame);
+    vec3 hidden = typical(fragment, frame).rgb;
+    vec3 shown = typical(fragment, 1u - frame).rgb;
+    vec3 colour = (known.rgb + LEAST_COLOUR) * (hidden + LEAST_COLOUR) / (shown + LEAST_COLOUR) - LEAST_COLOUR;
+    return vec4(clamp(colour, vec3(0.0), max(hidden, known.rgb)), known.w);
 }
 
 void keep(uint index, Sides sides) {}
