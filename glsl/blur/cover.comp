@@ -18,7 +18,13 @@ layout(std430, binding = 9) buffer Tiles { uint tiles[]; };
 layout(std430, binding = 10) buffer Completing { uint completing[]; };
 #include "samples.glsl"
 
-const float STEP = 0.98;  // share of its depth that what is before something else has at most
+layout(std430, binding = 11) readonly buffer Clip { vec4 clip[]; };
+#include "edges.glsl"
+
+// What is before something else is nearer than this would be there if it went on as it does: by this share of its depth,
+// and as much as a surface turned away by 63 degrees is within the way.
+const float LEAST_STEP = 0.003;
+const float LEAST_SLOPE = 2.0;
 const uint MOVING = 1u;   // it sees what moves, of frame f shifted by f
 shared uint most[3];
 shared uint moving;
@@ -40,7 +46,13 @@ float nearness(uint frame, ivec2 at) {
 uint shown_at(uint frame, ivec2 at) {
     uint seen = seen_at(frame, at);
     uint result = seen > 0u && is_moving(seen) ? 1u : 0u;
-    float own = nearness(frame, at);
+    uvec4 base = triangles[max(seen, 1u) - 1u];
+    uint first = frame * params.counts.x;
+    vec3 a = clip[first + base.x].xyz;
+    vec3 b = clip[first + base.y].xyz;
+    vec3 c = clip[first + base.z].xyz;
+    View view = params.views[frame];
+    float focal = length(view.across.xyz - 0.5 * float(params.image.x) * view.along.xyz);
     float skirt = uintBitsToFloat(params.completion.z);
     int reach = int(skirt);
     for (int y = -reach; y <= reach; ++y) {
@@ -48,7 +60,10 @@ uint shown_at(uint frame, ivec2 at) {
             ivec2 other = at + ivec2(x, y);
             bool is_near = float(x * x + y * y) <= skirt * skirt && all(greaterThanEqual(other, ivec2(0)))
                 && all(lessThan(other, ivec2(params.image.xy)));
-            if (is_near && nearness(frame, other) * STEP > own) {
+            vec3 edges = edges_at(a, b, c, vec2(other) + 0.5);
+            float own = seen > 0u ? params.lens.x * (edges.x + edges.y + edges.z) / dot(edges, vec3(a.z, b.z, c.z)) : 0.0;
+            float least = 1.0 - LEAST_STEP - LEAST_SLOPE * length(vec2(x, y)) / focal;
+            if (is_near && nearness(frame, other) * least > own) {
                 result |= is_moving(seen_at(frame, other)) ? 16u | 256u : 16u;
             }
         }

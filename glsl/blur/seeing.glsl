@@ -25,9 +25,7 @@ const uint MOVING = 1u;      // it sees what moves
 const uint OUTLINE = 16u;    // it may show the outline of what is before it
 const uint COVERED = 256u;   // it may show the outline of what moves
 
-float cross2(vec2 a, vec2 b) {
-    return a.x * b.y - a.y * b.x;
-}
+#include "edges.glsl"
 
 uint seen_at(uint frame, ivec2 at) {
     switch (frame) {
@@ -69,15 +67,6 @@ uint cover_at(ivec2 at) {
 
 vec3 corner_of(uint frame, uint point) {
     return clip[frame * params.counts.x + point].xyz;
-}
-
-// Edge functions of a triangle in clip coordinates at a place of the picture: shares of its corners in what is seen of
-// its plane there, but for their sum, which is 0 where there is no plane.
-vec3 edges_at(vec3 a, vec3 b, vec3 c, vec2 at) {
-    vec2 p = a.xy - at * a.z;
-    vec2 q = b.xy - at * b.z;
-    vec2 r = c.xy - at * c.z;
-    return vec3(cross2(q, r), cross2(r, p), cross2(p, q));
 }
 
 bool is_seen(uint frame, ivec2 at, uint object) {

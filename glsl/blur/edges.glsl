@@ -1,0 +1,14 @@
+// Triangles in clip coordinates.
+
+float cross2(vec2 a, vec2 b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+// Edge functions of a triangle in clip coordinates at a place of the picture: shares of its corners in what is seen of
+// its plane there, but for their sum, which is 0 where there is no plane.
+vec3 edges_at(vec3 a, vec3 b, vec3 c, vec2 at) {
+    vec2 p = a.xy - at * a.z;
+    vec2 q = b.xy - at * b.z;
+    vec2 r = c.xy - at * c.z;
+    return vec3(cross2(q, r), cross2(r, p), cross2(p, q));
+}
