@@ -11,14 +11,10 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "shade.glsl"
 layout(std430, binding = 26) readonly buffer Poses { float poses[]; };
 layout(std430, binding = 27) readonly buffer BaseColours { vec4 base_colours[]; };
-#include "toned.glsl"
+#include "unit.glsl"
+#include "toon_tone.glsl"
 
 const float LEAST_COLOUR = 0.01;  // added to colours: what is black changes by no factor
-
-vec3 unit(vec3 normal) {
-    float largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
-    return largest > 0.0 ? normalize(normal / largest) : vec3(0.0);
-}
 
 vec4 typical(Fragment fragment, uint frame) {
     uvec4 groups = corner_groups[fragment.place];

@@ -35,12 +35,7 @@ uint step_of(vec3 light, vec3 normal, uint steps) {
     return uint(clamp((dot(light, normal) * 0.5 + 0.5) * float(steps), 0.0, float(steps) - 1.0));
 }
 
-// Of length 1; 0 of what has no direction.
-vec3 unit(vec3 normal) {
-    float most = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
-    bool has_direction = most > 0.0 && most < uintBitsToFloat(0x7f800000u);
-    return has_direction ? normalize(normal / most) : vec3(0.0);
-}
+#include "unit.glsl"
 
 // A channel that has a logarithm: what is not a number or below 0 is 0.
 float lit(float channel) {

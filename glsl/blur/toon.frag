@@ -23,15 +23,14 @@ float cross2(vec2 a, vec2 b) {
     return a.x * b.y - a.y * b.x;
 }
 
-#include "toned.glsl"
+#include "unit.glsl"
+#include "toon_tone.glsl"
 
 // Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
     // In the order of i, i + 1, i - 1, i + 2.
     uint slot = constants.frame == 0u ? 2u : constants.frame == 3u ? 3u : constants.frame - 1u;
-    vec3 sum = normals[slot * toon.counts.y + group].xyz;
-    float largest = max(max(abs(sum.x), abs(sum.y)), abs(sum.z));
-    return largest > 0.0 ? normalize(sum / largest) : vec3(0.0);
+    return unit(normals[slot * toon.counts.y + group].xyz);
 }
 
 vec3 tone_of(uint index, vec2 at) {

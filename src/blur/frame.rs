@@ -58,6 +58,32 @@ pub struct Desc {
 }
 
 impl Desc {
+    /// For a mesh, pictures of `size` pixels and 32-bit floats, and every setting; four frames' poses, no layers, no depth,
+    /// images of frames i and i + 1 only. What is to be otherwise is set after.
+    pub fn new(mesh: &Mesh, size: [u32; 2], settings: Settings) -> Desc {
+        let triangles = mesh.triangles().len() as u32;
+        Desc {
+            size,
+            target_format: vk::Format::R32G32B32A32_SFLOAT,
+            points: mesh.points() as u32,
+            triangles,
+            neighbours: mesh.neighbours().items.len() as u32,
+            objects: mesh.objects().len() as u32,
+            groups: mesh.group_triangles().starts.len() as u32 - 1,
+            group_triangles: mesh.group_triangles().items.len() as u32,
+            outer: false,
+            toon: false,
+            depth: None,
+            most_triangles: MOST_TRIANGLES.max(triangles),
+            segments: Desc::segments_of(&settings),
+            frames_resident: 4,
+            seed: 0,
+            settings,
+            layers: false,
+            skipping: true,
+        }
+    }
+
     /// Pieces that splines need: one, and one for each frame that the effect reaches back over.
     pub fn segments_of(settings: &Settings) -> u32 {
         1 + settings.reach().ceil() as u32

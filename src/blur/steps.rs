@@ -17,7 +17,7 @@ use crate::host::Background;
 use crate::plan::{Command, PassId, Plan};
 
 /// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 21] = [
+const MOTION_STEPS: [&str; 12] = [
     "blur.params",
     "blur.interval",
     "blur.trajectory",
@@ -28,6 +28,11 @@ const MOTION_STEPS: [&str; 21] = [
     "blur.distort",
     "blur.layers",
     "blur.frames",
+    "blur.ghosts",
+    "blur.lines",
+];
+/// What makes the smeared picture: left out there, too, and where the picture is frame i + 1's.
+const PICTURE_STEPS: [&str; 9] = [
     "blur.tiles",
     "blur.cover",
     "blur.normals",
@@ -37,8 +42,6 @@ const MOTION_STEPS: [&str; 21] = [
     "blur.complete",
     "blur.compose",
     "blur.composite",
-    "blur.ghosts",
-    "blur.lines",
 ];
 
 /// State of a sample that sees nothing (`glsl/blur/samples.glsl`).
@@ -76,6 +79,8 @@ struct There {
     is_seen: bool,
     /// What it covers pixels with.
     is_composed: bool,
+    /// Normals, and those of frame i.
+    has_normals: bool,
 }
 
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
@@ -132,7 +137,7 @@ impl Steps<'_> {
         let still = still(self.desc, frame);
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
-            MOTION_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
+            MOTION_STEPS.iter().chain(&PICTURE_STEPS).for_each(|name| self.plan.skip(name, reason));
             let there = self.toon(frame, There::default());
             return self.depth(frame, there);
         };
@@ -144,7 +149,7 @@ impl Steps<'_> {
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
         self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
-        self.toon(frame, There { is_projected: true, ..There::default() });
+        let there = self.toon(frame, There { is_projected: true, ..There::default() });
         self.trajectory(interval);
         self.extent(interval);
         self.refine();
@@ -152,26 +157,16 @@ impl Steps<'_> {
         self.frames(frame, outer);
         if self.desc.settings.strength == 0.0 {
             // The target has frame i + 1, and only what is behind the mesh is missing.
-            let steps = [
-                "blur.tiles",
-                "blur.cover",
-                "blur.normals",
-                "blur.learn",
-                "blur.tones",
-                "blur.shade",
-                "blur.compose",
-                "blur.composite",
-            ];
-            steps.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
+            PICTURE_STEPS.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
         } else {
             self.tiles();
-            self.learn(frame);
+            self.learn(frame, there);
             self.shade(frame);
         }
         self.ghosts();
         self.lines(interval);
         let is_composed = self.desc.settings.strength > 0.0;
-        self.depth(frame, There { is_projected: true, is_seen: true, is_composed });
+        self.depth(frame, There { is_seen: true, is_composed, ..there });
     }
 
     /// After-images, the earliest first.
@@ -273,7 +268,12 @@ impl Steps<'_> {
         let constants = BackgroundConstants::new(frame.background);
         let begin = self.passes.toon_background[next.place(self.desc)];
         self.plan.step_with(begin, Command::Draw { vertices: 4 }, &constants);
-        There { is_projected: there.is_projected || is_missing, is_seen: missing[2].is_some(), ..there }
+        There {
+            is_projected: there.is_projected || is_missing,
+            is_seen: missing[2].is_some(),
+            has_normals: is_missing,
+            ..there
+        }
     }
 
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.
@@ -472,15 +472,15 @@ impl Steps<'_> {
         self.passes.shade_drawn.filter(|_| frame.images.is_none())
     }
 
-    fn learn(&mut self, frame: &Frame) {
+    fn learn(&mut self, frame: &Frame, there: There) {
         self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
         self.plan.update_slice(self.passes.completing, COMPLETING, &params::completing(self.desc));
         self.plan.step(self.passes.cover, Self::over_tiles(0));
         let is_drawn = self.shade_drawn(frame).is_some();
-        if is_drawn || self.layout.tables > 0 {
-            self.normals(2);
-        } else {
-            self.plan.skip("blur.normals", "completion does not follow from the surface");
+        match is_drawn || self.layout.tables > 0 {
+            true if there.has_normals => {}
+            true => self.normals(2),
+            false => self.plan.skip("blur.normals", "completion does not follow from the surface"),
         }
         if is_drawn || self.layout.tables == 0 {
             let reason = match is_drawn {

@@ -7,9 +7,7 @@ use std::sync::Arc;
 use crate::blur::motion::WINDOW;
 use crate::blur::params::MOST_SEGMENTS;
 use crate::blur::settings::{Settings, Trajectory};
-use crate::blur::{
-    self, Counts, Interval, Knot, MOST_TRIANGLES, Mesh, MeshInput, Motion, Pose, TopologyInput, View, Window,
-};
+use crate::blur::{self, Counts, Interval, Knot, Mesh, MeshInput, Motion, Pose, TopologyInput, View, Window};
 use crate::error::Error;
 use crate::io::ReadError;
 use crate::io::scene::{AnimatedMesh, shading_groups};
@@ -145,27 +143,21 @@ impl BlurInput {
     pub fn desc(&self, size: [u32; 2], seed: u32, toon: bool, layers: bool) -> blur::Desc {
         let settings = &self.settings;
         let inner = if settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
-        let triangles = self.mesh.triangles().len() as u32;
         let [first, last] = self.frames;
+        let desc = blur::Desc::new(&self.mesh, size, settings.clone());
         blur::Desc {
-            size,
             target_format: super::TARGET_FORMAT,
-            points: self.mesh.points() as u32,
-            triangles,
-            neighbours: self.mesh.neighbours().items.len() as u32,
-            objects: self.mesh.objects().len() as u32,
-            groups: self.mesh.group_triangles().starts.len() as u32 - 1,
-            group_triangles: self.mesh.group_triangles().items.len() as u32,
             outer: true,
             toon,
-            depth: None,
-            most_triangles: MOST_TRIANGLES.max(triangles.saturating_mul(4)).min(crate::blur::params::BASE_MASK),
+            most_triangles: desc
+                .most_triangles
+                .max(desc.triangles.saturating_mul(4))
+                .min(crate::blur::params::BASE_MASK),
             segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
             frames_resident: (last - first + 1).max(4),
             seed,
-            settings: settings.clone(),
             layers,
-            skipping: true,
+            ..desc
         }
     }
 

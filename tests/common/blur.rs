@@ -4,7 +4,7 @@ use ash::vk;
 use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
     Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, GroupInput, HostDepth, Interval, IntervalInput,
-    Knot, MOST_TRIANGLES, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View, layout,
+    Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View, layout,
 };
 use celfx::error::Result;
 use celfx::gpu::headless::Submission;
@@ -23,24 +23,13 @@ use super::{TestDevice, device};
 /// An effect of this picture size for this mesh, with every layer kept.
 pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
     Desc {
-        size,
         target_format: TARGET_FORMAT,
-        points: mesh.points() as u32,
-        triangles: mesh.triangles().len() as u32,
-        neighbours: mesh.neighbours().items.len() as u32,
-        objects: mesh.objects().len() as u32,
-        groups: mesh.group_triangles().starts.len() as u32 - 1,
-        group_triangles: mesh.group_triangles().items.len() as u32,
         outer: true,
-        toon: false,
-        depth: None,
-        most_triangles: MOST_TRIANGLES.min(100_000),
-        segments: Desc::segments_of(&settings),
+        most_triangles: 100_000,
         frames_resident: 30,
         seed: 1,
-        settings,
         layers: true,
-        skipping: true,
+        ..Desc::new(mesh, size, settings)
     }
 }
 

@@ -144,26 +144,13 @@ impl Scene {
 
     /// What an effect with such settings is made for.
     pub(super) fn desc(&self, settings: &Settings, most_triangles: u32) -> Desc {
-        let triangles = self.mesh.triangles().len() as u32;
+        let desc = Desc::new(&self.mesh, self.size, settings.clone());
         Desc {
-            size: self.size,
             target_format: FORMAT,
-            points: self.mesh.points() as u32,
-            triangles,
-            neighbours: self.mesh.neighbours().items.len() as u32,
-            objects: self.mesh.objects().len() as u32,
-            groups: self.mesh.group_triangles().starts.len() as u32 - 1,
-            group_triangles: self.mesh.group_triangles().items.len() as u32,
-            outer: false,
-            toon: false,
-            depth: None,
-            most_triangles: most_triangles.max(triangles),
-            segments: Desc::segments_of(settings),
+            most_triangles: most_triangles.max(desc.triangles),
             frames_resident: self.poses.len() as u32,
             seed: SEED,
-            settings: settings.clone(),
-            layers: false,
-            skipping: true,
+            ..desc
         }
     }
 

@@ -242,7 +242,7 @@ fn beside(light: [f64; 3], index: usize, count: usize, distance: f64) -> [f64; 3
     (light + distance * (cos * across + sin * light.cross(across))).normalize().to_array()
 }
 
-/// A candidate of a round of the search. Round 0: 128 directions over half of the sphere under a light that stays, then
+/// A candidate of a round of the search. Round 0: 512 directions over half of the sphere under a light that stays, then
 /// eight around each of 64 under one that turns by 0.25. Later rounds r: the best of the one before and those around it,
 /// eight (from round 4 on four) at a distance of 0.24 / 2^r, of both directions independently.
 fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
@@ -261,7 +261,7 @@ fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     [earlier, beside(earlier, 1 + turned % 8, 8, AROUND)]
 }
 
-/// The directions under which tones leave least unexplained. In the first round of 16, later of 32 steps, solved for twice;
+/// The directions under which tones leave least unexplained. In the first round of 24, later of 32 steps, solved for twice;
 /// the first of equally good ones. Rounds 0 to 3 have the few places, 4 and 5 all. In the first, a light that turns must
 /// leave a ninth less than one that stays.
 pub fn search([all, few]: &[Vec<Site>; 2]) -> [[f64; 3]; 2] {
