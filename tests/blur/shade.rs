@@ -267,3 +267,34 @@ fn a_frame_depends_on_no_other() {
     scene.render(false);
     assert!(scene.rig.picture() == first);
 }
+
+/// Pixels at the mesh's border are covered in part, and have so much less alpha; the surface has not.
+#[test]
+fn borders_are_as_opaque_as_the_surface() {
+    let settings = Settings { completion: Completion::None, skirt: 0.0, ..Settings::default() };
+    let Some(mut scene) = Scene::new(settings) else { return };
+    scene.render(true);
+    let width = SIZE[0] as usize;
+    for (frame, id) in [layout::PREVIOUS_NAMES, layout::NEXT_NAMES].into_iter().enumerate() {
+        let names: Vec<u32> = scene.rig.layer(id);
+        let beside = [0, 1, 2, width, width + 2, 2 * width, 2 * width + 1, 2 * width + 2];
+        let is_border =
+            |pixel: usize| beside.iter().any(|way| names.get((pixel + way).wrapping_sub(width + 1)) == Some(&0));
+        let pixel = |pixel: usize| match (names[pixel], is_border(pixel)) {
+            (0, _) => [0.0; 4],
+            (_, true) => [0.25, 0.0, 0.0, 0.25],
+            (_, false) => [1.0, 0.0, 0.0, 1.0],
+        };
+        scene.rig.set_image(frame, &(0..names.len()).map(pixel).collect::<Vec<_>>());
+    }
+    scene.render(false);
+    let masks: Vec<u32> = scene.rig.layer(layout::MASK_LAYER);
+    for (bit, id) in [(1, layout::PREVIOUS_LAYER), (2, layout::NEXT_LAYER)] {
+        let colours: Vec<[f32; 4]> = scene.rig.layer(id);
+        let known: Vec<&[f32; 4]> =
+            colours.iter().zip(&masks).filter(|(_, mask)| *mask & bit != 0).map(|(c, _)| c).collect();
+        assert!(known.len() > 500, "{}", known.len());
+        // What rounding leaves of four shares.
+        assert!(known.iter().all(|c| (c[3] - 1.0).abs() < 1e-5 && (c[0] - 1.0).abs() < 1e-5));
+    }
+}
