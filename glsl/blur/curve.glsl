@@ -7,13 +7,15 @@ layout(constant_id = 0) const uint SCREEN = 0;  // 1: splines are of pixels and 
 vec3 between(vec3 a, vec3 b, uint where) {
     precise vec3 middle = (a + b) * 0.5;
     precise vec3 quarter = ((where == 1u ? a : b) + middle) * 0.5;
-    return where == 0u ? a : where == 2u ? middle : quarter;
+    vec3 inner = where == 2u ? middle : quarter;
+    return where == 0u ? a : inner;
 }
 
 float between(float a, float b, uint where) {
     precise float middle = (a + b) * 0.5;
     precise float quarter = ((where == 1u ? a : b) + middle) * 0.5;
-    return where == 0u ? a : where == 2u ? middle : quarter;
+    float inner = where == 2u ? middle : quarter;
+    return where == 0u ? a : inner;
 }
 
 // The piece of segment s.
@@ -56,14 +58,16 @@ Offset offset_at(uint a, uint b, uint where, float time) {
     Piece piece = piece_of(a, b, where, s);
     float begin = params.segments[s].x;
     precise float length_of = params.segments[s].y - begin;
-    precise float beyond = time < begin ? time - begin : 0.0;
+    precise float past = time - begin;
+    float beyond = time < begin ? past : 0.0;
     precise float u = (time - beyond - begin) / length_of;
     precise float c = 1.0 - u;
     precise float from = (c * c * c - c) * (1.0 / 6.0);
     precise float to = (u * u * u - u) * (1.0 / 6.0);
     precise float from_slope = (1.0 - 3.0 * (c * c)) * (1.0 / 6.0);
     precise float to_slope = (3.0 * (u * u) - 1.0) * (1.0 / 6.0);
-    vec3 origin = s == 0u ? vec3(0.0) : piece.origin.xyz;
+    vec3 own = piece.origin.xyz;
+    vec3 origin = s == 0u ? vec3(0.0) : own;
     precise vec3 slope = (piece.step.xyz + from_slope * piece.bend_begin.xyz + to_slope * piece.bend_end.xyz) / length_of;
     precise vec3 value = origin + (u * piece.step.xyz + from * piece.bend_begin.xyz + to * piece.bend_end.xyz);
     // Straight before the earliest segment.

@@ -92,7 +92,9 @@ float nearest_logarithm(vec2 place, float depth, int class_index) {
 
 // -ln(1 - x), without cancelling.
 float depth_of(float x) {
-    return x < 0.02 ? x * (1.0 + x * (0.5 + x * (0.33333333 + x * 0.25))) : -log(max(1.0 - x, 1e-30));
+    float series = x * (1.0 + x * (0.5 + x * (0.33333333 + x * 0.25)));
+    float whole = -log(max(1.0 - x, 1e-30));
+    return x < 0.02 ? series : whole;
 }
 
 // Where an offset from a particle's centre (metres, up) lies in the grid.
@@ -116,27 +118,34 @@ float slab_middle(vec2 depths) {
     return 0.5 * (depths.x + depths.y) * mix(1.0, inner / volume, share) * params.space.z;
 }
 
+// ln(1 - G) before a depth, in radii from the centre: what passed there did so at other offsets than in the bin, on average at the middle of the
+// cap before it.
+float logarithm_before(vec2 centre, vec2 slope, float depth, int class_index) {
+    vec2 place = clamp(grid_place(centre + cap_middle(depth) * slope), 0.0, LAST);
+    return nearest_logarithm(place, (depth * 0.5 + 0.5) * float(DEPTHS - 1), class_index);
+}
+
 // How much G rises between two depths, over what is left of 1 - G. `centre`: of the particle to the ray at the particle's depth;
-// `zeta`: metres behind the particle; `near`: where the near plane is.
-float rise(vec2 centre, vec2 slope, vec2 zeta, float near, int class_index) {
+// `zeta`: metres behind the particle.
+float rise(vec2 centre, vec2 slope, vec2 zeta, int class_index) {
     float per_depth = 1.0 / max(params.space.z, 1e-12);
     // The ray slants through the space: its offset from the centre in the middle of what the bin holds of it.
     vec2 place = grid_place(centre + slab_middle(zeta * per_depth) * slope);
     vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
     vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
-    // What passed before the bin did so at other offsets: on average at the middle of the cap before it.
-    vec2 place_before = clamp(grid_place(centre + cap_middle(zeta.x * per_depth) * slope), 0.0, LAST);
-    float passed = nearest_logarithm(place_before, depths.x, class_index);
-    bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST)));
+    float passed = logarithm_before(centre, slope, zeta.x * per_depth, class_index);
+    bool inside = all(bvec4(greaterThanEqual(place, vec2(0.0)), lessThanEqual(place, vec2(LAST))));
     float x = exp(ends.x - passed) * opacity(max(ends.x - ends.y, 0.0));
-    if (near > -params.space.z) {
-        // What would be before the near plane is not there, and has passed nowhere.
-        float cap = clamp(near * per_depth, -1.0, 1.0);
-        vec2 place_near = clamp(grid_place(centre + cap_middle(cap) * slope), 0.0, LAST);
-        float missing = 1.0 - exp(nearest_logarithm(place_near, (cap * 0.5 + 0.5) * float(DEPTHS - 1), class_index));
-        x /= 1.0 + exp(-passed) * missing;
-    }
     return inside ? x : 0.0;
+}
+
+// By what that is too large where the near plane, so many metres behind the particle, cuts into its space: what would be before it is not there, and
+// has passed nowhere.
+float cut_by_near(vec2 centre, vec2 slope, float begin, float near, int class_index) {
+    float per_depth = 1.0 / max(params.space.z, 1e-12);
+    float passed = logarithm_before(centre, slope, begin * per_depth, class_index);
+    float missing = 1.0 - exp(logarithm_before(centre, slope, clamp(near * per_depth, -1.0, 1.0), class_index));
+    return 1.0 + exp(-passed) * missing;
 }
 
 // Share of a ball before a depth.
@@ -157,6 +166,20 @@ float narrow_rise(vec2 centre, vec2 zeta, float near, float pixel, float chance)
     return all_of_it * (before.y - before.x) / max(1.0 - all_of_it * (before.x - before.z), 1e-30);
 }
 
+// Where a pixel's ray meets a particle.
+struct Meeting {
+    vec2 slope;
+    vec2 centre;  // from the particle to the ray, at the particle's depth
+    vec2 zeta;    // where a bin, as far as the scene lets one see, begins and ends; metres behind the particle
+};
+
+Meeting meet(vec3 view, vec2 bin, vec2 ray, float step_down, int y) {
+    vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
+    float end = min(bin.y, scene_depth[y]);
+    vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);
+    return Meeting(slope, view.z * slope - view.xy, zeta);
+}
+
 // Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
 void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
     vec3 view = particles[row].view.xyz;
@@ -168,19 +191,28 @@ void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, fl
     float pixel = params.focal.w * view.z;
     bool narrow = is_narrow(pixel);
     float near = params.lens.z - view.z;
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
-        float end = min(bin.y, scene_depth[y]);
-        vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);
-        vec2 centre = view.z * slope - view.xy;
-        float x;
-        if (narrow) {
-            x = narrow_rise(centre, zeta, near, pixel, chance);
-        } else {
-            x = rise(centre, slope, zeta, near, class_index);
+    // What decides for all rows is asked once, and not in each.
+    float rises[ROWS];
+    if (narrow) {
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
+            Meeting met = meet(view, bin, ray, step_down, y);
+            rises[y] = narrow_rise(met.centre, met.zeta, near, pixel, chance);
         }
-        float h = weight * depth_of(clamp(x, 0.0, 1.0));
-        h = bin.x < end ? min(h, MOST_DEPTH) : 0.0;
+    } else {
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
+            Meeting met = meet(view, bin, ray, step_down, y);
+            rises[y] = rise(met.centre, met.slope, met.zeta, class_index);
+        }
+        if (near > -params.space.z) {
+            [[unroll]] for (int y = 0; y < ROWS; ++y) {
+                Meeting met = meet(view, bin, ray, step_down, y);
+                rises[y] /= cut_by_near(met.centre, met.slope, met.zeta.x, near, class_index);
+            }
+        }
+    }
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        float h = min(weight * depth_of(clamp(rises[y], 0.0, 1.0)), MOST_DEPTH);
+        h = bin.x < min(bin.y, scene_depth[y]) ? h : 0.0;
         uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);
         bin_low[y] += added;
         bin_high[y] += uvec4(lessThan(bin_low[y], added));
@@ -354,8 +386,8 @@ void main() {
                 bool reaches = view.z + params.space.z >= depths.x && view.z - params.space.z <= depths.y;
                 [[unroll]] for (uint other = 0u; other < BLOCKS; ++other) {
                     vec2 low = float(BLOCK) * vec2(other & 1u, other >> 1u);
-                    bool touches = all(lessThanEqual(bounds.xy, low + float(BLOCK))) && all(greaterThanEqual(bounds.zw, low));
-                    if (reaches && touches) {
+                    bvec4 touches = bvec4(lessThanEqual(bounds.xy, low + float(BLOCK)), greaterThanEqual(bounds.zw, low));
+                    if (all(touches) && reaches) {
                         queue[other][atomicAdd(queue_length[other], 1u)] = row;
                     }
                 }
@@ -376,7 +408,13 @@ void main() {
             at += LANES;
         } while (at < to);
         if (is_last_segment) {
-            lay_bin(middle(max(bin, 1u) - 1u, scale));
+            // Nothing is behind the last bin: it is laid as well.
+            uint lays = bin + 1u == buckets ? 2u : 1u;
+            uint laid = 0u;
+            do {
+                lay_bin(middle(max(bin + laid, 1u) - 1u, scale));
+                ++laid;
+            } while (laid < lays);
         }
         if (lane == 0u) {
             clearest = 0u;
@@ -391,9 +429,6 @@ void main() {
         ++bin;
     } while (bin < last);
     bool is_done = last == buckets && is_last_segment;
-    if (is_done) {
-        lay_bin(middle(last - 1u, scale));
-    }
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         uint at = column + uint(y) * params.image.x;
         if (inside[y] && !is_done) {
