@@ -42,7 +42,7 @@ buffers! {
     FINISHED = "Finished",
     BLOCKS_SUMS = "Blocks",
     BASE_COLOURS = "BaseColours",
-    TOON_PARAMS = "ToonParams",
+    TOON_PARAMS = "ToonBuffer",
     TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
     NEXT_NAMES = "NextNames",
@@ -340,7 +340,7 @@ impl Layout {
 
     /// Descriptions of the own buffers, in order.
     pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
-        self.sizes.descriptions(&NAMES, [PARAMS, TOON_PARAMS])
+        self.sizes.descriptions(&NAMES, [PARAMS])
     }
 
     /// Descriptions of the own images, in order.
