@@ -85,7 +85,7 @@ impl Film {
         let scene = AnimatedMesh::builtin(which, vertices, Clock { first: 0, fps: which.fps() });
         let count = scene.vertices();
         let order: Vec<usize> = if turned { (0..count).rev().collect() } else { (0..count).collect() };
-        let weld = scene.weld(frames.start, frames.end - 1, 1).expect("poses");
+        let weld = scene.weld();
         let topology = scene.topology();
         let weld: Vec<u32> = order.iter().map(|v| weld[*v]).collect();
         let objects: Vec<u32> = order.iter().map(|v| topology.object[*v]).collect();
