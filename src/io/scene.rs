@@ -29,7 +29,7 @@ pub const MAX_VERTICES: usize = 1 << 26;
 /// What of an animated mesh does not change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
-    /// Vertices of each triangle, counter-clockwise seen from outside.
+    /// Vertices of each triangle, in either direction: files differ, and mirrors turn them over.
     pub triangles: Vec<[u32; 3]>,
     /// Object of each vertex: its number in `objects`. In glTF each node that has a mesh is one.
     pub object: Vec<u32>,

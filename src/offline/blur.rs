@@ -104,19 +104,23 @@ impl BlurInput {
         threads: usize,
     ) -> Result<BlurInput, BlurError> {
         let weld = scene.weld();
-        let topology = scene.topology();
-        let groups = shading_groups(topology, &weld, &scene.pose(f64::from(frames[0]))?);
-        // Vertices of one point share a normal if they have the same one here: any that tells the groups apart.
-        let normals: Vec<[f32; 3]> = groups.iter().map(|group| [f32::from_bits(*group), 0.0, 0.0]).collect();
-        let mesh = Mesh::new(&MeshInput {
+        let rest = scene.pose(f64::from(frames[0]))?;
+        let mut topology = scene.topology().clone();
+        let mut mesh = Mesh::new(&MeshInput {
             vertices: scene.vertices(),
             triangles: &topology.triangles,
             objects: Some(&topology.object),
             weld: Some(&weld),
-            normals: Some(&normals),
+            normals: None,
+            rest: Some(&rest),
         })?;
+        topology.triangles = mesh.corners().to_vec();
+        let groups = shading_groups(&topology, &weld, &rest);
+        // Vertices of one point share a normal if they have the same one here: any that tells the groups apart.
+        let normals: Vec<[f32; 3]> = groups.iter().map(|group| [f32::from_bits(*group), 0.0, 0.0]).collect();
+        mesh.set_normals(&normals)?;
         let motion = Motion::new(settings, size)?;
-        let colours = TopologyInput::colour_rows(&mesh, Some((&topology.triangles, &topology.colour)));
+        let colours = TopologyInput::colour_rows(&mesh, &topology.colour);
         Ok(BlurInput {
             colours: Arc::new(colours),
             camera: Box::new(camera),

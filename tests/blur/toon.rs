@@ -102,6 +102,7 @@ impl Film {
             objects: Some(&objects),
             weld: Some(&weld),
             normals: Some(&normals),
+            rest: None,
         })
         .expect("a mesh");
         let poses = frames.clone().map(|frame| {
@@ -113,7 +114,7 @@ impl Film {
         let settings = desc.settings.clone();
         let animation = Animation { poses: poses.collect(), cameras: cameras.collect(), size: desc.size };
         let mut rig = BlurRig::new(desc, mesh.clone())?;
-        rig.colours = Some((triangles.clone(), colours.clone()));
+        rig.colours = colours.clone();
         let light = Light::default();
         let mut film = Film { mesh, animation, settings, triangles, colours, rig, light };
         film.set_light(light, Background::Clear(GREY));
