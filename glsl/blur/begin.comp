@@ -2,19 +2,22 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "fronts.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) readonly buffer Triangles { uvec4 triangles[]; };  // corners; object * 2 + 1 if it is closed
+layout(std430, binding = 1) readonly buffer Triangles { uvec4 triangles[]; };  // corners, object
 layout(std430, binding = 2) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 3) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 4) writeonly buffer Active { uvec4 active_triangles[]; };
 
-// Whether a triangle is turned away, as clip coordinates of a frame have it: clockwise on a screen whose y is down is towards.
-bool is_away(uvec3 corners, uint frame) {
-    uint first = frame * params.counts.x;
+// Whether a triangle's outside is turned away in frame i (0) or i + 1 (1), as clip coordinates have it: clockwise on a screen
+// whose y is down is towards, unless the frame has it inside out.
+bool is_away(uvec3 corners, uint front, uint frame) {
+    uint first = (1u + frame) * params.counts.x;
     vec3 a = clip[first + corners.x].xyz;
     vec3 b = clip[first + corners.y].xyz;
     vec3 c = clip[first + corners.z].xyz;
-    return dot(a, cross(b, c)) > 0.0;
+    float volume = dot(a, cross(b, c));
+    return (front & TURNED << frame) != 0u ? volume < 0.0 : volume > 0.0;
 }
 
 void main() {
@@ -24,7 +27,8 @@ void main() {
     }
     uvec4 triangle = triangles[index];
     bool is_moved = vertices[triangle.x].place.x + vertices[triangle.y].place.x + vertices[triangle.z].place.x > 0u;
-    bool is_hidden = (triangle.w & 1u) != 0u && is_away(triangle.xyz, 1u) && is_away(triangle.xyz, 2u);
+    uint front = front_of(index);
+    bool is_hidden = (front & CLOSED) != 0u && is_away(triangle.xyz, front, 0u) && is_away(triangle.xyz, front, 1u);
     uint state = is_hidden ? CULLED : is_moved ? 7u << OPEN_SHIFT : 0u;
     active_triangles[index] = uvec4(triangle.xyz, index | state);
 }

@@ -1,5 +1,7 @@
 // Colours by world normal: what is typical of each object in each of frames i (0) and i + 1 (1).
 
+#include "fronts.glsl"
+
 const uint SIDE = 32u;
 const uint BINS = SIDE * SIDE;
 const uint NO_BIN = 0xffffffffu;
@@ -31,21 +33,26 @@ uint bin_of(vec3 normal) {
     return place.y * SIDE + place.x;
 }
 
-// Whether what is seen of a triangle in a frame is its inside: only of what is open.
-bool is_turned(uint frame, uvec4 base) {
+// Whether the normal of a triangle's corners points away from what is seen of it in a frame: to the inside of what is closed,
+// else away from the eye.
+bool is_turned(uint frame, uint place, uvec4 base) {
+    uint front = front_of(place);
+    if ((front & CLOSED) != 0u) {
+        return (front & TURNED << frame) != 0u;
+    }
     vec3 a = corner_of(frame + 1u, base.x);
     vec3 b = corner_of(frame + 1u, base.y);
     vec3 c = corner_of(frame + 1u, base.z);
-    return (base.w & 1u) == 0u && dot(a, cross(b, c)) > 0.0;
+    return dot(a, cross(b, c)) > 0.0;
 }
 
-// The normal that a frame has at a place: turned over where what is open is turned away.
+// The normal that a frame has at a place.
 vec3 normal_at(uint frame, uint place, uvec4 base, vec3 shares) {
     uvec4 groups = corner_groups[place];
     uint first = frame * GROUPS;
     vec3 normal = shares.x * normals[first + groups.x].xyz + shares.y * normals[first + groups.y].xyz
         + shares.z * normals[first + groups.z].xyz;
-    return is_turned(frame, base) ? -normal : normal;
+    return is_turned(frame, place, base) ? -normal : normal;
 }
 
 // The least power of two that no channel of either image is above, 1 to 16.

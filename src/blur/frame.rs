@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::blur::layout::TOON;
 use crate::blur::mesh::{Lists, Mesh};
-use crate::blur::motion::{Cluster, Interval, Segment};
+use crate::blur::motion::{Cluster, FRONTS_A_WORD, Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
@@ -90,13 +90,10 @@ impl Desc {
     }
 }
 
-/// Vertices of a mesh's triangles, as they were before they were welded, and colours of the vertices, linear RGB.
-pub type VertexColours<'a> = (&'a [[u32; 3]], &'a [[f32; 3]]);
-
 /// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
 pub struct TopologyInput {
-    /// Four `u32` a triangle: its points, and twice the place of its object, plus 1 if the object is closed.
+    /// Four `u32` a triangle: its points, and the place of its object.
     pub triangles: HostBuffer,
     /// A `u32` a point and one more: where its list of neighbours begins, and the end of the last.
     pub neighbour_starts: HostBuffer,
@@ -133,23 +130,17 @@ impl GroupInput {
 }
 
 impl TopologyInput {
-    /// The rows of [`TopologyInput::colours`] of a mesh. `given`: none is white.
-    pub fn colour_rows(mesh: &Mesh, given: Option<VertexColours>) -> Vec<[f32; 4]> {
-        let white = [1.0; 4];
-        let Some((triangles, colours)) = given else { return vec![white; 3 * mesh.triangles().len()] };
-        let colour = |vertex: &u32| colours.get(*vertex as usize).map_or(white, |[r, g, b]| [*r, *g, *b, 1.0]);
-        triangles.iter().flatten().map(colour).collect()
+    /// The rows of [`TopologyInput::colours`] of a mesh, from linear RGB of each vertex; where there is none, white.
+    pub fn colour_rows(mesh: &Mesh, colours: &[[f32; 3]]) -> Vec<[f32; 4]> {
+        let colour = |vertex: &u32| colours.get(*vertex as usize).map_or([1.0; 4], |[r, g, b]| [*r, *g, *b, 1.0]);
+        mesh.corners().iter().flatten().map(colour).collect()
     }
 
     /// The rows of [`TopologyInput::triangles`] of a mesh.
     pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
-        let place = |id: &u32| mesh.objects().partition_point(|object| object.id < *id);
+        let place = |id: &u32| mesh.objects().partition_point(|object| object < id) as u32;
         let rows = mesh.triangles().iter().zip(mesh.triangle_objects());
-        rows.map(|([a, b, c], id)| {
-            let object = place(id);
-            [*a, *b, *c, 2 * object as u32 + u32::from(mesh.objects()[object].closed)]
-        })
-        .collect()
+        rows.map(|([a, b, c], id)| [*a, *b, *c, place(id)]).collect()
     }
 }
 
@@ -212,6 +203,8 @@ pub struct IntervalInput<'a> {
     pub hull: HostBuffer,
     /// [`Interval::seams`]; not looked at if there are none.
     pub seams: HostBuffer,
+    /// [`Interval::fronts`].
+    pub fronts: HostBuffer,
 }
 
 /// What must be known of an [`Interval`] before the device has it.
@@ -386,6 +379,8 @@ impl IntervalInput<'_> {
         holds("the interval's labels", &self.labels, 4 * points)?;
         holds("the interval's clusters", &self.clusters, size_of::<Cluster>() as u64 * u64::from(clusters))?;
         holds("the interval's hulls", &self.hull, 8 * u64::from(hull))?;
+        let words = desc.triangles.div_ceil(FRONTS_A_WORD as u32);
+        holds("the interval's fronts", &self.fronts, 4 * u64::from(words))?;
         if seams > 0 {
             holds("the interval's seams", &self.seams, 4 * u64::from(seams))?;
         }

@@ -3,6 +3,7 @@
 use ash::vk;
 
 use crate::blur::frame::Desc;
+use crate::blur::motion::FRONTS_A_WORD;
 use crate::blur::params::{
     BLOCK, BlurParams, Cluster, Control, Knot, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, MOST_SITES, Piece, ROUNDS,
     Round, Site, TONE_STEPS, ToonParams, Vertex,
@@ -33,6 +34,7 @@ buffers! {
     CLUSTERS = "Clusters",
     HULL = "Hull",
     SEAMS = "Seams",
+    FRONTS = "Fronts",
     SMOOTH = "Smooth",
     CLIP = "Clip",
     SPLINES = "Splines",
@@ -97,21 +99,22 @@ pub const NAME_LAYERS: [BufferId; 3] = [PREVIOUS_NAMES, NEXT_NAMES, DISTORTED_NA
 pub const HOST_TOPOLOGY: [BufferId; 3] = [BufferId(BUFFERS), BufferId(BUFFERS + 1), BufferId(BUFFERS + 2)];
 /// The host's poses.
 pub const HOST_POSES: BufferId = BufferId(BUFFERS + 3);
-/// The host's interval: motion, labels, clusters, hulls, seams, pieces.
-pub const HOST_INTERVAL: [BufferId; 6] = [
+/// The host's interval: motion, labels, clusters, hulls, seams, fronts, pieces.
+pub const HOST_INTERVAL: [BufferId; 7] = [
     BufferId(BUFFERS + 4),
     BufferId(BUFFERS + 5),
     BufferId(BUFFERS + 6),
     BufferId(BUFFERS + 7),
     BufferId(BUFFERS + 8),
     BufferId(BUFFERS + 9),
+    BufferId(BUFFERS + 10),
 ];
 /// The host's normal groups: of each corner, where lists of their triangles begin, triangles.
-pub const HOST_GROUPS: [BufferId; 3] = [BufferId(BUFFERS + 10), BufferId(BUFFERS + 11), BufferId(BUFFERS + 12)];
+pub const HOST_GROUPS: [BufferId; 3] = [BufferId(BUFFERS + 11), BufferId(BUFFERS + 12), BufferId(BUFFERS + 13)];
 /// The host's base colours.
-pub const HOST_COLOURS: BufferId = BufferId(BUFFERS + 13);
+pub const HOST_COLOURS: BufferId = BufferId(BUFFERS + 14);
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 14;
+pub const HOST_BUFFERS: usize = 15;
 
 /// Which triangle each pixel of frames i and i + 1 sees.
 pub const SEEN: [ImageId; 2] = [ImageId(0), ImageId(1)];
@@ -264,6 +267,7 @@ impl Layout {
         self.set(CLUSTERS, size_of::<Cluster>() as u64 * points);
         self.set(HULL, 8 * points);
         self.set(SEAMS, 4 * points);
+        self.set(FRONTS, 4 * u64::from(desc.triangles.div_ceil(FRONTS_A_WORD as u32)));
         self.set(SMOOTH, 8 * points);
         self.set(CLIP, 4 * 16 * points);
         self.set(SPLINES, vertices * u64::from(desc.segments) * size_of::<Piece>() as u64);

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
+use super::shells::{Shells, Solid};
 use crate::error::{Error, Result};
 
 /// A mesh as a file or a host holds it.
@@ -10,7 +11,7 @@ use crate::error::{Error, Result};
 pub struct MeshInput<'a> {
     /// Number of vertices.
     pub vertices: usize,
-    /// The vertices of each triangle. Those without area are drawn nowhere and may stay.
+    /// The vertices of each triangle, in either direction. Those without area are drawn nowhere and may stay.
     pub triangles: &'a [[u32; 3]],
     /// Object of each vertex, any number; without: one object. A triangle belongs to one object.
     pub objects: Option<&'a [u32]>,
@@ -20,35 +21,31 @@ pub struct MeshInput<'a> {
     /// Normal of each vertex at rest. Vertices of one point that have the same bits here share a smooth normal. Without:
     /// all of a point do.
     pub normals: Option<&'a [[f32; 3]]>,
+    /// Position of each vertex at any time: the triangles of closed surfaces are turned counter-clockwise as seen from
+    /// outside then. Without: as the first of them. Pictures differ by no more than rounding.
+    pub rest: Option<&'a [[f32; 3]]>,
 }
 
 /// The topology of an animated mesh.
 ///
-/// *Points* are welded vertices, numbered by their first vertex. Everything but [`Mesh::file_to_point`] and
-/// [`Mesh::point_to_file`] speaks of points. Nothing here depends on the order of anything but the input.
+/// *Points* are welded vertices, numbered by their first vertex. Everything but [`Mesh::file_to_point`],
+/// [`Mesh::point_to_file`] and [`Mesh::corners`] speaks of points. Triangles that hang together run in one direction, whatever
+/// they do in the input. Nothing here depends on the order of anything but the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mesh {
     points: usize,
     file_to_point: Vec<u32>,
     point_to_file: Vec<u32>,
+    corners: Vec<[u32; 3]>,
     triangles: Vec<[u32; 3]>,
+    shells: Shells,
     triangle_objects: Vec<u32>,
     point_objects: Vec<u32>,
     neighbours: Lists,
     point_triangles: Lists,
     normal_groups: Vec<[u32; 3]>,
     group_triangles: Lists,
-    objects: Vec<Object>,
-}
-
-/// One object of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Object {
-    /// Its number in the input.
-    pub id: u32,
-    /// Whether each of its edges is shared by exactly two triangles that run along it in opposite directions. Triangles
-    /// with two equal points do not count; a point without triangles is no border.
-    pub closed: bool,
+    objects: Vec<u32>,
 }
 
 /// Lists of numbers, one after the other: list i is `items[starts[i]..starts[i + 1]]`, ascending.
@@ -95,6 +92,13 @@ fn refused(why: String) -> Error {
     Error::HostResource { name: "blur mesh", why }
 }
 
+fn check_length(name: &str, length: usize, vertices: usize) -> Result<()> {
+    match length == vertices {
+        true => Ok(()),
+        false => Err(refused(format!("{length} entries of {name} for {vertices} vertices; give one a vertex"))),
+    }
+}
+
 /// Refuses what can't be a mesh.
 fn check(input: &MeshInput) -> Result<()> {
     let vertices = input.vertices;
@@ -105,11 +109,10 @@ fn check(input: &MeshInput) -> Result<()> {
     if vertices > 1 << 30 || input.triangles.len() > (u32::MAX / 6) as usize {
         return Err(refused(format!("{vertices} vertices, {} triangles: too many", input.triangles.len())));
     }
-    let lists = [("objects", input.objects.map(<[u32]>::len)), ("weld", input.weld.map(<[u32]>::len))];
-    for (name, length) in lists.into_iter().chain([("normals", input.normals.map(<[[f32; 3]]>::len))]) {
-        if let Some(length) = length.filter(|length| *length != vertices) {
-            return Err(refused(format!("{length} entries of {name} for {vertices} vertices; give one a vertex")));
-        }
+    let numbers = [("objects", input.objects), ("weld", input.weld)].map(|(name, list)| (name, list.map(<[_]>::len)));
+    let vectors = [("normals", input.normals), ("rest", input.rest)].map(|(name, list)| (name, list.map(<[_]>::len)));
+    for (name, length) in numbers.into_iter().chain(vectors) {
+        check_length(name, length.unwrap_or(vertices), vertices)?;
     }
     for (i, triangle) in input.triangles.iter().enumerate() {
         if let Some(vertex) = triangle.iter().find(|v| **v as usize >= vertices) {
@@ -147,30 +150,55 @@ impl Mesh {
             None => (0..input.vertices as u32).map(|v| (v, v)).unzip(),
         };
         let points = point_to_file.len();
-        let triangles: Vec<[u32; 3]> = input.triangles.iter().map(|t| t.map(|v| file_to_point[v as usize])).collect();
+        let point_of = |vertex: u32| file_to_point[vertex as usize];
+        let rest = input.rest.map(|rest| point_to_file.iter().map(|v| rest[*v as usize]).collect::<Vec<_>>());
+        let (corners, shells) = oriented(input.triangles, point_of, rest.as_deref());
+        let triangles: Vec<[u32; 3]> = corners.iter().map(|t| t.map(point_of)).collect();
         let object = |vertex: u32| input.objects.map_or(0, |objects| objects[vertex as usize]);
-        let groups = match input.normals {
-            Some(normals) => number(file_to_point.iter().zip(normals).map(|(p, n)| (*p, n.map(f32::to_bits)))).0,
-            None => file_to_point.clone(),
-        };
-        let normal_groups: Vec<[u32; 3]> = input.triangles.iter().map(|t| t.map(|v| groups[v as usize])).collect();
-        let group_count = groups.iter().max().map_or(0, |last| *last as usize + 1);
         let sides = triangles.iter().flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)]).filter(|(a, b)| a != b);
         let neighbours = Lists::new(points, sides.flat_map(|(a, b)| [(a, b), (b, a)]).collect());
         let point_objects: Vec<u32> = point_to_file.iter().map(|v| object(*v)).collect();
-        Ok(Mesh {
+        let mut objects = point_objects.clone();
+        objects.sort_unstable();
+        objects.dedup();
+        let mut mesh = Mesh {
             points,
             triangle_objects: triangles.iter().map(|t| point_objects[t[0] as usize]).collect(),
             neighbours,
             point_triangles: Lists::new(points, by_corner(&triangles)),
-            group_triangles: Lists::new(group_count, by_corner(&normal_groups)),
-            objects: objects(&point_objects, &triangles),
+            group_triangles: Lists::default(),
+            objects,
             file_to_point,
             point_to_file,
+            corners,
             triangles,
+            shells,
             point_objects,
-            normal_groups,
-        })
+            normal_groups: Vec::new(),
+        };
+        match input.normals {
+            Some(normals) => mesh.set_normals(normals)?,
+            None => mesh.group(&mesh.file_to_point.clone()),
+        }
+        Ok(mesh)
+    }
+
+    /// Takes the place of [`MeshInput::normals`], where these follow from the mesh.
+    ///
+    /// # Errors
+    /// Not one a vertex.
+    pub fn set_normals(&mut self, normals: &[[f32; 3]]) -> Result<()> {
+        check_length("normals", normals.len(), self.file_to_point.len())?;
+        let keys = self.file_to_point.iter().zip(normals).map(|(p, n)| (*p, n.map(f32::to_bits)));
+        self.group(&number(keys).0);
+        Ok(())
+    }
+
+    /// `groups`: the normal group of each vertex.
+    fn group(&mut self, groups: &[u32]) {
+        let count = groups.iter().max().map_or(0, |last| *last as usize + 1);
+        self.normal_groups = self.corners.iter().map(|t| t.map(|v| groups[v as usize])).collect();
+        self.group_triangles = Lists::new(count, by_corner(&self.normal_groups));
     }
 
     /// Number of points V, at least 1.
@@ -186,6 +214,11 @@ impl Mesh {
     /// The first vertex of each point.
     pub fn point_to_file(&self) -> &[u32] {
         &self.point_to_file
+    }
+
+    /// The vertices of each triangle, in the order of [`Mesh::triangles`].
+    pub fn corners(&self) -> &[[u32; 3]] {
+        &self.corners
     }
 
     /// The points of each triangle.
@@ -223,9 +256,19 @@ impl Mesh {
         &self.group_triangles
     }
 
-    /// The objects, by ascending id.
-    pub fn objects(&self) -> &[Object] {
+    /// The numbers of the objects in the input, ascending.
+    pub fn objects(&self) -> &[u32] {
         &self.objects
+    }
+
+    /// The closed surfaces.
+    pub fn shells(&self) -> &Shells {
+        &self.shells
+    }
+
+    /// What each of them encloses; one position a point.
+    pub(super) fn solids(&self, positions: &[[f32; 3]]) -> Vec<Solid> {
+        self.shells.solids(&self.triangles, positions)
     }
 
     /// Positions of the points from those of the vertices; none where their number is another.
@@ -240,24 +283,26 @@ fn by_corner(corners: &[[u32; 3]]) -> Vec<(u32, u32)> {
     corners.iter().zip(0..).flat_map(|(corners, triangle)| corners.map(|corner| (corner, triangle))).collect()
 }
 
-fn objects(point_objects: &[u32], triangles: &[[u32; 3]]) -> Vec<Object> {
-    let mut ids = point_objects.to_vec();
-    ids.sort_unstable();
-    ids.dedup();
-    let mut objects: Vec<Object> = ids.iter().map(|id| Object { id: *id, closed: true }).collect();
-    let whole = triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a);
-    let sides = whole.flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)]);
-    let mut edges: Vec<(u32, u32, bool)> = sides.map(|(a, b)| (a.min(b), a.max(b), a < b)).collect();
-    edges.sort_unstable();
-    for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        if edge.len() != 2 || edge[0].2 == edge[1].2 {
-            let id = point_objects[edge[0].0 as usize];
-            if let Ok(place) = ids.binary_search(&id) {
-                objects[place].closed = false;
-            }
-        }
+/// The triangles, turned over where they must be, and the shells that they make up.
+fn oriented(
+    triangles: &[[u32; 3]],
+    point_of: impl Fn(u32) -> u32 + Copy,
+    rest: Option<&[[f32; 3]]>,
+) -> (Vec<[u32; 3]>, Shells) {
+    let of_points = |corners: &[[u32; 3]]| corners.iter().map(|t| t.map(point_of)).collect::<Vec<_>>();
+    let (shells, turned) = Shells::find(&of_points(triangles));
+    let turn = |corners: &mut [[u32; 3]], is_turned: &dyn Fn(usize) -> bool| {
+        let all = corners.iter_mut().enumerate().filter(|(triangle, _)| is_turned(*triangle));
+        all.for_each(|(_, corners)| corners.swap(1, 2));
+    };
+    let mut corners = triangles.to_vec();
+    turn(&mut corners, &|triangle| turned[triangle]);
+    if let Some(rest) = rest {
+        let solids = shells.solids(&of_points(&corners), rest);
+        let is_turned = |shell: usize| solids[shell].is_turned() == Some(true);
+        turn(&mut corners, &|triangle| shells.of(triangle).is_some_and(is_turned));
     }
-    objects
+    (corners, shells)
 }
 
 #[cfg(test)]
@@ -267,13 +312,14 @@ mod tests {
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
 
     fn input<'a>(vertices: usize, triangles: &'a [[u32; 3]]) -> MeshInput<'a> {
-        MeshInput { vertices, triangles, objects: None, weld: None, normals: None }
+        MeshInput { vertices, triangles, objects: None, weld: None, normals: None, rest: None }
     }
 
     #[test]
     fn a_tetrahedron_is_closed_and_everything_meets() {
         let mesh = Mesh::new(&input(4, &TETRAHEDRON)).unwrap();
-        assert_eq!(mesh.objects(), [Object { id: 0, closed: true }]);
+        assert_eq!(mesh.objects(), [0]);
+        assert!((0..4).all(|triangle| mesh.shells().of(triangle) == Some(0)));
         for point in 0..4 {
             let others: Vec<u32> = (0..4).filter(|other| *other != point).collect();
             assert_eq!(mesh.neighbours().of(point as usize), others);
@@ -283,23 +329,22 @@ mod tests {
         assert_eq!(mesh.normal_groups(), TETRAHEDRON);
     }
 
+    /// All that is drawn is what the same triangles in one direction are drawn as: where they are turned over at random,
+    /// and where all of them are.
     #[test]
-    fn what_is_open_or_inconsistent_is_not_closed() {
-        let closed = |triangles: &[[u32; 3]]| Mesh::new(&input(5, triangles)).unwrap().objects()[0].closed;
-        assert!(closed(&TETRAHEDRON));
-        assert!(!closed(&TETRAHEDRON[..3]));
-        let mut turned = TETRAHEDRON;
-        turned[0].swap(0, 1);
-        assert!(!closed(&turned));
-        let mut fin = TETRAHEDRON.to_vec();
-        fin.push([0, 1, 4]);
-        assert!(!closed(&fin));
-        fin[4] = [0, 1, 1];
-        assert!(closed(&fin));
-        // Two tetrahedra that share an edge: four triangles meet there.
-        let mut pair = TETRAHEDRON.to_vec();
-        pair.extend(TETRAHEDRON.map(|t| t.map(|v| if v < 2 { v } else { v + 2 })));
-        assert!(!Mesh::new(&input(6, &pair)).unwrap().objects()[0].closed);
+    fn triangles_run_counter_clockwise_whatever_they_do_in_the_input() {
+        let corners = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let mirrored = corners.map(|[x, y, z]: [f32; 3]| [-x, y, z]);
+        for mask in 0..16 {
+            let mut triangles = TETRAHEDRON;
+            triangles.iter_mut().enumerate().filter(|(i, _)| mask >> i & 1 == 1).for_each(|(_, t)| t.swap(1, 2));
+            let rest = Some(&corners[..]);
+            let mesh = Mesh::new(&MeshInput { rest, ..input(4, &triangles) }).unwrap();
+            assert_eq!(mesh, Mesh::new(&input(4, &TETRAHEDRON)).unwrap(), "{mask}");
+            let turned = Mesh::new(&MeshInput { rest: Some(&mirrored), ..input(4, &triangles) }).unwrap();
+            assert_eq!(turned.triangles(), TETRAHEDRON.map(|[a, b, c]| [a, c, b]), "{mask}");
+            assert_eq!(turned.corners(), turned.triangles(), "{mask}");
+        }
     }
 
     #[test]
@@ -331,8 +376,11 @@ mod tests {
         assert_ne!(first[2], second[0], "an edge");
         assert_eq!(mesh.group_triangles().of(first[0] as usize), [0, 1]);
         assert_eq!(mesh.group_triangles().of(first[2] as usize), [0]);
-        let smooth = Mesh::new(&MeshInput { normals: None, ..hard }).unwrap();
+        let mut smooth = Mesh::new(&MeshInput { normals: None, ..hard }).unwrap();
         assert_eq!(smooth.normal_groups(), smooth.triangles());
+        smooth.set_normals(&normals).unwrap();
+        assert_eq!(smooth, mesh);
+        assert!(smooth.set_normals(&normals[1..]).unwrap_err().to_string().contains("5 entries of normals for 6"));
     }
 
     #[test]
@@ -341,7 +389,11 @@ mod tests {
         triangles.push([4, 5, 6]);
         let objects = [8, 8, 8, 8, 3, 3, 3];
         let mesh = Mesh::new(&MeshInput { objects: Some(&objects), ..input(7, &triangles) }).unwrap();
-        assert_eq!(mesh.objects(), [Object { id: 3, closed: false }, Object { id: 8, closed: true }]);
+        assert_eq!(mesh.objects(), [3, 8]);
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|triangle| mesh.shells().of(triangle)),
+            [Some(0), Some(0), Some(0), Some(0), None]
+        );
         assert_eq!(mesh.triangle_objects(), [8, 8, 8, 8, 3]);
         assert_eq!(mesh.point_objects(), objects);
     }

@@ -12,6 +12,7 @@ pub mod passes;
 #[doc(hidden)]
 pub mod reference;
 pub mod settings;
+pub mod shells;
 pub mod steps;
 
 use ash::vk;
@@ -20,7 +21,7 @@ use gpu_allocator::vulkan::Allocator;
 pub use crate::host::{Background, DepthFormat, HostDepth};
 pub use frame::{
     Counts, DepthInput, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput,
-    TopologyInput, Trajectories, VertexColours, View,
+    TopologyInput, Trajectories, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -154,7 +155,7 @@ impl Blur {
             let seams = Some(interval.seams).filter(|_| interval.counts.seams > 0);
             let [motion, labels, clusters, hull] =
                 [interval.motion, interval.labels, interval.clusters, interval.hull].map(Some);
-            [motion, labels, clusters, hull, seams, pieces]
+            [motion, labels, clusters, hull, seams, Some(interval.fronts), pieces]
         });
         for (place, id) in layout::HOST_INTERVAL.into_iter().enumerate() {
             resources.set_host_buffer(id, buffers.and_then(|buffers| buffers[place]));

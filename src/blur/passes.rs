@@ -121,15 +121,15 @@ impl Passes {
             interval: d.transfer(
                 "blur.interval",
                 &copies(
-                    [HOST_INTERVAL[0], HOST_INTERVAL[1], HOST_INTERVAL[2], HOST_INTERVAL[3], HOST_INTERVAL[4]],
-                    [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS],
+                    [0, 1, 2, 3, 4, 5].map(|place| HOST_INTERVAL[place]),
+                    [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS],
                 ),
             ),
             project: d.compute("blur.trajectory", &glsl::project::SHADER),
             knots: d.writes("blur.trajectory", &[KNOTS]),
             trajectory: d
                 .add(Pass::compute("blur.trajectory", &glsl::trajectory::SHADER).specialise([segments, screen])),
-            pieces: d.transfer("blur.trajectory", &copies([HOST_INTERVAL[5]], [SPLINES])),
+            pieces: d.transfer("blur.trajectory", &copies([HOST_INTERVAL[6]], [SPLINES])),
             extent: d.compute("blur.extent", &glsl::extent::SHADER),
             seams: d.compute("blur.seams", &glsl::seams::SHADER),
             settle: d.add(Pass::compute("blur.extent", &glsl::settle::SHADER).specialise([screen])),

@@ -6,6 +6,7 @@ use crate::blur::frame::{
     DepthInput, Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories,
 };
 use crate::blur::layout::*;
+use crate::blur::motion::FRONTS_A_WORD;
 use crate::blur::params::{
     self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
     LIGHT_CANDIDATES, LINE_VERTICES, LightConstants, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round,
@@ -343,8 +344,9 @@ impl Steps<'_> {
             size_of::<params::Cluster>() as u64 * u64::from(counts.clusters),
             8 * u64::from(counts.hull),
             4 * u64::from(counts.seams),
+            4 * u64::from(self.desc.triangles.div_ceil(FRONTS_A_WORD as u32)),
         ];
-        let to = [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS];
+        let to = [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS];
         for ((from, to), bytes) in HOST_INTERVAL.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
             self.plan.step(self.passes.interval, Command::CopyBuffer { from, to, bytes });
         }
@@ -369,7 +371,7 @@ impl Steps<'_> {
                 for segment in 0..interval.segments.len() as u64 {
                     let to = segment * u64::from(self.layout.vertices) * piece;
                     let command =
-                        Command::CopyRange { from: (HOST_INTERVAL[5], segment * bytes), to: (SPLINES, to), bytes };
+                        Command::CopyRange { from: (HOST_INTERVAL[6], segment * bytes), to: (SPLINES, to), bytes };
                     self.plan.step(self.passes.pieces, command);
                 }
             }

@@ -16,6 +16,11 @@ pub(super) fn install() {
     });
 }
 
+/// Items until the program is asked to stop; [`check`] says whether these are all.
+pub(super) fn until<T>(items: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
+    items.into_iter().take_while(|_| !INTERRUPTED.load(Ordering::SeqCst))
+}
+
 /// Fails once the program was asked to stop.
 pub(super) fn check() -> Result<(), Failure> {
     match INTERRUPTED.load(Ordering::SeqCst) {

@@ -161,7 +161,7 @@ impl Job<'_> {
     /// Renders the `missing` frames, which are some.
     fn render(&self, missing: &[u32]) -> Result<Vec<FrameTimes>, Failure> {
         let has_layers = self.outputs.has_layers();
-        let mut inputs = Inputs::new(&self.shot, self.common)?;
+        let mut inputs = Inputs::new(&self.shot, missing, self.common)?;
         let effects = inputs.effects(&self.shot, missing, has_layers)?;
         let background = background(&self.shot)?;
         let mut renderer =

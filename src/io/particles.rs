@@ -144,9 +144,9 @@ pub type ParticleSequence = Sequence<Particles>;
 impl ParticleSequence {
     /// The extent of these frames' particles, from the headers and temperatures of all files, so that a missing or unfit
     /// one is found before work begins.
-    pub fn extent(&self, first: u32, last: u32) -> Result<Extent, ReadError> {
+    pub fn extent(&self, frames: impl IntoIterator<Item = u32>) -> Result<Extent, ReadError> {
         let mut extent = Extent { most: 0, hottest: 1.0 };
-        for source in self.sources(first, last) {
+        for source in self.sources(frames) {
             let path = match source? {
                 Source::File(path) => path,
                 Source::Builtin { which, .. } => return Ok(which.extent()),
@@ -234,7 +234,7 @@ mod tests {
         write(&path, 0, 0.0);
         assert_eq!(read(&path).unwrap(), Particles::default());
         let sequence = ParticleSequence::new("p.npz", &folder.0, (), false, 24.0).unwrap();
-        assert_eq!(sequence.extent(1, 9).unwrap(), Extent { most: 0, hottest: 1.0 });
+        assert_eq!(sequence.extent(1..=9).unwrap(), Extent { most: 0, hottest: 1.0 });
     }
 
     #[test]
@@ -282,7 +282,7 @@ mod tests {
         ] {
             fs::write(folder.0.join(name), "x").unwrap();
             let mut sequence = ParticleSequence::new(name, &folder.0, (), false, 24.0).unwrap();
-            for error in [sequence.frame(1).unwrap_err(), sequence.extent(1, 2).unwrap_err()] {
+            for error in [sequence.frame(1).unwrap_err(), sequence.extent(1..=2).unwrap_err()] {
                 let error = error.to_string();
                 assert!(error.contains(name) && error.contains(needle) && error.contains(".npz"), "{error}");
             }
@@ -297,17 +297,17 @@ mod tests {
         }
         let open = |name: &str, hold| ParticleSequence::new(name, &folder.0, (), hold, 24.0).unwrap();
         let mut hold = open("p.####.npz", true);
-        assert_eq!(hold.extent(1, 3).unwrap(), Extent { most: 5, hottest: 1200.0 });
-        assert_eq!(hold.extent(1, 9).unwrap(), Extent { most: 5, hottest: 2500.0 });
+        assert_eq!(hold.extent(1..=3).unwrap(), Extent { most: 5, hottest: 1200.0 });
+        assert_eq!(hold.extent(1..=9).unwrap(), Extent { most: 5, hottest: 2500.0 });
         assert!(Arc::ptr_eq(&hold.frame(2).unwrap(), &hold.frame(3).unwrap()));
         let mut is_same = |f| Arc::ptr_eq(&hold.frame(f - 1).unwrap(), &hold.frame(f).unwrap());
         assert_eq!([2, 3, 4, 5].map(&mut is_same), [false, true, false, true]);
         let strict = open("p.%04d.npz", false);
-        let error = strict.extent(1, 4).unwrap_err().to_string();
+        let error = strict.extent(1..=4).unwrap_err().to_string();
         assert!(error.contains("p.0003.npz: no such file; expected particles for frame 3"), "{error}");
         // One in the middle that cannot be used is found before the first frame.
         write(&folder.0.join("p.0003.npz"), 4, f32::NAN);
-        let error = strict.extent(1, 4).unwrap_err().to_string();
+        let error = strict.extent(1..=4).unwrap_err().to_string();
         assert!(error.contains("p.0003.npz: array `temperature`, row 3: is NaN"), "{error}");
         let mut single = open("p.0001.npz", false);
         assert!(Arc::ptr_eq(&single.frame(1).unwrap(), &single.frame(7).unwrap()));
@@ -319,7 +319,7 @@ mod tests {
         let mut random = open("builtin:random").unwrap();
         assert_eq!(*random.frame(7).unwrap(), flame::Builtin::Random.particles(7, 24.0));
         assert!(!Arc::ptr_eq(&random.frame(6).unwrap(), &random.frame(7).unwrap()));
-        assert_eq!(random.extent(1, 1_000_000).unwrap(), flame::Builtin::Random.extent());
+        assert_eq!(random.extent(1..=1_000_000).unwrap(), flame::Builtin::Random.extent());
         let error = open("builtin:sph").unwrap_err().to_string();
         assert!(error.contains("builtin:sph: ") && error.contains("not built yet"), "{error}");
         let error = open("builtin:rand").unwrap_err().to_string();

@@ -29,7 +29,7 @@ pub const MAX_VERTICES: usize = 1 << 26;
 /// What of an animated mesh does not change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
-    /// Vertices of each triangle, counter-clockwise seen from outside.
+    /// Vertices of each triangle, in either direction: files differ, and mirrors turn them over.
     pub triangles: Vec<[u32; 3]>,
     /// Object of each vertex: its number in `objects`. In glTF each node that has a mesh is one.
     pub object: Vec<u32>,
@@ -259,13 +259,19 @@ impl AnimatedMesh {
         }
     }
 
-    /// Welds the vertices over the frames `first` to `last` (see [`weld()`]). Holds a few poses at a time.
-    pub fn weld(&self, first: u32, last: u32, threads: usize) -> Result<Vec<u32>, ReadError> {
+    /// Point of each vertex, numbered by first occurrence: vertices of one object are one point if nothing can move them
+    /// apart. In a file of joints, nodes and morph targets, and in what the program makes, that follows from what moves them
+    /// and from where they begin; in a cache from all of its frames. It does not depend on the frames that are shown.
+    pub fn weld(&self) -> Vec<u32> {
         let mut welder = Welder::new(&self.topology.object);
-        let frames: Vec<f64> = (first..=last).map(f64::from).collect();
-        for frames in frames.chunks(threads.max(1)) {
-            self.poses(frames, threads)?.iter().for_each(|pose| welder.refine(pose));
+        match &self.motion {
+            Motion::Rig(rig) => rig.weld(&mut welder),
+            Motion::Cache(cache) => cache.weld(&mut welder),
+            Motion::Model(model) => {
+                let rest = model.rest();
+                welder.split(|vertex| (rest[vertex].0, weld::place(rest[vertex].1)));
+            }
         }
-        Ok(welder.finish())
+        welder.finish()
     }
 }

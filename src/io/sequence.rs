@@ -94,14 +94,13 @@ impl<I: Input> Sequence<I> {
         &self.options
     }
 
-    /// The sources of the frames `first` to `last`, without those that are the one of the frame before.
+    /// The sources of frames, without those that are the one of the frame before.
     pub(super) fn sources(
         &self,
-        first: u32,
-        last: u32,
-    ) -> impl Iterator<Item = Result<Source<I::Builtin>, ReadError>> + '_ {
+        frames: impl IntoIterator<Item = u32>,
+    ) -> impl Iterator<Item = Result<Source<I::Builtin>, ReadError>> {
         let mut before = None;
-        (first..=last).filter_map(move |frame| match self.source(frame) {
+        frames.into_iter().filter_map(move |frame| match self.source(frame) {
             Ok(source) if before.as_ref() == Some(&source) => None,
             Ok(source) => {
                 before = Some(source.clone());

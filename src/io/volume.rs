@@ -199,10 +199,10 @@ pub type VolumeSequence = Sequence<Volume>;
 impl VolumeSequence {
     /// The extent of these frames' volumes, from the headers of all files, so that a missing or unfit one is found
     /// before work begins. Either all volumes of a sequence have velocities or none.
-    pub fn extent(&self, first: u32, last: u32) -> Result<Extent, ReadError> {
+    pub fn extent(&self, frames: impl IntoIterator<Item = u32>) -> Result<Extent, ReadError> {
         let grids = self.options();
         let mut extent: Option<Extent> = None;
-        for source in self.sources(first, last) {
+        for source in self.sources(frames) {
             let path = match source? {
                 Source::File(path) => path,
                 Source::Builtin { which, frame, fps } => {
@@ -405,16 +405,16 @@ mod tests {
         write_npz(&folder.0.join("v.0004.npz"), &numbered(true)).unwrap();
         let open = |name: &str, hold| VolumeSequence::new(name, &folder.0, Grids::default(), hold, 24.0).unwrap();
         let files = open("v.####.npz", true);
-        assert_eq!(files.extent(1, 3).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false });
-        assert_eq!(files.extent(4, 9).unwrap(), Extent { dimensions: numbered(true).dimensions, velocity: true });
-        let mixed = files.extent(1, 4).unwrap_err().to_string();
+        assert_eq!(files.extent(1..=3).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false });
+        assert_eq!(files.extent(4..=9).unwrap(), Extent { dimensions: numbered(true).dimensions, velocity: true });
+        let mixed = files.extent(1..=4).unwrap_err().to_string();
         assert!(mixed.contains("v.0004.npz") && mixed.contains("`velocity`: is there"), "{mixed}");
-        let missing = open("v.####.npz", false).extent(1, 4).unwrap_err();
+        let missing = open("v.####.npz", false).extent(1..=4).unwrap_err();
         assert_eq!(missing.path, folder.0.join("v.0003.npz"));
         let plume = open("builtin:plume", false);
         let volume = plume.clone().frame(7).unwrap();
         let extent = Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() };
-        assert_eq!(plume.extent(1, 1_000_000).unwrap(), extent);
+        assert_eq!(plume.extent(1..=1_000_000).unwrap(), extent);
     }
 
     #[test]

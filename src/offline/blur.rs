@@ -90,12 +90,11 @@ impl BlurFrame {
 }
 
 impl BlurInput {
-    /// Looks at all of the shot's poses, `frames[0]` to `frames[1]`: vertices are one point that are at one place in all
-    /// of them. `camera` is that of a frame, which may lie between two, for pictures of `size` pixels. With at most so
-    /// many threads.
+    /// Of a shot of the frames `frames[0]` to `frames[1]`, of whose poses only the first is looked at. `camera` is that of a
+    /// frame, which may lie between two, for pictures of `size` pixels. With at most so many threads.
     ///
     /// # Errors
-    /// A vertex that is not at a finite position, which it names with the frame; a setting out of range.
+    /// A vertex that is not at a finite position in the first frame, which it names; a setting out of range.
     pub fn new(
         scene: AnimatedMesh,
         camera: impl Fn(f64) -> Camera + Send + 'static,
@@ -104,21 +103,24 @@ impl BlurInput {
         size: [u32; 2],
         threads: usize,
     ) -> Result<BlurInput, BlurError> {
-        let [first, last] = frames;
-        let weld = scene.weld(first, last, threads)?;
-        let topology = scene.topology();
-        let groups = shading_groups(topology, &weld, &scene.pose(f64::from(first))?);
-        // Vertices of one point share a normal if they have the same one here: any that tells the groups apart.
-        let normals: Vec<[f32; 3]> = groups.iter().map(|group| [f32::from_bits(*group), 0.0, 0.0]).collect();
-        let mesh = Mesh::new(&MeshInput {
+        let weld = scene.weld();
+        let rest = scene.pose(f64::from(frames[0]))?;
+        let mut topology = scene.topology().clone();
+        let mut mesh = Mesh::new(&MeshInput {
             vertices: scene.vertices(),
             triangles: &topology.triangles,
             objects: Some(&topology.object),
             weld: Some(&weld),
-            normals: Some(&normals),
+            normals: None,
+            rest: Some(&rest),
         })?;
+        topology.triangles = mesh.corners().to_vec();
+        let groups = shading_groups(&topology, &weld, &rest);
+        // Vertices of one point share a normal if they have the same one here: any that tells the groups apart.
+        let normals: Vec<[f32; 3]> = groups.iter().map(|group| [f32::from_bits(*group), 0.0, 0.0]).collect();
+        mesh.set_normals(&normals)?;
         let motion = Motion::new(settings, size)?;
-        let colours = TopologyInput::colour_rows(&mesh, Some((&topology.triangles, &topology.colour)));
+        let colours = TopologyInput::colour_rows(&mesh, &topology.colour);
         Ok(BlurInput {
             colours: Arc::new(colours),
             camera: Box::new(camera),
@@ -137,13 +139,14 @@ impl BlurInput {
         &self.mesh
     }
 
-    /// What an effect is made for that blurs this mesh in pictures of `size` pixels, with every frame's pose on the
-    /// device: [`crate::offline::Offline`] keeps fewer of them where they take too much of its memory. `toon`: frames are
-    /// drawn, because there are no images of them.
-    pub fn desc(&self, size: [u32; 2], seed: u32, toon: bool, layers: bool) -> blur::Desc {
+    /// What an effect is made for that blurs this mesh in pictures of `size` pixels, with the poses on the device of all
+    /// frames that the ones from `rendered[0]` to `rendered[1]` can be made of: [`crate::offline::Offline`] keeps fewer of
+    /// them where they take too much of its memory. `toon`: frames are drawn, because there are no images of them.
+    pub fn desc(&self, size: [u32; 2], rendered: [u32; 2], seed: u32, toon: bool, layers: bool) -> blur::Desc {
         let settings = &self.settings;
         let inner = if settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
-        let [first, last] = self.frames;
+        let first = self.frames[0].max(rendered[0].saturating_sub(FARTHEST + 1));
+        let last = self.frames[1].min(rendered[1].saturating_add(FARTHEST + 1));
         let desc = blur::Desc::new(&self.mesh, size, settings.clone());
         blur::Desc {
             target_format: super::TARGET_FORMAT,
@@ -154,7 +157,7 @@ impl BlurInput {
                 .max(desc.triangles.saturating_mul(4))
                 .min(crate::blur::params::BASE_MASK),
             segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
-            frames_resident: (last - first + 1).max(4),
+            frames_resident: last.saturating_sub(first).saturating_add(1).max(4),
             seed,
             layers,
             ..desc

@@ -18,8 +18,8 @@ pub struct Effects {
     pub smoke: Option<smoke::Desc>,
     /// The flame. With smoke or blur its scene is their depth, whatever this says.
     pub flame: Option<flame::Desc>,
-    /// The blur, which is drawn first; the others are behind its mesh and before it. `frames_resident` is how many frames
-    /// the sequence has.
+    /// The blur, which is drawn first; the others are behind its mesh and before it. `frames_resident` is how many
+    /// frames' poses outputs are made of.
     pub blur: Option<blur::Desc>,
 }
 

@@ -109,7 +109,7 @@ impl ParticleUpload {
 pub(crate) struct BlurUpload {
     topology: [Upload; 7],
     poses: Upload,
-    interval: [Upload; 6],
+    interval: [Upload; 7],
     /// The frame whose pose stands in each place on the device.
     resident: Vec<Option<u32>>,
     has_mesh: bool,
@@ -174,7 +174,7 @@ impl BlurUpload {
             }
             None => None,
         };
-        let [motion, labels, clusters, hull, seams, pieces] = &mut self.interval;
+        let [motion, labels, clusters, hull, seams, fronts, pieces] = &mut self.interval;
         let interval = IntervalInput {
             counts: frame.counts,
             segments: &interval.segments,
@@ -191,6 +191,7 @@ impl BlurUpload {
             clusters: write(clusters, "cluster upload", bytemuck::cast_slice(&interval.clusters))?,
             hull: write(hull, "hull upload", bytemuck::cast_slice(&interval.hull))?,
             seams: write(seams, "seam upload", bytemuck::cast_slice(&interval.seams))?,
+            fronts: write(fronts, "front upload", bytemuck::cast_slice(&interval.fronts))?,
         };
         Ok(UploadedBlur { mesh, poses, interval })
     }

@@ -158,6 +158,12 @@ impl Model {
         out.iter_mut().zip(placed).for_each(|(out, p)| *out = p.as_vec3().to_array());
     }
 
+    /// The transform that each vertex follows, and where it is at rest.
+    pub fn rest(&self) -> Vec<(usize, [f32; 3])> {
+        let parts = self.parts.iter();
+        parts.flat_map(|(transform, rest)| rest.iter().map(|p| (*transform, p.as_vec3().to_array()))).collect()
+    }
+
     /// The camera that it is made for.
     pub fn camera(&self, seconds: f64) -> Camera {
         match self.which {

@@ -9,6 +9,7 @@ use celfx::blur::reference::complete::complete;
 use celfx::blur::reference::complete::tone::Tones;
 use celfx::blur::reference::distort::{Drawing, Triangle, Vertex, draw, hidden};
 use celfx::blur::reference::raster::Clip;
+use celfx::blur::reference::scene::Outside;
 use celfx::blur::reference::visible::{Colour, Frame, Surface, compose, shade};
 use celfx::blur::reference::{distort, scene};
 use celfx::blur::settings::Completion;
@@ -72,8 +73,14 @@ fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Sc
     let mut first = HashMap::new();
     let key = |v: usize| (objects[v], poses[0][v].map(f32::to_bits), poses[4][v].map(f32::to_bits));
     let weld: Vec<u32> = (0..count).map(|v| *first.entry(key(v)).or_insert(v as u32)).collect();
-    let input =
-        MeshInput { vertices: count, triangles: &triangles, objects: Some(&objects), weld: Some(&weld), normals: None };
+    let input = MeshInput {
+        vertices: count,
+        triangles: &triangles,
+        objects: Some(&objects),
+        weld: Some(&weld),
+        normals: None,
+        rest: None,
+    };
     let mesh = Mesh::new(&input).expect("a mesh");
     let poses = poses.iter().map(|pose| mesh.gather(pose).expect("as many")).collect();
     let cameras = (0..5).map(|frame| model.camera(seconds(frame))).collect();
@@ -86,8 +93,12 @@ impl Scene {
         scene::corners(&self.mesh, &self.animation.poses[frame], &self.animation.cameras[frame], SIZE)
     }
 
+    fn outsides(&self, frame: usize) -> Vec<Outside> {
+        scene::outsides(&self.mesh, &self.animation.poses[frame], &self.animation.cameras[frame], SIZE)
+    }
+
     fn normals(&self, frame: usize) -> Vec<[[f64; 3]; 3]> {
-        scene::normals(&self.mesh, &self.animation.poses[frame])
+        scene::normals(&self.mesh, &self.animation.poses[frame], &self.outsides(frame))
     }
 
     fn near(&self) -> f64 {
@@ -166,7 +177,7 @@ impl Case {
     }
 
     /// The device's refined mesh.
-    fn drawing(&mut self, previous: &[[Clip; 3]], next: &[[Clip; 3]], closed: &[bool]) -> Drawing {
+    fn drawing(&mut self, corners: [&[[Clip; 3]]; 2], outsides: [&[Outside]; 2]) -> Drawing {
         let (vertices, finished) = (self.rig.vertices(), self.rig.finished());
         let triangle = |row: &[u32; 4]| {
             let base = row[3] & BASE_MASK;
@@ -185,7 +196,7 @@ impl Case {
             Triangle { corners: [0, 1, 2].map(corner), base }
         };
         let triangles: Vec<Triangle> = finished.iter().map(triangle).collect();
-        draw(&triangles, &hidden(previous, next, closed), SIZE, self.scene.near(), 2)
+        draw(&triangles, &hidden(corners, outsides), SIZE, self.scene.near(), 2)
     }
 }
 
@@ -200,8 +211,10 @@ struct Expected {
 fn expected(case: &mut Case, with_outer: bool) -> Expected {
     let corners: Vec<_> = (I - 1..=I + 2).map(|frame| case.scene.corners(frame)).collect();
     let normals: Vec<_> = (I - 1..=I + 2).map(|frame| case.scene.normals(frame)).collect();
-    let (closed, still) = (scene::closed(&case.scene.mesh), scene::still(&case.scene.mesh, &case.interval.labels));
-    let drawing = case.drawing(&corners[1], &corners[2], &closed);
+    let outsides = [I, I + 1].map(|frame| case.scene.outsides(frame));
+    let outsides = outsides.each_ref().map(|outsides| &outsides[..]);
+    let (closed, still) = (scene::closed(outsides), scene::still(&case.scene.mesh, &case.interval.labels));
+    let drawing = case.drawing([&corners[1], &corners[2]], outsides);
     let near = case.scene.near();
     let surface = Surface { objects: case.scene.mesh.triangle_objects(), closed: &closed, still: &still, near };
     let frames: Vec<Frame> =
@@ -242,7 +255,9 @@ fn oklab([r, g, b]: [f64; 3]) -> DVec3 {
 fn hidden_errors(scene: &Scene, degrees: f64) -> ([f64; 2], usize) {
     let lights = [-0.5, 0.5].map(|k| DQuat::from_rotation_y((k * degrees).to_radians()) * DVec3::new(0.5, 0.7, 0.6));
     let (corners, normals) = ([I, I + 1].map(|f| scene.corners(f)), [I, I + 1].map(|f| scene.normals(f)));
-    let (closed, still) = (scene::closed(&scene.mesh), vec![false; scene.mesh.triangles().len()]);
+    let outsides = [I, I + 1].map(|frame| scene.outsides(frame));
+    let closed = scene::closed(outsides.each_ref().map(|outsides| &outsides[..]));
+    let still = vec![false; scene.mesh.triangles().len()];
     let surface =
         Surface { objects: scene.mesh.triangle_objects(), closed: &closed, still: &still, near: scene.near() };
     let look = |k: usize, base: u32, weights: [f64; 3]| {

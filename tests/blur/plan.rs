@@ -101,6 +101,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             clusters: buffer(),
             hull: buffer(),
             seams: buffer(),
+            fronts: buffer(),
         }),
         images: Some([image(desc); 2]),
         toon: None,

@@ -21,7 +21,7 @@ pub fn grid([columns, rows]: [u32; 2]) -> Mesh {
 }
 
 pub fn mesh(vertices: usize, triangles: &[[u32; 3]]) -> Mesh {
-    Mesh::new(&MeshInput { vertices, triangles, objects: None, weld: None, normals: None }).expect("a mesh")
+    Mesh::new(&MeshInput { vertices, triangles, objects: None, weld: None, normals: None, rest: None }).expect("a mesh")
 }
 
 /// Frames of a mesh and of what sees it.
@@ -140,6 +140,8 @@ pub fn interval(animation: &Animation, i: usize, labels: &[u32], time: f64, teet
         clusters,
         hull,
         seams: (0..points as u32).filter(|p| labels[*p as usize] > 0).collect(),
+        // Nothing is closed. A point has fewer than eight triangles of its own.
+        fronts: vec![0; points],
         segments: spans,
         pieces: Vec::new(),
     }

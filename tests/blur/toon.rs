@@ -85,7 +85,7 @@ impl Film {
         let scene = AnimatedMesh::builtin(which, vertices, Clock { first: 0, fps: which.fps() });
         let count = scene.vertices();
         let order: Vec<usize> = if turned { (0..count).rev().collect() } else { (0..count).collect() };
-        let weld = scene.weld(frames.start, frames.end - 1, 1).expect("poses");
+        let weld = scene.weld();
         let topology = scene.topology();
         let weld: Vec<u32> = order.iter().map(|v| weld[*v]).collect();
         let objects: Vec<u32> = order.iter().map(|v| topology.object[*v]).collect();
@@ -102,6 +102,7 @@ impl Film {
             objects: Some(&objects),
             weld: Some(&weld),
             normals: Some(&normals),
+            rest: None,
         })
         .expect("a mesh");
         let poses = frames.clone().map(|frame| {
@@ -113,7 +114,7 @@ impl Film {
         let settings = desc.settings.clone();
         let animation = Animation { poses: poses.collect(), cameras: cameras.collect(), size: desc.size };
         let mut rig = BlurRig::new(desc, mesh.clone())?;
-        rig.colours = Some((triangles.clone(), colours.clone()));
+        rig.colours = colours.clone();
         let light = Light::default();
         let mut film = Film { mesh, animation, settings, triangles, colours, rig, light };
         film.set_light(light, Background::Clear(GREY));

@@ -44,9 +44,6 @@ pub struct Shot<'a> {
     pub knots: Option<&'a [Knot]>,
 }
 
-/// Vertices of triangles, and a colour of each vertex.
-type VertexColours = (Vec<[u32; 3]>, Vec<[f32; 3]>);
-
 /// The effect on a device of its own.
 pub struct BlurRig {
     device: TestDevice,
@@ -54,7 +51,7 @@ pub struct BlurRig {
     mesh: Mesh,
     /// Of each slot: target, frames i and i + 1, frames i - 1 and i + 2, background.
     images: Vec<Image>,
-    uploads: [[Upload; 15]; SLOTS],
+    uploads: [[Upload; 16]; SLOTS],
     /// Which frame in flight is worked on.
     pub slot: usize,
     /// Whether closed objects are said to be.
@@ -63,8 +60,8 @@ pub struct BlurRig {
     is_first: bool,
     /// What frames are drawn with and over, if they are.
     pub toon: Option<(Light, Background)>,
-    /// Base colours: vertices of the triangles, and a colour of each.
-    pub colours: Option<VertexColours>,
+    /// Base colours, one of each vertex; none is white.
+    pub colours: Vec<[f32; 3]>,
     /// Whether frames i - 1 and i + 2 have images.
     outer: [bool; 2],
     /// The host's depth, if the effect was made for one.
@@ -130,7 +127,7 @@ impl BlurRig {
             download: Download::default(),
             is_first: true,
             toon: None,
-            colours: None,
+            colours: Vec::new(),
             outer: [false; 2],
             depth,
             terms: [0.0, 1.0],
@@ -287,13 +284,9 @@ impl BlurRig {
     }
 
     fn describe<'a>(&mut self, shot: &'a Shot) -> Frame<'a> {
-        let mut rows = TopologyInput::triangle_rows(&self.mesh);
-        if !self.are_closed {
-            rows.iter_mut().for_each(|row| row[3] &= !1);
-        }
+        let rows = TopologyInput::triangle_rows(&self.mesh);
         let (starts, items) = (self.mesh.neighbours().starts.clone(), self.mesh.neighbours().items.clone());
-        let colours = self.colours.as_ref().map(|(triangles, colours)| (&triangles[..], &colours[..]));
-        let colours = TopologyInput::colour_rows(&self.mesh, colours);
+        let colours = TopologyInput::colour_rows(&self.mesh, &self.colours);
         let corners = GroupInput::corner_rows(&self.mesh);
         let groups = self.mesh.group_triangles();
         let (group_starts, group_items) = (groups.starts.clone(), groups.items.clone());
@@ -314,6 +307,7 @@ impl BlurRig {
         });
         let interval = shot.interval.map(|interval| {
             let pieces = self.upload(10, &interval.pieces);
+            let fronts = if self.are_closed { interval.fronts.clone() } else { vec![0; interval.fronts.len()] };
             IntervalInput {
                 counts: Counts::of(interval, self.mesh.neighbours()),
                 segments: &interval.segments,
@@ -324,6 +318,7 @@ impl BlurRig {
                 clusters: self.upload(7, &interval.clusters),
                 hull: self.upload(8, &interval.hull),
                 seams: self.upload(9, &interval.seams),
+                fronts: self.upload(15, &fronts),
             }
         });
         Frame {

@@ -58,6 +58,7 @@ impl Scene {
             objects: Some(&topology.object),
             weld: Some(&welded),
             normals: Some(&topology.normal),
+            rest: None,
         };
         let mesh = Mesh::new(&input)?;
         let poses = files.iter().filter_map(|pose| mesh.gather(pose)).collect();
@@ -103,7 +104,7 @@ impl Scene {
     fn of_points(poses: Vec<Vec<[f32; 3]>>, cameras: Vec<Camera>, size: [u32; 2], current: usize) -> Result<Scene> {
         let vertices = poses.first().map_or(0, Vec::len);
         let triangles = vec![[0, 1, 2]];
-        let input = MeshInput { vertices, triangles: &triangles, objects: None, weld: None, normals: None };
+        let input = MeshInput { vertices, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
         let mesh = Mesh::new(&input)?;
         let topology = Topology { triangles, object: vec![0; vertices], ..Topology::default() };
         Ok(Scene { size, topology, mesh, poses, cameras, current })
@@ -163,6 +164,7 @@ impl Scene {
             objects: Some(&topology.object),
             weld: Some(self.mesh.file_to_point()),
             normals: Some(&topology.normal),
+            rest: None,
         };
         let mesh = Mesh::new(&input)?;
         let (poses, cameras) = (self.poses.clone(), self.cameras.clone());

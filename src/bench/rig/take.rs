@@ -55,12 +55,13 @@ const LABELS: usize = 5;
 const CLUSTERS: usize = 6;
 const HULL: usize = 7;
 const SEAMS: usize = 8;
-const PIECES: usize = 9;
-const PICTURES: [usize; 2] = [10, 11];
-const CORNERS: usize = 12;
-const GROUP_STARTS: usize = 13;
-const GROUP_TRIANGLES: usize = 14;
-const BUFFERS: usize = 15;
+const FRONTS: usize = 9;
+const PIECES: usize = 10;
+const PICTURES: [usize; 2] = [11, 12];
+const CORNERS: usize = 13;
+const GROUP_STARTS: usize = 14;
+const GROUP_TRIANGLES: usize = 15;
+const BUFFERS: usize = 16;
 
 impl Input for Take<'_> {
     type Desc = Desc;
@@ -116,6 +117,7 @@ impl TakeUpload {
             bytemuck::cast_slice(&interval.clusters),
             bytemuck::cast_slice(&interval.hull),
             bytemuck::cast_slice(&interval.seams),
+            bytemuck::cast_slice(&interval.fronts),
             bytemuck::cast_slice(pieces),
             bytemuck::cast_slice(picture(0)),
             bytemuck::cast_slice(picture(1)),
@@ -197,6 +199,7 @@ impl TakeUpload {
                 clusters: buffer(CLUSTERS),
                 hull: buffer(HULL),
                 seams: buffer(SEAMS),
+                fronts: buffer(FRONTS),
             }),
             images: Some([image(&self.images[0]), image(&self.images[1])]),
             toon: None,

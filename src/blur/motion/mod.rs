@@ -3,6 +3,7 @@
 
 mod clusters;
 mod direction;
+mod fronts;
 mod hull;
 mod knots;
 mod ldf;
@@ -17,6 +18,7 @@ use clusters::Clusters;
 use spline::Knot;
 use trace::{Task, Traces};
 
+pub use fronts::{FRONT_BITS, FRONTS_A_WORD};
 pub use projection::Projection;
 pub use seams::MOST_NEIGHBOURS;
 
@@ -117,6 +119,10 @@ pub struct Interval {
     pub hull: Vec<[f32; 2]>,
     /// Points within 3 edges of a seam, ascending; those in no cluster and those with too many neighbours are not here.
     pub seams: Vec<u32>,
+    /// Which side of each triangle is outside: [`FRONT_BITS`] each, [`FRONTS_A_WORD`] of them a word. 1: it is of a closed
+    /// surface that is seen from outside; then 2: the outside is where its corners follow each other clockwise in frame i, 4: in
+    /// frame i + 1.
+    pub fronts: Vec<u32>,
     /// The segment that begins at 0, those after it up to frame i + 1, then those before it, from the latest. There is
     /// more than one with `trajectory = "exact"` and where the smear reaches back farther than frame i.
     pub segments: Vec<Segment>,
@@ -169,9 +175,12 @@ impl Motion {
             0 => Vec::new(),
             _ => seams::find(mesh, &clusters.labels),
         };
+        let current = &window.poses[window.current];
+        let next = window.poses.get(window.current + 1).unwrap_or(current);
+        let fronts = fronts::find(mesh, [current, next], self.size);
         let Clusters { clusters, labels, hull } = clusters;
         let Traces { motion, pieces, .. } = traces;
-        Ok(Interval { generation, motion, labels, clusters, hull, seams, segments, pieces })
+        Ok(Interval { generation, motion, labels, clusters, hull, seams, fronts, segments, pieces })
     }
 
     /// The part of a window that is looked at: it has enough poses even where each is held for some frames.

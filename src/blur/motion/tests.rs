@@ -30,7 +30,7 @@ fn at_pixel(x: f64, y: f64) -> [f32; 3] {
 }
 
 fn mesh(vertices: usize, triangles: &[[u32; 3]], objects: Option<&[u32]>) -> Mesh {
-    Mesh::new(&MeshInput { vertices, triangles, objects, weld: None, normals: None }).unwrap()
+    Mesh::new(&MeshInput { vertices, triangles, objects, weld: None, normals: None, rest: None }).unwrap()
 }
 
 /// Triangles of a grid of vertices.
@@ -309,7 +309,8 @@ fn what_is_behind_the_camera_stays_undistorted() {
 fn positions_that_are_not_finite_are_refused_by_vertex_and_frame() {
     let weld = [0, 1, 1, 2, 0];
     let triangles = [[0, 1, 3], [4, 2, 3]];
-    let welded = MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: Some(&weld), normals: None };
+    let welded =
+        MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: Some(&weld), normals: None, rest: None };
     for (bad, space) in [(f32::NAN, Space::Homogeneous), (f32::INFINITY, Space::Screen), (f32::NAN, Space::Screen)] {
         let mut shot = Shot::new(Mesh::new(&welded).unwrap(), 20, |p, f| at_pixel(10.0 * f as f64, 10.0 * p as f64));
         shot.poses[13][2][1] = bad;

@@ -1,6 +1,7 @@
 //! The distorted mesh: what each sample sees of it, at which sub-frame time, and where that is in any frame.
 
 use super::raster::{Clip, Raster, Shape, raster, volume};
+use super::scene::Outside;
 
 /// A corner of a triangle of the refined mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,12 +54,18 @@ pub fn interpolate<const N: usize>(weights: [f64; 3], values: [[f64; N]; 3]) -> 
     std::array::from_fn(|i| weights[0] * values[0][i] + weights[1] * values[1][i] + weights[2] * values[2][i])
 }
 
-/// Whether each of the mesh's triangles is not drawn: those that are turned away in frame i and in frame i + 1, of closed
-/// objects. The corners are those in each of the two frames.
-pub fn hidden(previous: &[[Clip; 3]], next: &[[Clip; 3]], closed: &[bool]) -> Vec<bool> {
-    let is_away = |corners: &[Clip; 3]| volume(*corners) > 0.0;
-    let both = previous.iter().zip(next).zip(closed);
-    both.map(|((previous, next), closed)| *closed && is_away(previous) && is_away(next)).collect()
+/// Whether each of the mesh's triangles is not drawn: those whose outside is turned away in frame i and in frame i + 1. The
+/// corners are those in each of the two frames.
+pub fn hidden(corners: [&[[Clip; 3]]; 2], outsides: [&[Outside]; 2]) -> Vec<bool> {
+    let is_away = |frame: usize, triangle: usize| {
+        let volume = volume(corners[frame][triangle]);
+        match outsides[frame][triangle] {
+            Outside::None => false,
+            Outside::CounterClockwise => volume > 0.0,
+            Outside::Clockwise => volume < 0.0,
+        }
+    };
+    (0..corners[0].len()).map(|triangle| is_away(0, triangle) && is_away(1, triangle)).collect()
 }
 
 /// Draws the refined mesh at the centres of `samples` x `samples` parts of each pixel of a picture of `size` pixels.

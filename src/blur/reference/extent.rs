@@ -185,7 +185,8 @@ mod tests {
     fn smoothing_takes_the_mean_and_nothing_else_moves() {
         // A line of 5 points: 0 - 1 - 2 - 3 - 4, by triangles without area.
         let triangles = [[0, 1, 1], [1, 2, 2], [2, 3, 3], [3, 4, 4]];
-        let mesh = MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: None, normals: None };
+        let mesh =
+            MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
         let mesh = Mesh::new(&mesh).unwrap();
         let times = [1.0, 1.0, 0.25, 0.25, -0.5];
         assert_eq!(smooth(&mesh, &[1, 2], &times, 1), [(1, -0.25), (2, 0.25)]);

@@ -1,5 +1,7 @@
 //! From poses and a refined mesh to what the rasteriser takes.
 
+use std::collections::HashMap;
+
 use super::distort::{Triangle, Vertex};
 use super::path::Path;
 use super::raster::Clip;
@@ -23,17 +25,19 @@ pub fn corners(mesh: &Mesh, positions: &[[f32; 3]], camera: &Camera, size: [u32;
 }
 
 /// World normals of each corner of each triangle in a frame, of any length: the sum of the cross products of the sides of
-/// the triangles in the corner's normal group, so that larger triangles count for more.
-pub fn normals(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<[[f64; 3]; 3]> {
+/// the triangles in the corner's normal group, so that larger triangles count for more. To the outside, where there is one.
+pub fn normals(mesh: &Mesh, positions: &[[f32; 3]], outsides: &[Outside]) -> Vec<[[f64; 3]; 3]> {
     let at = |point: u32| glam::DVec3::from_array(positions[point as usize].map(f64::from));
     let face = |triangle: &u32| {
         let [a, b, c] = mesh.triangles()[*triangle as usize].map(at);
         (b - a).cross(c - a)
     };
-    let of_group = |group: &u32| -> [f64; 3] {
-        mesh.group_triangles().of(*group as usize).iter().map(face).sum::<glam::DVec3>().to_array()
-    };
-    mesh.normal_groups().iter().map(|groups| groups.each_ref().map(of_group)).collect()
+    let of_group = |group: &u32| mesh.group_triangles().of(*group as usize).iter().map(face).sum::<glam::DVec3>();
+    let side = |outside: &Outside| if *outside == Outside::Clockwise { -1.0 } else { 1.0 };
+    let corners = mesh.normal_groups().iter().zip(outsides);
+    corners
+        .map(|(groups, outside)| groups.each_ref().map(|group| (side(outside) * of_group(group)).to_array()))
+        .collect()
 }
 
 /// The refined triangles, each corner where its own time puts it. `segments` and `on_screen` are those of the interval.
@@ -55,10 +59,86 @@ pub fn triangles(refined: &Refined, segments: &[Segment], on_screen: bool) -> Ve
     refined.triangles.iter().map(triangle).collect()
 }
 
-/// Whether each triangle's object is closed.
-pub fn closed(mesh: &Mesh) -> Vec<bool> {
-    let is_closed = |id: &u32| mesh.objects().iter().any(|object| object.id == *id && object.closed);
-    mesh.triangle_objects().iter().map(is_closed).collect()
+/// From which side a triangle is seen that is of a closed surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// From both: it is of none, or of a flat one, or of one that may hold the eye.
+    None,
+    /// From where its corners follow each other counter-clockwise.
+    CounterClockwise,
+    /// From where they do so clockwise.
+    Clockwise,
+}
+
+/// The outside of each triangle of the mesh in a frame, as `camera` sees it in pictures of `size` pixels. Closed is what
+/// hangs together over edges, each of which one triangle runs along in either direction. It is flat if its volume is less
+/// than what moving its area by 2^-20 of its largest coordinate makes, and may hold the eye if this is in its box, or farther
+/// away along no axis than the near plane's width, height and distance together, halved but for the distance.
+pub fn outsides(mesh: &Mesh, positions: &[[f32; 3]], camera: &Camera, size: [u32; 2]) -> Vec<Outside> {
+    let at = |point: u32| glam::DVec3::from_array(positions[point as usize].map(f64::from));
+    let half = (camera.vertical_fov.to_radians() / 2.0).tan() * camera.near;
+    let reach = camera.near + half + half * f64::from(size[0]) / f64::from(size[1]);
+    let outside = |surface: &Vec<usize>| {
+        let corners: Vec<[glam::DVec3; 3]> = surface.iter().map(|t| mesh.triangles()[*t].map(at)).collect();
+        let all = || corners.iter().flatten().copied();
+        let low = all().fold(glam::DVec3::INFINITY, glam::DVec3::min);
+        let high = all().fold(glam::DVec3::NEG_INFINITY, glam::DVec3::max);
+        let middle = (low + high) / 2.0;
+        let volume: f64 = corners.iter().map(|[a, b, c]| (a - middle).dot((b - middle).cross(c - middle)) / 6.0).sum();
+        let spread = |normal: glam::DVec3| normal.abs().element_sum() / 2.0;
+        let area: f64 = corners.iter().map(|[a, b, c]| spread((b - a).cross(c - a))).sum();
+        let farthest = low.abs().max(high.abs()).max_element();
+        let is_flat = volume.abs() <= area * farthest * 0.5_f64.powi(20) / 6.0;
+        let holds = camera.eye.clamp(low - reach, high + reach) == camera.eye;
+        match (is_flat || holds, volume > 0.0) {
+            (true, _) => Outside::None,
+            (false, true) => Outside::CounterClockwise,
+            (false, false) => Outside::Clockwise,
+        }
+    };
+    let mut outsides = vec![Outside::None; mesh.triangles().len()];
+    for surface in closed_surfaces(mesh) {
+        let outside = outside(&surface);
+        surface.iter().for_each(|triangle| outsides[*triangle] = outside);
+    }
+    outsides
+}
+
+/// The triangles of each closed surface.
+fn closed_surfaces(mesh: &Mesh) -> Vec<Vec<usize>> {
+    let sides = |triangle: &[u32; 3]| [0, 1, 2].map(|i| (triangle[i], triangle[(i + 1) % 3]));
+    let mut at_side: HashMap<(u32, u32), Vec<usize>> = HashMap::new();
+    let has_area = |triangle: &[u32; 3]| sides(triangle).iter().all(|(a, b)| a != b);
+    for (number, triangle) in mesh.triangles().iter().enumerate().filter(|(_, triangle)| has_area(triangle)) {
+        sides(triangle).iter().for_each(|side| at_side.entry(*side).or_default().push(number));
+    }
+    let along = |side: (u32, u32)| at_side.get(&side).map_or(&[][..], |triangles| &triangles[..]);
+    // The one beyond a side, if the edge is one of exactly two.
+    let beyond = |(a, b): (u32, u32)| match (along((a, b)), along((b, a))) {
+        ([_], [other]) => Some(*other),
+        _ => None,
+    };
+    let mut is_left: Vec<bool> = mesh.triangles().iter().map(has_area).collect();
+    let mut surfaces = Vec::new();
+    for first in 0..is_left.len() {
+        let (mut surface, mut waiting, mut is_closed) = (Vec::new(), vec![first], true);
+        while let Some(triangle) = waiting.pop() {
+            if std::mem::take(&mut is_left[triangle]) {
+                surface.push(triangle);
+                let others = sides(&mesh.triangles()[triangle]).map(beyond);
+                is_closed &= others.iter().all(Option::is_some);
+                waiting.extend(others.into_iter().flatten());
+            }
+        }
+        surfaces.extend((is_closed && !surface.is_empty()).then_some(surface));
+    }
+    surfaces
+}
+
+/// Whether each triangle has an outside in frame i and in frame i + 1.
+pub fn closed(outsides: [&[Outside]; 2]) -> Vec<bool> {
+    let [previous, next] = outsides;
+    previous.iter().zip(next).map(|(a, b)| *a != Outside::None && *b != Outside::None).collect()
 }
 
 /// Whether each triangle stays where it is in frame i + 1: its points have label 0.

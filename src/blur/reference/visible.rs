@@ -20,7 +20,7 @@ pub type Colour = [f64; 4];
 pub struct Surface<'a> {
     /// The object of each triangle of the mesh.
     pub objects: &'a [u32],
-    /// Whether each triangle's object is closed.
+    /// Whether each triangle is of a closed surface that is seen from outside.
     pub closed: &'a [bool],
     /// Whether each triangle stays where it is in frame i + 1: its three points are in no cluster.
     pub still: &'a [bool],
@@ -136,7 +136,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The world normal at a place, of any length: interpolated between the corners, and turned over where the triangle
-    /// is turned away in this frame and its object is open, for such an object is seen from both sides.
+    /// is turned away in this frame and of nothing closed, for such a one is seen from both sides.
     pub fn normal(&self, surface: &Surface, base: u32, weights: [f64; 3]) -> [f64; 3] {
         let normal = interpolate(weights, self.normals[base as usize]);
         let is_turned = !surface.closed[base as usize] && volume(self.corners[base as usize]) > 0.0;

@@ -1,10 +1,11 @@
 //! What frames are rendered from: the shot's volumes, particles, poses and images, read ahead of the renderer.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 use super::Failure;
-use crate::cli::Common;
+use crate::cli::{Common, interrupt};
 use crate::flame::settings::{Colour, Settings};
 use crate::flame::{self, mean_spacing};
 use crate::io::ReadError;
@@ -78,10 +79,10 @@ impl From<BlurError> for Failure {
 }
 
 impl Inputs {
-    /// Of all this only the animated mesh is read now.
-    pub(super) fn new(shot: &Shot, common: &Common) -> Result<Inputs, Failure> {
+    /// For the frames to be `rendered`. Of all this only the animated mesh is read now.
+    pub(super) fn new(shot: &Shot, rendered: &[u32], common: &Common) -> Result<Inputs, Failure> {
         let images = match shot.blur.as_ref().and_then(|blur| blur.images.clone()) {
-            Some(pattern) => Some(Images::new(pattern, shot)?),
+            Some(pattern) => Some(Images::new(pattern, shot, rendered)?),
             None => None,
         };
         let blur = match (shot.scene()?, &shot.blur) {
@@ -101,7 +102,7 @@ impl Inputs {
         let (first, last) = (*missing.first().unwrap_or(&start), *missing.last().unwrap_or(&end));
         let mut effects = Effects::default();
         if let (Some(volumes), Some(smoke)) = (&self.volumes, &shot.smoke) {
-            let extent = volumes.extent(start, last)?;
+            let extent = volumes.extent(interrupt::until(start..=last))?;
             let light = shot.light(start).source;
             effects.smoke = Some(smoke::Desc {
                 size: shot.size,
@@ -120,7 +121,10 @@ impl Inputs {
         if let (Some(particles), Some(flame)) = (&mut self.particles, &shot.flame) {
             // The table of physical colours ends at the hottest particle of the shot, whatever is rendered of it.
             let is_physical = flame.settings.colour == Colour::Physical;
-            let extent = if is_physical { particles.extent(start, end)? } else { particles.extent(first, last)? };
+            let extent = match is_physical {
+                true => particles.extent(interrupt::until(start..=end))?,
+                false => particles.extent(interrupt::until(missing.iter().copied()))?,
+            };
             let spread = match flame.settings.spread {
                 Some(spread) => spread,
                 None => spread(particles, shot.frames)?,
@@ -137,7 +141,9 @@ impl Inputs {
                 skipping: true,
             });
         }
-        effects.blur = self.blur.as_ref().map(|blur| blur.desc(shot.size, shot.seed, self.images.is_none(), layers));
+        interrupt::check()?;
+        let drawn = self.images.is_none();
+        effects.blur = self.blur.as_ref().map(|blur| blur.desc(shot.size, [first, last], shot.seed, drawn, layers));
         Ok(effects)
     }
 
@@ -188,16 +194,27 @@ fn blurred(blur: &mut BlurInput, images: &mut Option<Images>, number: u32) -> Re
 }
 
 impl Images {
-    /// An error if one of the shot's frames has none.
-    fn new(pattern: Pattern, shot: &Shot) -> Result<Images, ReadError> {
+    /// An error if one of the shot's frames has none that a frame to be `rendered` is made from.
+    fn new(pattern: Pattern, shot: &Shot, rendered: &[u32]) -> Result<Images, Failure> {
         let [first, last] = shot.frames;
-        let is_missing = |frame: &u32| !pattern.path(*frame).is_file();
-        let missing: Vec<u32> = (first..=last).filter(is_missing).collect();
+        // From the frame before it, and those around both.
+        let made_from = |frame: &u32| match *frame == first {
+            true => first..=first,
+            false => frame.saturating_sub(2).max(first)..=last.min(frame + 1),
+        };
+        let needed: BTreeSet<u32> = interrupt::until(rendered).flat_map(made_from).collect();
+        let is_missing = |frame: &&u32| !pattern.path(**frame).is_file();
+        let missing: Vec<u32> = interrupt::until(&needed).filter(is_missing).copied().collect();
+        interrupt::check()?;
         if let Some(frame) = missing.first() {
             let (all, missing) = (last - first + 1, missing.len());
-            let why = format!("no such file; {missing} of the shot's {all} frames have no image");
-            let expected = format!("one for each of the frames {first} to {last}");
-            return Err(ReadError::file(&pattern.path(*frame), why, expected));
+            let of_needed = match needed.len() as u32 {
+                needed if needed == all => format!("{missing} of the shot's {all} frames have no image"),
+                needed => format!("{missing} of the {needed} frames that are needed of the shot's {all} have no image"),
+            };
+            let [from, to] = [needed.first(), needed.last()].map(|frame| *frame.unwrap_or(&first));
+            let expected = format!("one for each of the frames {from} to {to}");
+            return Err(ReadError::file(&pattern.path(*frame), format!("no such file; {of_needed}"), expected).into());
         }
         Ok(Images { pattern, size: shot.size, last: Vec::new() })
     }
@@ -244,7 +261,7 @@ fn fresh<I: Input>(
 /// The spread of a flame that has none: the mean distance to the 8th neighbour in the shot's first frame that has one.
 /// Of the shot, so that a frame alone looks as it does in the sequence.
 fn spread(particles: &mut ParticleSequence, [first, last]: [u32; 2]) -> Result<f32, ReadError> {
-    for frame in first..=last {
+    for frame in interrupt::until(first..=last) {
         if let Some(spacing) = mean_spacing(&particles.frame(frame)?.position) {
             return Ok(spacing);
         }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::weld::Welder;
 use super::{MAX_VERTICES, Topology};
 use crate::io::ReadError;
 use crate::io::array::{Archive, Array, Element};
@@ -29,6 +30,11 @@ impl Cache {
 
     fn frame(&self, frame: usize) -> &[[f32; 3]] {
         &self.positions[frame * self.vertices..][..self.vertices]
+    }
+
+    /// Takes vertices apart that are not at one place in all of the file's frames, whatever a shot shows of them.
+    pub(super) fn weld(&self, welder: &mut Welder) {
+        self.positions.chunks_exact(self.vertices).for_each(|positions| welder.refine(positions));
     }
 
     /// Positions at a frame from 0 on: those of the file at a whole number, linear between, constant outside.

@@ -5,6 +5,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::track::{Property, Track};
+use super::weld::{self, Welder};
 use crate::view::Camera;
 
 /// Where a node is in relation to its parent.
@@ -140,6 +141,48 @@ impl Rig {
         }
     }
 
+    /// Takes vertices apart that something can move apart: those that follow other nodes or joints, or the same ones by other
+    /// shares, and those of other places or displacements. Morph targets whose weight is always 0 move nothing.
+    pub(super) fn weld(&self, welder: &mut Welder) {
+        let parts = || self.parts.iter().enumerate();
+        let rows: Vec<(usize, usize)> =
+            parts().flat_map(|(part, Part { base, .. })| (0..base.len()).map(move |row| (part, row))).collect();
+        let of = |vertex: usize| (&self.parts[rows[vertex].0], rows[vertex].1);
+        welder.split(|vertex| {
+            let (part, row) = of(vertex);
+            weld::place(part.base[row])
+        });
+        welder.split(|vertex| {
+            let (part, row) = of(vertex);
+            (part.node, part.influences.as_ref().map(|influences| influences.key(row)))
+        });
+        let moving = self.moving_targets();
+        let moves = |part: &Part, target: usize| {
+            moving[part.node].get(target) == Some(&true)
+                && part.morphs.get(target).is_some_and(|morph| !morph.is_empty())
+        };
+        for target in 0..self.parts.iter().map(|part| part.morphs.len()).max().unwrap_or(0) {
+            if self.parts.iter().any(|part| moves(part, target)) {
+                welder.split(|vertex| {
+                    let (part, row) = of(vertex);
+                    if moves(part, target) { weld::place(part.morphs[target][row]) } else { [0; 3] }
+                });
+            }
+        }
+    }
+
+    /// Whether the weight of each morph target of each node is ever another than 0.
+    fn moving_targets(&self) -> Vec<Vec<bool>> {
+        let rest = |node: &Node| node.weights.iter().map(|weight| *weight != 0.0).collect();
+        let mut moving: Vec<Vec<bool>> = self.nodes.iter().map(rest).collect();
+        for track in self.tracks.iter().filter(|track| track.property == Property::Weights && track.width > 0) {
+            for row in track.values.chunks_exact(track.width) {
+                moving[track.node].iter_mut().zip(row).for_each(|(moves, value)| *moves |= *value != 0.0);
+            }
+        }
+        moving
+    }
+
     /// What the file's camera sees, if it has one.
     pub(super) fn camera(&self, seconds: f64) -> Option<Camera> {
         let lens = self.lens?;
@@ -188,6 +231,16 @@ impl Part {
 }
 
 impl Influences {
+    /// Tells vertices apart that do not follow the same joints by the same shares. In whatever order the file has them.
+    fn key(&self, vertex: usize) -> (usize, Vec<(u32, u64)>) {
+        let range = vertex * self.per..(vertex + 1) * self.per;
+        let all = self.joints[range.clone()].iter().zip(&self.weights[range]);
+        let mut followed: Vec<(u32, u64)> =
+            all.filter(|(_, weight)| **weight != 0.0).map(|(joint, weight)| (*joint, weight.to_bits())).collect();
+        followed.sort_unstable();
+        (self.skin, followed)
+    }
+
     /// The weighted mean of the matrices of a vertex's joints.
     fn blend(&self, joints: &[DAffine3], vertex: usize) -> DAffine3 {
         let range = vertex * self.per..(vertex + 1) * self.per;

@@ -1,6 +1,7 @@
 //! Which vertices of a file are one: those that are always at one place, and those that are shaded as one.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 
 use glam::Vec3;
 
@@ -28,16 +29,18 @@ impl Welder {
 
     /// Takes apart what is not at one place in this frame; one position per vertex.
     pub fn refine(&mut self, positions: &[[f32; 3]]) {
-        // -0 is 0; what is not a number does not get here.
-        let key = |vertex: usize| positions[vertex].map(|x| (x + 0.0).to_bits());
-        let together = |(vertex, &point): (usize, &u32)| key(vertex) == key(self.firsts[point as usize] as usize);
-        if !self.points.iter().enumerate().all(together) {
-            self.split(key);
-        }
+        self.split(|vertex| place(positions[vertex]));
     }
 
     /// Takes vertices of different keys apart.
-    fn split<K: std::hash::Hash + Eq>(&mut self, key: impl Fn(usize) -> K) {
+    pub(super) fn split<K: Hash + Eq>(&mut self, key: impl Fn(usize) -> K) {
+        let together = |(vertex, &point): (usize, &u32)| {
+            let first = self.firsts[point as usize] as usize;
+            first == vertex || key(vertex) == key(first)
+        };
+        if self.points.iter().enumerate().all(together) {
+            return;
+        }
         let mut numbers = HashMap::with_capacity(self.firsts.len());
         self.firsts.clear();
         for (vertex, point) in self.points.iter_mut().enumerate() {
@@ -52,6 +55,11 @@ impl Welder {
     pub fn finish(self) -> Vec<u32> {
         self.points
     }
+}
+
+/// A key of a position: that of -0 is that of 0. What is not a number does not get here.
+pub(super) fn place(position: [f32; 3]) -> [u32; 3] {
+    position.map(|x| (x + 0.0).to_bits())
 }
 
 /// Point of each vertex, numbered by first occurrence: vertices of one object are one point if they are equal in all

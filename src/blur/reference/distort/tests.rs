@@ -126,7 +126,14 @@ fn nothing_is_drawn_of_what_has_no_area_or_is_turned_away_twice() {
     let away = [towards[0], towards[2], towards[1]];
     let corners = [towards, away, towards, away, away];
     let next = [towards, towards, away, away, away];
-    assert_eq!(hidden(&corners, &next, &[true, true, true, true, false]), [false, false, false, true, false]);
+    let mut outsides = [Outside::CounterClockwise; 5];
+    outsides[4] = Outside::None;
+    assert_eq!(hidden([&corners, &next], [&outsides; 2]), [false, false, false, true, false]);
+    let turned = [Outside::Clockwise; 5];
+    assert_eq!(hidden([&corners, &next], [&turned; 2]), [true, false, false, false, false]);
+    // Turned inside out from one frame to the other, and closed in one of them.
+    assert_eq!(hidden([&corners, &next], [&outsides, &turned]), [false, true, false, false, false]);
+    assert_eq!(hidden([&corners, &next], [&[Outside::None; 5], &outsides]), [false; 5]);
     assert!(
         draw(&[triangle(0, [[1.0, 1.0, 1.0], [9.0, 1.0, 1.0], [1.0, 9.0, 1.0]])], &[true], [10, 10], 0.1, 1)
             .fragments

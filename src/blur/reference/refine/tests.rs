@@ -35,14 +35,21 @@ fn sphere() -> (Mesh, Vec<Vec3>) {
         }
     }
     triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-    let input = MeshInput { vertices: points.len(), triangles: &triangles, objects: None, weld: None, normals: None };
+    let input = MeshInput {
+        vertices: points.len(),
+        triangles: &triangles,
+        objects: None,
+        weld: None,
+        normals: None,
+        rest: None,
+    };
     (Mesh::new(&input).unwrap(), points)
 }
 
 /// The interval of a sphere that turns, and whose upper half goes another way than its lower half.
 fn turning(settings: &Settings, size: [u32; 2]) -> (Mesh, Interval) {
     let (mesh, points) = sphere();
-    assert!(mesh.objects()[0].closed);
+    assert!(mesh.shells().of(0).is_some());
     let pose = |f: usize| -> Vec<[f32; 3]> {
         let t = f as f32 * 0.22;
         let place = |p: &Vec3| {
@@ -210,6 +217,7 @@ fn a_tolerance_of_nothing_ends_by_length_or_budget_and_says_so() {
         objects: None,
         weld: None,
         normals: None,
+        rest: None,
     };
     let one = Mesh::new(&one).unwrap();
     let extents = extents(&one, &interval, 3, 1.0, 0);

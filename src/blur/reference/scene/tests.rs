@@ -60,7 +60,8 @@ fn mesh() -> (Mesh, Vec<Vec3>) {
         (0..SPHERES).flat_map(|s| sphere.iter().map(move |t| t.map(|p| p + (s * count) as u32))).collect();
     let objects: Vec<u32> = (0..SPHERES as u32).flat_map(|s| vec![s; count]).collect();
     let vertices = SPHERES * count;
-    let input = MeshInput { vertices, triangles: &triangles, objects: Some(&objects), weld: None, normals: None };
+    let input =
+        MeshInput { vertices, triangles: &triangles, objects: Some(&objects), weld: None, normals: None, rest: None };
     (Mesh::new(&input).unwrap(), points)
 }
 
@@ -79,6 +80,7 @@ struct Scene {
     interval: Interval,
     corners: [Vec<[Clip; 3]>; 2],
     normals: [Vec<[[f64; 3]; 3]>; 2],
+    outsides: [Vec<Outside>; 2],
     closed: Vec<bool>,
     still: Vec<bool>,
 }
@@ -96,9 +98,10 @@ impl Scene {
         let interval = Motion::new(&settings, SIZE).unwrap().interval(&mesh, &window, 1).unwrap();
         let both = [&poses[CURRENT], &poses[CURRENT + 1]];
         let corners = both.map(|positions| corners(&mesh, positions, &camera, SIZE));
-        let normals = both.map(|positions| normals(&mesh, positions));
-        let (closed, still) = (closed(&mesh), still(&mesh, &interval.labels));
-        Scene { mesh, points, interval, corners, normals, closed, still }
+        let outsides = both.map(|positions| outsides(&mesh, positions, &camera, SIZE));
+        let normals = [0, 1].map(|k| normals(&mesh, both[k], &outsides[k]));
+        let (closed, still) = (closed([&outsides[0], &outsides[1]]), still(&mesh, &interval.labels));
+        Scene { mesh, points, interval, corners, normals, outsides, closed, still }
     }
 
     fn surface(&self) -> Surface<'_> {
@@ -112,7 +115,7 @@ impl Scene {
         let refined = refine(&self.mesh, &extents, &rules);
         let triangles = triangles(&refined, &self.interval.segments, false);
         let hidden = match culls {
-            true => hidden(&self.corners[0], &self.corners[1], &self.closed),
+            true => hidden(self.corners.each_ref().map(|c| &c[..]), self.outsides.each_ref().map(|o| &o[..])),
             false => vec![false; self.closed.len()],
         };
         draw(&triangles, &hidden, SIZE, camera().near, samples)

@@ -1,0 +1,37 @@
+//! Which side of each triangle is outside, frame by frame: a mirror in the motion turns closed surfaces inside out.
+
+use super::Pose;
+use crate::blur::mesh::Mesh;
+
+/// Bits of a triangle in [`super::Interval::fronts`].
+pub const FRONT_BITS: usize = 4;
+/// Triangles of a word of it.
+pub const FRONTS_A_WORD: usize = u32::BITS as usize / FRONT_BITS;
+/// Of the bits: whether only the outside can be seen.
+const CLOSED: u32 = 1;
+/// Whether the outside is where a triangle's corners follow each other clockwise, in frame i; the next one in frame i + 1.
+const TURNED: u32 = 2;
+
+/// [`super::Interval::fronts`] of frames i and i + 1. A shell that is flat in one of them, or that may hold the eye in one, is
+/// as one that is not closed.
+pub(super) fn find(mesh: &Mesh, poses: [&Pose; 2], size: [u32; 2]) -> Vec<u32> {
+    let frames = poses.map(|pose| (pose.camera, mesh.solids(pose.positions)));
+    let bits = |shell: usize| {
+        let mut bits = CLOSED;
+        for (frame, (camera, solids)) in frames.iter().enumerate() {
+            match solids[shell].is_turned().filter(|_| !solids[shell].may_hold(camera, size)) {
+                Some(is_turned) => bits |= (TURNED << frame) * u32::from(is_turned),
+                None => return 0,
+            }
+        }
+        bits
+    };
+    let of_shell: Vec<u32> = (0..frames[0].1.len()).map(bits).collect();
+    let mut fronts = vec![0; mesh.triangles().len().div_ceil(FRONTS_A_WORD)];
+    for triangle in 0..mesh.triangles().len() {
+        if let Some(shell) = mesh.shells().of(triangle) {
+            fronts[triangle / FRONTS_A_WORD] |= of_shell[shell] << (FRONT_BITS * (triangle % FRONTS_A_WORD));
+        }
+    }
+    fronts
+}
