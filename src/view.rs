@@ -4,6 +4,13 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::error::{Error, Result};
 
+/// Largest component of a linear colour that is taken, of settings as of pixels and vertices: far beyond what half floats
+/// hold, and so far below what single floats hold that products of several are finite.
+pub const BRIGHTEST: f32 = 1e6;
+
+/// Largest coordinate that is taken, in metres: its square and cube are finite as single floats.
+pub const FARTHEST: f32 = 1e12;
+
 /// A pinhole camera: right-handed, y up, square pixels. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -37,9 +44,9 @@ impl Default for Camera {
 impl Camera {
     /// Checks every value; the error names the key.
     pub fn validate(&self) -> Result<()> {
-        let finite = |name, v: DVec3| match v.is_finite() {
+        let finite = |name, v: DVec3| match is_near(v) {
             true => Ok(()),
-            false => Err(Error::setting(name, v, "three finite numbers, in metres")),
+            false => Err(Error::setting(name, v, "three finite numbers, in metres, none beyond 1e12")),
         };
         finite("camera.eye", self.eye)?;
         finite("camera.target", self.target)?;
@@ -76,6 +83,11 @@ impl Camera {
         let y = (self.vertical_fov.to_radians() / 2.0).tan();
         DVec2::new(y * f64::from(size[0]) / f64::from(size[1]), y)
     }
+}
+
+/// Whether no coordinate is beyond [`FARTHEST`].
+fn is_near(point: DVec3) -> bool {
+    point.to_array().iter().all(|x| x.abs() <= f64::from(FARTHEST))
 }
 
 /// A camera as kernels take it: the eye and the rows of the rotation, each as a sum of two floats, and the lens. The
@@ -136,8 +148,8 @@ impl Light {
             LightSource::Direction(d) if !(d.is_finite() && d.length() > 0.0) => {
                 return Err(Error::setting("light.direction", d, "three finite numbers, not all 0"));
             }
-            LightSource::Position(p) if !p.is_finite() => {
-                return Err(Error::setting("light.position", p, "three finite numbers, in metres"));
+            LightSource::Position(p) if !is_near(p) => {
+                return Err(Error::setting("light.position", p, "three finite numbers, in metres, none beyond 1e12"));
             }
             _ => {}
         }

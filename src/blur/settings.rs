@@ -3,6 +3,7 @@
 use crate::error::{Error, Result, within};
 use crate::smoke::settings::validate_tones;
 pub use crate::smoke::settings::{Operator, Outline, Tone};
+use crate::view::BRIGHTEST;
 
 /// The curve that a vertex follows between frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,7 +75,7 @@ pub struct Lines {
     pub width: f32,
     /// Opacity where a line begins, 0 to 1; default 1.
     pub opacity: f32,
-    /// Linear RGB, 0 or above; default black.
+    /// Linear RGB, 0 to 1e6; default black.
     pub colour: [f32; 3],
 }
 
@@ -259,7 +260,7 @@ impl Settings {
         within("blur.lines.length", length, 0.0, MOST_LENGTH, "frames, 0 to 8")?;
         within("blur.lines.width", width, 0.0, 64.0, "pixels at 1080 lines, 0 to 64")?;
         within("blur.lines.opacity", opacity, 0.0, 1.0, "0 to 1")?;
-        colour.iter().try_for_each(|c| within("blur.lines.colour", *c, 0.0, f32::MAX, "linear RGB, finite, 0 or above"))
+        colour.iter().try_for_each(|c| within("blur.lines.colour", *c, 0.0, BRIGHTEST, "linear RGB, 0 to 1e6"))
     }
 
     fn validate_ghosts(&self) -> Result<()> {

@@ -8,10 +8,10 @@ use serde::Serialize;
 
 use super::{Failure, print};
 use crate::io::ReadError;
-use crate::io::array::{Archive, Element};
+use crate::io::array::{Archive, Element, Header};
 use crate::io::particles;
 use crate::io::scene::{AnimatedMesh, Clock};
-use crate::io::shot::Shot;
+use crate::io::shot::{self, Shot};
 use crate::io::volume::{self, Grids};
 
 const EXAMPLES: &str = "\
@@ -24,7 +24,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// A mesh (.glb, .gltf, .npz), a volume (.npz), particles (.npz), or a shot (.toml, builtin:NAME)
+    /// A mesh (.glb, .gltf, .npz), a volume, particles or cameras (.npz), or a shot (.toml, builtin:NAME)
     #[arg(value_name = "FILE")]
     file: String,
     /// Print JSON
@@ -47,7 +47,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 enum Report {
     Mesh { vertices: usize, triangles: usize, objects: usize, animations: Vec<AnimationReport>, notes: Vec<String> },
     Volume { grids: Vec<GridReport> },
-    Particles { count: usize, bounds: Option<[[f32; 3]; 2]>, temperature: Option<Range> },
+    Particles { count: u64, bounds: Option<[[f32; 3]; 2]>, temperature: Option<Range>, not_finite: u64 },
+    Cameras { cameras: usize },
     Shot { size: [u32; 2], frames: [u32; 2], fps: f64, effects: Vec<&'static str> },
 }
 
@@ -59,16 +60,19 @@ struct AnimationReport {
 
 #[derive(Debug, Serialize)]
 struct GridReport {
-    name: &'static str,
+    name: String,
     #[serde(rename = "type")]
     kind: &'static str,
     dimensions: [u32; 3],
     voxel_size: [f32; 3],
     origin: [f32; 3],
     active: usize,
-    min: f32,
-    max: f32,
+    /// Of what is finite; none if nothing is.
+    min: Option<f32>,
+    max: Option<f32>,
     sum: f64,
+    /// How many values are NaN or infinite as f32.
+    not_finite: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -77,12 +81,23 @@ struct Range {
     max: f32,
 }
 
-impl Range {
-    /// NaN is passed over; none where there is nothing.
-    fn of(values: &[f32]) -> Option<Range> {
-        let min = values.iter().copied().reduce(f32::min)?;
-        let max = values.iter().copied().reduce(f32::max)?;
-        Some(Range { min, max })
+/// What a stream of numbers has in common. Those that are not finite are passed over, and counted.
+#[derive(Debug, Default)]
+struct Statistics {
+    range: Option<Range>,
+    sum: f64,
+    not_finite: u64,
+}
+
+impl Statistics {
+    fn add(&mut self, value: f32) {
+        if !value.is_finite() {
+            self.not_finite += 1;
+            return;
+        }
+        let Range { min, max } = self.range.get_or_insert(Range { min: value, max: value });
+        (*min, *max) = (min.min(value), max.max(value));
+        self.sum += f64::from(value);
     }
 }
 
@@ -103,19 +118,39 @@ fn report(file: &str) -> Result<Report, Failure> {
     }
 }
 
-/// What an `.npz` file is, its arrays tell.
+/// What an `.npz` file is, its arrays tell: that of which all are there, with as many axes as it needs; a volume before a
+/// mesh, and these before particles and cameras, for they may hold more than they need. If none is whole, what is named
+/// first says what is missing.
 fn archive(path: &Path) -> Result<Report, ReadError> {
-    let names = Archive::open(path)?.names();
-    let has = |name: &str| names.iter().any(|n| n == name);
+    let mut archive = Archive::open(path)?;
+    // A header that cannot be read is told where its array is needed.
+    let mut axes = |name: &str| archive.header(name).ok().flatten().map(|header| header.shape.len());
+    let [density, voxels, triangle, temperature, cameras] =
+        ["density", "voxel_size", "triangle", "temperature", "view_projection"].map(|name| axes(name).is_some());
+    let position = axes("position");
     match () {
-        () if has("triangle") => mesh(path),
-        () if has("temperature") => particles(path),
-        () if has("density") => volume(path),
+        () if density && voxels => volume(path),
+        () if triangle && position == Some(3) => cache(path),
+        () if temperature && position == Some(2) => particles(path),
+        () if cameras => self::cameras(path),
+        () if density => volume(path),
+        () if triangle => cache(path),
+        () if temperature => particles(path),
         () => {
-            let expected = "`triangle` (a mesh), `temperature` (particles) or `density` (a volume)";
-            Err(ReadError::file(path, format!("has the arrays {names:?}"), expected))
+            let expected = "`density` and `voxel_size` (a volume), `position` and `triangle` (a mesh), `position` and \
+                `temperature` (particles) or `view_projection` (cameras)";
+            Err(ReadError::file(path, format!("has the arrays {:?}", archive.names()), expected))
         }
     }
+}
+
+fn cameras(path: &Path) -> Result<Report, ReadError> {
+    Ok(Report::Cameras { cameras: shot::count_cameras(path)? })
+}
+
+fn cache(path: &Path) -> Result<Report, ReadError> {
+    let [vertices, triangles, objects] = AnimatedMesh::count_of_cache(path)?;
+    Ok(Report::Mesh { vertices, triangles, objects, animations: Vec::new(), notes: Vec::new() })
 }
 
 fn mesh(path: &Path) -> Result<Report, ReadError> {
@@ -131,35 +166,70 @@ fn mesh(path: &Path) -> Result<Report, ReadError> {
     })
 }
 
+/// The grids: density, velocity, and whatever else has a value or a vector for each voxel.
 fn volume(path: &Path) -> Result<Report, ReadError> {
-    let volume = volume::read(path, &Grids::default())?;
-    let mut archive = Archive::open(path)?;
-    let mut grid = |name: &'static str, kinds: [&'static str; 3], values: &[f32], active: usize| {
-        let kind = match archive.header(name)?.map(|header| header.element) {
-            Some(Element::F16) => kinds[0],
-            Some(Element::F64) => kinds[2],
-            _ => kinds[1],
+    let mut archive = volume::open(path)?;
+    let shape = volume::shape(&mut archive, &Grids::default())?;
+    let [nx, ny, nz] = shape.dimensions.map(u64::from);
+    let mut names = archive.names();
+    names.sort_by_key(|name| (name != "density", name != "velocity"));
+    let mut grids = Vec::new();
+    for name in names {
+        let Some(header) = archive.header(&name).ok().flatten() else { continue };
+        let is_vector = match header.shape[..] {
+            [z, y, x] | [z, y, x, 1] if [x, y, z] == [nx, ny, nz] => false,
+            [z, y, x, 3] if [x, y, z] == [nx, ny, nz] => true,
+            _ => continue,
         };
-        let Range { min, max } = Range::of(values).unwrap_or(Range { min: 0.0, max: 0.0 });
-        let sum = values.iter().map(|&x| f64::from(x)).sum();
-        let volume::Volume { dimensions, voxel_size, origin, .. } = volume;
-        Ok(GridReport { name, kind, dimensions, voxel_size, origin, active, min, max, sum })
-    };
-    let active = volume.density.len();
-    let mut grids = vec![grid("density", ["half", "float", "double"], &volume.density, active)?];
-    if let Some(velocity) = &volume.velocity {
-        grids.push(grid("velocity", ["vec3h", "vec3f", "vec3d"], velocity.as_flattened(), active)?);
+        let mut all = Statistics::default();
+        archive.each(&name, |value| all.add(value))?;
+        let volume::Shape { dimensions, voxel_size, origin, .. } = shape;
+        grids.push(GridReport {
+            kind: kind(&header, is_vector),
+            name,
+            dimensions,
+            voxel_size,
+            origin,
+            active: (nx * ny * nz) as usize,
+            min: all.range.as_ref().map(|range| range.min),
+            max: all.range.as_ref().map(|range| range.max),
+            sum: all.sum,
+            not_finite: all.not_finite,
+        });
     }
     Ok(Report::Volume { grids })
 }
 
-fn particles(path: &Path) -> Result<Report, ReadError> {
-    let particles = particles::read(path)?;
-    let corner = |pick: fn(f32, f32) -> f32| {
-        particles.position.iter().copied().reduce(|a, b| std::array::from_fn(|i| pick(a[i], b[i])))
+/// The type of a grid by the names that OpenVDB has for them.
+fn kind(header: &Header, is_vector: bool) -> &'static str {
+    let [value, vector] = match header.element {
+        Element::F16 => ["half", "vec3h"],
+        Element::F32 => ["float", "vec3f"],
+        Element::F64 => ["double", "vec3d"],
+        Element::Int(8) | Element::Uint(8) => ["int64", "vec3i"],
+        Element::Int(_) | Element::Uint(_) => ["int32", "vec3i"],
     };
-    let bounds = corner(f32::min).zip(corner(f32::max)).map(|(low, high)| [low, high]);
-    Ok(Report::Particles { count: particles.position.len(), bounds, temperature: Range::of(&particles.temperature) })
+    if is_vector { vector } else { value }
+}
+
+fn particles(path: &Path) -> Result<Report, ReadError> {
+    let mut archive = particles::open(path)?;
+    let count = particles::count(&mut archive)?;
+    let (mut axes, mut at) = ([const { Statistics { range: None, sum: 0.0, not_finite: 0 } }; 3], 0);
+    let is_fortran = archive.header("position")?.is_some_and(|header| header.fortran_order);
+    archive.each("position", |value: f32| {
+        let axis = if is_fortran { at / count.max(1) } else { at % 3 };
+        axes[axis as usize % 3].add(value);
+        at += 1;
+    })?;
+    let mut temperature = Statistics::default();
+    archive.each("temperature", |value| temperature.add(value))?;
+    let not_finite = axes.iter().chain([&temperature]).map(|of| of.not_finite).sum();
+    let bounds = match axes.map(|axis| axis.range) {
+        [Some(x), Some(y), Some(z)] => Some([[x.min, y.min, z.min], [x.max, y.max, z.max]]),
+        _ => None,
+    };
+    Ok(Report::Particles { count, bounds, temperature: temperature.range, not_finite })
 }
 
 fn shot(name: &str) -> Result<Report, Failure> {
@@ -167,6 +237,10 @@ fn shot(name: &str) -> Result<Report, Failure> {
     let effects = [("smoke", shot.smoke.is_some()), ("flame", shot.flame.is_some()), ("blur", shot.blur.is_some())];
     let effects = effects.into_iter().filter(|(_, has)| *has).map(|(name, _)| name).collect();
     Ok(Report::Shot { size: shot.size, frames: shot.frames, fps: shot.fps, effects })
+}
+
+fn not_finite(count: u64) -> String {
+    if count > 0 { format!(", {count} values not finite") } else { String::new() }
 }
 
 impl Display for Report {
@@ -178,15 +252,18 @@ impl Display for Report {
                 notes.iter().try_for_each(|note| writeln!(f, "note: {note}"))
             }
             Report::Volume { grids } => grids.iter().try_for_each(|grid| {
-                let GridReport { name, kind, dimensions: [x, y, z], voxel_size, origin, active, min, max, sum } = grid;
+                let GridReport { name, kind, dimensions: [x, y, z], voxel_size, origin, active, sum, .. } = grid;
                 writeln!(f, "grid `{name}`: {kind}, {x} x {y} x {z} voxels of {voxel_size:?} m from {origin:?}")?;
-                writeln!(f, "  {active} active, {min} to {max}, sum {sum}")
+                write!(f, "  {active} active")?;
+                grid.min.zip(grid.max).iter().try_for_each(|(min, max)| write!(f, ", {min} to {max}, sum {sum}"))?;
+                writeln!(f, "{}", not_finite(grid.not_finite))
             }),
-            Report::Particles { count, bounds, temperature } => {
-                writeln!(f, "particles: {count}")?;
+            Report::Particles { count, bounds, temperature, not_finite: odd } => {
+                writeln!(f, "particles: {count}{}", not_finite(*odd))?;
                 bounds.iter().try_for_each(|[low, high]| writeln!(f, "bounds: {low:?} to {high:?} m"))?;
                 temperature.iter().try_for_each(|t| writeln!(f, "temperature: {} to {} K", t.min, t.max))
             }
+            Report::Cameras { cameras } => writeln!(f, "cameras: {cameras}, one a frame"),
             Report::Shot { size: [width, height], frames: [first, last], fps, effects } => {
                 let effects = effects.join(", ");
                 writeln!(f, "shot: {width} x {height}, frames {first} to {last}, {fps} fps, effects: {effects}")

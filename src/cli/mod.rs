@@ -7,6 +7,7 @@ mod interrupt;
 mod render;
 mod shot;
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -159,7 +160,7 @@ pub fn main() -> ExitCode {
         Err(Failure { code, message }) => {
             if !message.is_empty() {
                 // Nothing is left to tell where standard error is closed.
-                let _ = writeln!(io::stderr(), "celfx: {message}");
+                let _ = writeln!(io::stderr(), "celfx: {}", visible(&message));
             }
             ExitCode::from(code)
         }
@@ -194,10 +195,23 @@ fn usage(error: &clap::Error) -> Result<(), Failure> {
     }
 }
 
+/// The text as it may be shown: control characters but for ends of lines, and characters that turn the direction of
+/// writing, are spelled out (as JSON does), so that no name in a file takes over a terminal.
+fn visible(text: &str) -> Cow<'_, str> {
+    let is_unseen = |c: char| {
+        (c.is_control() && !matches!(c, '\n' | '\t')) || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(is_unseen) {
+        return text.into();
+    }
+    let spelled = |c: char| if is_unseen(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() };
+    text.chars().map(spelled).collect::<String>().into()
+}
+
 /// Prints to standard output. A reader that has gone away (`| head`) is no failure: it has what it wanted.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(visible(text).as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::new(Failure::OUTPUT, format!("cannot write to standard output: {e}")))
         }
@@ -209,6 +223,12 @@ fn print(text: &str) -> Result<(), Failure> {
 mod tests {
     use super::*;
     use clap::CommandFactory;
+
+    #[test]
+    fn control_characters_are_spelled_out() {
+        assert_eq!(visible("a \u{e9}\n\tb"), "a \u{e9}\n\tb");
+        assert_eq!(visible("\u{1b}[2J\r\u{9b}\u{7f}\0\u{202e}x"), "\\u001b[2J\\u000d\\u009b\\u007f\\u0000\\u202ex");
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

@@ -15,10 +15,10 @@ use std::thread;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Common, Failure, interrupt, print};
+use super::{Common, Failure, interrupt, print, visible};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
-use crate::io::{ReadError, picture, remove_stale_parts, write_atomic};
+use crate::io::{picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
 use device::Renderer;
 use encode::{Pool, Shared};
@@ -259,21 +259,14 @@ impl Job<'_> {
 
     fn say(&self, text: &str) {
         // Nothing is left to tell where standard error is closed.
-        let _ = writeln!(std::io::stderr(), "celfx: {text}");
+        let _ = writeln!(std::io::stderr(), "celfx: {}", visible(text));
     }
 }
 
 /// The picture behind the effects, if it is one.
 fn background(shot: &Shot) -> Result<Option<Picture<[f32; 4]>>, Failure> {
     let Background::Image(path) = &shot.background else { return Ok(None) };
-    let picture = picture::read(path)?;
-    if picture.size != shot.size {
-        let [w, h] = picture.size;
-        let why = format!("the background has {w} x {h} pixels");
-        let expected = format!("{} x {}, as the shot's size", shot.size[0], shot.size[1]);
-        return Err(ReadError::file(path, why, expected).into());
-    }
-    Ok(Some(picture))
+    Ok(Some(picture::read_frame(path, shot.size)?))
 }
 
 /// Fire lights what else is in the shot.

@@ -2,6 +2,7 @@
 
 mod header;
 
+use std::collections::TryReserveError;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -14,6 +15,9 @@ use super::{ReadError, WriteError, write_atomic};
 
 /// Header text longer than this is refused; that of a plain array has about 100 bytes.
 const MAX_HEADER: usize = 1 << 16;
+
+/// Bytes that deflate makes of one at most.
+const MAX_EXPANSION: u64 = 1032;
 
 /// What an array consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +82,29 @@ pub struct Header {
     pub fortran_order: bool,
 }
 
+impl Header {
+    /// How many elements there are; none where nothing could hold so many.
+    pub fn count(&self) -> Option<u64> {
+        self.shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis))
+    }
+
+    /// How many bytes they take.
+    fn data_bytes(&self) -> Option<u64> {
+        self.count()?.checked_mul(self.element.bytes() as u64)
+    }
+}
+
+/// Which elements an array may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Numbers.
+    Any,
+    /// No integers, because what they mean is not known.
+    Float,
+    /// Integers.
+    Whole,
+}
+
 /// An array in memory, the last axis running fastest whatever the order in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Array<T> {
@@ -108,6 +135,8 @@ impl Number for f64 {
 /// A `.npz` file, open for reading. Nothing in the file is trusted: memory grows with what is really there.
 pub struct Archive {
     path: PathBuf,
+    /// Bytes of the file.
+    length: u64,
     zip: NpzArchive<BufReader<File>>,
 }
 
@@ -116,10 +145,11 @@ impl Archive {
     pub fn open(path: &Path) -> Result<Archive, ReadError> {
         let whole = "a whole .npz file as numpy.savez writes it";
         let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
+        let length = file.metadata().map_err(|error| ReadError::file(path, error, "a file that can be read"))?.len();
         let zip = NpzArchive::new(BufReader::new(file)).map_err(|error| {
             ReadError::file(path, format!("no zip archive, or one that is cut short ({error})"), whole)
         })?;
-        Ok(Archive { path: path.into(), zip })
+        Ok(Archive { path: path.into(), length, zip })
     }
 
     /// Names of the arrays, sorted.
@@ -131,49 +161,74 @@ impl Archive {
 
     /// Header of the array `name`; `None` if there is no such array.
     pub fn header(&mut self, name: &str) -> Result<Option<Header>, ReadError> {
-        if !self.zip.array_names().any(|n| n == name) {
-            return Ok(None);
-        }
-        let fault = Fault { path: &self.path, name };
-        let file = npyz::npz::file_name_from_array_name(name);
-        let mut entry = self.zip.zip_archive().by_name(&file).map_err(|e| fault.error(e, "a readable zip entry"))?;
-        read_header(&mut entry, &fault).map(|(header, _)| Some(header))
+        Ok(self.entry(name)?.map(|entry| entry.header))
     }
 
     /// Reads the array `name`, of at most `limit` elements; `None` if there is no such array.
     pub fn read<T: Number>(&mut self, name: &str, limit: u64) -> Result<Option<Array<T>>, ReadError> {
+        let Some(mut entry) = self.entry(name)? else { return Ok(None) };
+        let mut values: Vec<T> = Vec::new();
+        entry.each_chunk(limit, |header, chunk| {
+            values.try_reserve(chunk.len() / header.element.bytes())?;
+            each_number(header, chunk, |value| values.push(value));
+            Ok(())
+        })?;
+        let Header { shape, fortran_order, .. } = entry.header;
+        Ok(Some(in_c_order(Array { shape, values }, fortran_order)))
+    }
+
+    /// Hands over the elements of the array `name` in the order of the file, however many there are: none is kept. The
+    /// array's header, or `None` if there is no such array.
+    pub fn each<T: Number>(&mut self, name: &str, mut take: impl FnMut(T)) -> Result<Option<Header>, ReadError> {
+        let Some(mut entry) = self.entry(name)? else { return Ok(None) };
+        entry.each_chunk(u64::MAX, |header, chunk| {
+            each_number(header, chunk, &mut take);
+            Ok(())
+        })?;
+        Ok(Some(entry.header))
+    }
+
+    fn entry<'a>(&'a mut self, name: &'a str) -> Result<Option<Entry<'a>>, ReadError> {
         if !self.zip.array_names().any(|n| n == name) {
             return Ok(None);
         }
         let fault = Fault { path: &self.path, name };
         let file = npyz::npz::file_name_from_array_name(name);
-        let mut entry = self.zip.zip_archive().by_name(&file).map_err(|e| fault.error(e, "a readable zip entry"))?;
-        let (header, header_bytes) = read_header(&mut entry, &fault)?;
-        let count = header.shape.iter().try_fold(1u64, |n, &axis| n.checked_mul(axis)).filter(|&n| n <= limit);
-        let Some(count) = count else {
-            return Err(
-                fault.error(format!("shape {:?} is too large", header.shape), format!("{limit} values at most"))
-            );
-        };
-        // No overflow: count <= limit, which is far below 2^60.
-        let expected = count.saturating_mul(header.element.bytes() as u64);
-        let present = entry.size().saturating_sub(header_bytes);
-        if present != expected {
-            let why = format!("{present} bytes of data for shape {:?}", header.shape);
-            return Err(fault.error(why, format!("{expected} bytes")));
+        let mut zipped = self.zip.zip_archive().by_name(&file).map_err(|e| fault.error(e, "a readable zip entry"))?;
+        // Others, which NumPy does not write, make gigabytes of a few bytes.
+        let packing = zipped.compression().to_string();
+        if !["Stored", "Deflated"].contains(&packing.as_str()) {
+            return Err(fault.error(format!("is packed as {packing}"), "a stored or deflated zip entry"));
         }
-        let values = read_values(&mut entry, &header, count, &fault)?;
-        Ok(Some(in_c_order(Array { shape: header.shape, values }, header.fortran_order)))
+        // What is allocated by a header's shape is so no more than what is there.
+        let (size, packed) = (zipped.size(), zipped.compressed_size().min(self.length));
+        if size > packed.saturating_mul(MAX_EXPANSION) {
+            return Err(fault.error(format!("is {packed} bytes that claim to unpack to {size}"), "a whole zip entry"));
+        }
+        let (header, header_bytes) = read_header(&mut zipped, &fault)?;
+        let present = zipped.size().saturating_sub(header_bytes);
+        Ok(Some(Entry { fault, header, present, data: Box::new(zipped) }))
     }
 
-    /// The shape of the array `name`, which must be of floats; `None` if there is no such array.
-    pub(super) fn float_shape(&mut self, name: &str) -> Result<Option<Vec<u64>>, ReadError> {
-        match self.header(name)? {
-            Some(header) if !header.element.is_float() => {
-                Err(self.fault(name, "elements are integers", "f16, f32 or f64"))
-            }
-            header => Ok(header.map(|header| header.shape)),
+    /// The shape of the array `name` of such elements, which is to have so many axes: more of them, of length 1 at the
+    /// end, are passed over ([n, 1] is [n]). `None` if there is no such array.
+    pub(super) fn shape(
+        &mut self,
+        name: &str,
+        axes: usize,
+        kind: Kind,
+        expected: &str,
+    ) -> Result<Option<Vec<u64>>, ReadError> {
+        let Some(Header { element, mut shape, .. }) = self.header(name)? else { return Ok(None) };
+        match (kind, element.is_float()) {
+            (Kind::Float, false) => return Err(self.fault(name, "elements are integers", expected)),
+            (Kind::Whole, true) => return Err(self.fault(name, "elements are floats", expected)),
+            _ => {}
         }
+        while shape.len() > axes && shape.last() == Some(&1) {
+            shape.pop();
+        }
+        Ok(Some(shape))
     }
 
     /// The error of an array that must be there.
@@ -250,47 +305,80 @@ fn read_header(input: &mut impl Read, fault: &Fault) -> Result<(Header, u64), Re
     Ok((header, bytes as u64))
 }
 
-/// Reads `count` elements in the order of the file, to the end of the entry so that its checksum is looked at.
-fn read_values<T: Number>(
-    input: &mut impl Read,
-    header: &Header,
-    count: u64,
-    fault: &Fault,
-) -> Result<Vec<T>, ReadError> {
-    let size = header.element.bytes();
-    let total = count * size as u64;
-    let mut buffer = vec![0; 1 << 16];
-    let mut values: Vec<T> = Vec::new();
-    let mut done = 0;
-    loop {
-        let wanted = (total - done).min(buffer.len() as u64) as usize;
-        // One byte more than is wanted at the end: it must not be there, and the checksum is verified on the way.
-        let chunk = &mut buffer[..wanted.max(1)];
-        let got = read_full(input, chunk).map_err(|e| fault.at_byte(done, e, format!("{total} bytes of data")))?;
-        if got != wanted {
-            let why = if got < wanted { "the data end here" } else { "the data go on" };
-            return Err(fault.at_byte(done + got as u64, why, format!("{total} bytes of data")));
+/// An array of an archive, whose header has been read.
+struct Entry<'a> {
+    fault: Fault<'a>,
+    header: Header,
+    /// Bytes of data, as the archive says.
+    present: u64,
+    data: Box<dyn Read + 'a>,
+}
+
+impl Entry<'_> {
+    /// Hands over the data of at most `limit` elements, whole elements at a time, to the end of the entry so that its
+    /// checksum is looked at.
+    fn each_chunk(
+        &mut self,
+        limit: u64,
+        mut take: impl FnMut(&Header, &[u8]) -> Result<(), TryReserveError>,
+    ) -> Result<(), ReadError> {
+        let Entry { fault, header, present, data } = self;
+        let bytes = header.count().filter(|&count| count <= limit).and_then(|_| header.data_bytes());
+        let Some(total) = bytes else {
+            let why = format!("shape {:?} is too large", header.shape);
+            return Err(fault.error(why, format!("{limit} values at most")));
+        };
+        if *present != total {
+            let why = format!("{present} bytes of data for shape {:?}", header.shape);
+            return Err(fault.error(why, format!("{total} bytes")));
         }
-        if wanted == 0 {
-            return Ok(values);
-        }
-        let chunk = &chunk[..wanted];
-        values.try_reserve(chunk.len() / size).map_err(|e| fault.error(e, "an array that fits into memory"))?;
-        match (header.element, header.little_endian) {
-            // The usual case without the generic decoder, which is several times slower.
-            (Element::F32, true) => values.extend(
-                chunk.chunks_exact(4).map(|b| T::from_f64(f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))),
-            ),
-            (element, little) => {
-                values.extend(chunk.chunks_exact(size).map(|bytes| T::from_f64(element.decode(bytes, little))))
+        let mut buffer = vec![0; 1 << 16];
+        let mut done = 0;
+        loop {
+            let wanted = (total - done).min(buffer.len() as u64) as usize;
+            // One byte more than is wanted at the end: it must not be there, and the checksum is verified on the way.
+            let chunk = &mut buffer[..wanted.max(1)];
+            let got = read_full(data, chunk).map_err(|e| fault.at_byte(done, e, format!("{total} bytes of data")))?;
+            if got != wanted {
+                let why = if got < wanted { "the data end here" } else { "the data go on" };
+                return Err(fault.at_byte(done + got as u64, why, format!("{total} bytes of data")));
             }
+            if wanted == 0 {
+                return Ok(());
+            }
+            take(header, &chunk[..wanted]).map_err(|e| fault.error(e, "an array that fits into memory"))?;
+            done += wanted as u64;
         }
-        done += wanted as u64;
     }
 }
 
+/// The elements that the bytes are.
+fn each_number<T: Number>(header: &Header, bytes: &[u8], mut take: impl FnMut(T)) {
+    match (header.element, header.little_endian) {
+        // The usual case without the generic decoder, which is several times slower.
+        (Element::F32, true) => {
+            let (floats, _) = bytes.as_chunks();
+            floats.iter().for_each(|b| take(T::from_f64(f64::from(f32::from_le_bytes(*b)))));
+        }
+        (element, little) => {
+            bytes.chunks_exact(element.bytes()).for_each(|b| take(T::from_f64(element.decode(b, little))));
+        }
+    }
+}
+
+/// Whether a `.npy` file is as long as its header says.
+pub fn is_whole_npy(path: &Path) -> bool {
+    let is_whole = || {
+        let file = File::open(path).ok()?;
+        let length = file.metadata().ok()?.len();
+        let (header, start) = read_header(&mut BufReader::new(file), &Fault { path, name: "" }).ok()?;
+        Some(header.data_bytes()?.checked_add(start)? == length)
+    };
+    is_whole().unwrap_or(false)
+}
+
 /// Reorders an array whose first axis runs fastest.
-fn in_c_order<T: Number>(array: Array<T>, fortran_order: bool) -> Array<T> {
+pub(super) fn in_c_order<T: Copy>(array: Array<T>, fortran_order: bool) -> Array<T> {
     if !fortran_order || array.shape.len() < 2 {
         return array;
     }
@@ -481,6 +569,64 @@ pub(super) mod tests {
                 let _ = read(&damaged);
             }
         }
+    }
+
+    /// An archive of one array, with the two-byte words of its entry in the list of the archive changed.
+    fn with_entry(array: Vec<u8>, words: &[(usize, u16)]) -> Result<Array<f64>, ReadError> {
+        let folder = Folder::new();
+        let path = folder.0.join("lying.npz");
+        write_archive(&path, &[("a", array)]);
+        let mut bytes = fs::read(&path).unwrap();
+        let entry = bytes.windows(4).position(|w| w == b"PK\x01\x02").unwrap();
+        words.iter().for_each(|(at, word)| bytes[entry + at..][..2].copy_from_slice(&word.to_le_bytes()));
+        fs::write(&path, bytes).unwrap();
+        Archive::open(&path)?.read("a", 1 << 31).map(Option::unwrap)
+    }
+
+    #[test]
+    fn an_entry_holds_no_more_than_its_packing_can() {
+        let array = || npy("'|u1'", false, "(2147418112,)", &[7; 5000]);
+        // The size once unpacked, of which the header has 128 bytes or less.
+        let error = with_entry(array(), &[(24, 0), (26, 0x7fff)]).unwrap_err().to_string();
+        assert!(error.contains("lying.npz: array `a`") && error.contains("claim to unpack to 2147418112"), "{error}");
+        // A packed size that the whole file does not have makes it no more likely.
+        let error = with_entry(array(), &[(20, 0xffff), (22, 0x7fff), (26, 0x7fff)]).unwrap_err().to_string();
+        assert!(error.contains("lying.npz: array `a`") && error.contains("claim to unpack to"), "{error}");
+        // Way of packing 12 is bzip2.
+        let error = with_entry(npy("'|u1'", false, "(3,)", &[7; 3]), &[(10, 12)]).unwrap_err().to_string();
+        assert!(error.contains("array `a`: is packed as Bzip2; expected a stored or deflated"), "{error}");
+        // As far as deflate goes.
+        let zeros = npy("'|u1'", false, "(1000000,)", &vec![0; 1_000_000]);
+        assert_eq!(with_entry(zeros, &[]).unwrap().values.len(), 1_000_000);
+    }
+
+    #[test]
+    fn numbers_come_one_by_one_without_being_kept() {
+        let folder = Folder::new();
+        let path = folder.0.join("a.npz");
+        write_archive(&path, &[("a", npy("'>i2'", true, "(2, 2)", &[0, 1, 0, 2, 0, 3, 0, 4]))]);
+        let mut archive = Archive::open(&path).unwrap();
+        let mut values = Vec::new();
+        let header = archive.each("a", |value: f64| values.push(value)).unwrap().unwrap();
+        assert_eq!((values, header.shape, header.fortran_order), (vec![1.0, 2.0, 3.0, 4.0], vec![2, 2], true));
+        assert_eq!(archive.each("b", |_: f64| unreachable!()).unwrap(), None);
+        assert_eq!(archive.shape("a", 1, Kind::Whole, "").unwrap(), Some(vec![2, 2]));
+        assert!(archive.shape("a", 2, Kind::Float, "floats").unwrap_err().to_string().contains("are integers"));
+    }
+
+    #[test]
+    fn a_file_that_is_not_as_long_as_it_says_is_not_whole() {
+        let folder = Folder::new();
+        let path = folder.0.join("a.npy");
+        write_npy(&path, &[2, 3], &[1.0; 6]).unwrap();
+        let whole = fs::read(&path).unwrap();
+        assert!(is_whole_npy(&path));
+        let lying = npy("'<f4'", false, "(99999999, 99999999)", &[0; 4]);
+        for bytes in [&whole[..whole.len() - 1], &[&whole[..], &[0]].concat(), &lying, b"", b"\x93NUMPY"] {
+            fs::write(&path, bytes).unwrap();
+            assert!(!is_whole_npy(&path));
+        }
+        assert!(!is_whole_npy(&folder.0.join("none.npy")));
     }
 
     #[test]

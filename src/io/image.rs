@@ -1,20 +1,65 @@
-//! Pictures: PNG, EXR, JPEG (read only), animated GIF (written only). All in memory is linear light with premultiplied alpha, rows from the top, unless
-//! said; 8-bit pixels are sRGB with straight alpha.
+//! Pictures: PNG, EXR, JPEG (read only), animated GIF (written only). All in memory is linear light with premultiplied
+//! alpha, rows from the top, unless said; 8-bit pixels are sRGB with straight alpha.
 
-use std::fs::{self, File};
-use std::io::{self, BufReader, BufWriter, Cursor, Write};
+mod coded;
+mod contained;
+mod openexr;
+
+use std::fs::File;
+use std::io::{self, BufWriter, Cursor, Write};
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Layer, LayerAttributes, ReadChannels, ReadLayers,
-    WritableImage,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Layer, LayerAttributes, WritableImage,
 };
 use image::ImageEncoder;
 
-use super::{ReadError, WriteError, write_atomic};
+use super::{WriteError, write_atomic};
 
-/// Largest side of a picture that is read, in pixels.
-const MAX_SIDE: u32 = 32_768;
+pub use coded::read_png;
+pub(super) use coded::{decode, read_coded};
+pub(super) use openexr::read_colours;
+pub use openexr::{Channels, read_exr, read_exr_sized};
+
+/// Largest side of a picture that is read, in pixels: that of a shot.
+const MAX_SIDE: u32 = 16_384;
+
+/// What is wrong with a file, and what was expected.
+pub(super) type Fault = (String, String);
+
+/// What size a picture may have. It is looked at before any of the picture is decoded.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Fit {
+    /// Any of so many pixels at most.
+    AtMost(u64),
+    /// The shot's.
+    Exactly([u32; 2]),
+    /// Any, and only the first row is taken.
+    Row,
+}
+
+impl Fit {
+    /// For whoever does not know the size.
+    pub(super) const ANY: Fit = Fit::AtMost(1 << 24);
+
+    /// The size of what is taken of a picture of `size`, if that may be.
+    fn checked(self, size: [u32; 2]) -> Result<[u32; 2], Fault> {
+        let [width, height] = size;
+        let pixels = u64::from(width) * u64::from(height);
+        let (is_fit, expected) = match self {
+            Fit::Exactly(wanted) => (size == wanted, format!("{} x {}, as the shot's size", wanted[0], wanted[1])),
+            Fit::Row => (width <= MAX_SIDE, format!("a first row of at most {MAX_SIDE} pixels")),
+            Fit::AtMost(most) => {
+                let expected = format!("at most {MAX_SIDE} pixels a side and {most} in all");
+                (width.max(height) <= MAX_SIDE && pixels <= most, expected)
+            }
+        };
+        match is_fit && pixels > 0 {
+            true => Ok(if matches!(self, Fit::Row) { [width, 1] } else { size }),
+            false => Err((format!("the picture has {width} x {height} pixels"), expected)),
+        }
+    }
+}
 
 /// A picture in memory.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,40 +151,6 @@ fn from_image(error: image::ImageError) -> io::Error {
     }
 }
 
-/// What a decoder may be asked for: a small file can unpack to any size.
-pub(super) fn limits() -> image::Limits {
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(1 << 33);
-    limits
-}
-
-/// Reads a PNG of any bit depth as sRGB (a profile in the file is not looked at) into linear premultiplied pixels.
-pub fn read_png(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
-    read_coded(path, image::ImageFormat::Png, "PNG")
-}
-
-/// Reads a JPEG as sRGB (a profile in the file is not looked at) into linear pixels.
-pub fn read_jpeg(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
-    read_coded(path, image::ImageFormat::Jpeg, "JPEG")
-}
-
-fn read_coded(path: &Path, format: image::ImageFormat, name: &str) -> Result<Picture<[f32; 4]>, ReadError> {
-    let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
-    let mut reader = image::ImageReader::with_format(BufReader::new(file), format);
-    reader.limits(limits());
-    let expected = format!("a whole {name} picture of at most {MAX_SIDE} pixels a side");
-    let picture = reader.decode().map_err(|error| ReadError::file(path, error, expected))?.into_rgba16();
-    let table: Vec<f32> = (0..=u16::MAX).map(|v| linear_from_srgb(f64::from(v) / 65535.0) as f32).collect();
-    let linear = |&image::Rgba([r, g, b, a]): &image::Rgba<u16>| {
-        let alpha = f32::from(a) / 65535.0;
-        let [r, g, b] = [r, g, b].map(|c| table[usize::from(c)] * alpha);
-        [r, g, b, alpha]
-    };
-    Ok(Picture { size: [picture.width(), picture.height()], pixels: picture.pixels().map(linear).collect() })
-}
-
 /// What a pixel of an EXR file can be.
 pub trait ExrPixel: Copy {
     /// Names of the channels.
@@ -187,28 +198,6 @@ pub fn write_exr<P: ExrPixel>(path: &Path, size: [u32; 2], pixels: &[P]) -> Resu
             error => io::Error::other(error),
         })
     })
-}
-
-/// The channels of an EXR file's first layer, as f32.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Channels {
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Names and values, sorted by name; rows from the top.
-    pub channels: Vec<(String, Vec<f32>)>,
-}
-
-/// Reads the first layer of an EXR file.
-pub fn read_exr(path: &Path) -> Result<Channels, ReadError> {
-    let expected = "a whole EXR picture without deep data";
-    let bytes = fs::read(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
-    let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let image = reader.all_attributes().from_buffered(Cursor::new(bytes));
-    let layer = image.map_err(|error| ReadError::file(path, error, expected))?.layer_data;
-    let channels = layer.channel_data.list.iter();
-    let channels = channels.map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect())).collect();
-    // An EXR is at most 2^31 pixels wide and high.
-    Ok(Channels { size: [layer.size.x() as u32, layer.size.y() as u32], channels })
 }
 
 /// One picture of many of equal size: `columns` in a row (as many rows as it takes), `gap` transparent pixels between.
@@ -275,6 +264,7 @@ mod tests {
     use super::*;
     use crate::io::tests::Folder;
     use image::AnimationDecoder;
+    use std::fs;
 
     #[test]
     fn transfer_is_srgb() {

@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use super::ReadError;
-use super::array::{Archive, Array, Element, Number};
+use super::array::{Archive, Array, Kind, Number};
 use super::sequence::{Input, Sequence, Source};
+use crate::flame::settings::HOTTEST;
 use crate::simulate::flame;
+use crate::view::FARTHEST;
 
 /// Particles in memory, a row each.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,30 +23,31 @@ pub struct Particles {
 /// Most particles of a file that is read: a small file can unpack to any size.
 pub const MAX_PARTICLES: u64 = 1 << 28;
 
-const POSITIONS: &str = "[n, 3] of floats, in metres";
-const TEMPERATURES: &str = "[n] of floats, in kelvin, n as in `position`";
+const POSITIONS: &str = "[n, 3] of numbers, in metres";
+const TEMPERATURES: &str = "[n] of numbers, in kelvin, n as in `position`";
 const IDS: &str = "[n] of integers, 0 to 4294967295, n as in `position`";
 const FILE: &str = "an .npz file with `position` [n, 3], `temperature` [n] and maybe `id` [n]";
 
-/// Reads particles from an `.npz` file: `position` [n, 3] in metres, `temperature` [n] in kelvin (both f16, f32 or f64,
-/// which become f32) and optionally `id` [n] (integers, 0 to 4294967295). At most [`MAX_PARTICLES`]; none is allowed.
-/// A position that is not finite or a temperature that is not finite and above 0 is an error that names the row,
-/// counted from 0.
+/// Reads particles from an `.npz` file: `position` [n, 3] in metres, `temperature` [n] in kelvin (both of any float or
+/// integer type, which become f32) and optionally `id` [n] (integers, 0 to 4294967295). At most [`MAX_PARTICLES`]; none is
+/// allowed. A position beyond [`FARTHEST`] or a temperature that is not above 0 and at most [`HOTTEST`] is an error that
+/// names the row, counted from 0.
 pub fn read(path: &Path) -> Result<Particles, ReadError> {
     let mut archive = open(path)?;
     let count = count(&mut archive)?;
     let temperature = temperature(&mut archive, path, count)?;
     let position: Vec<f32> = values(&mut archive, "position", 3 * count)?;
     let position = position.as_chunks().0.to_vec();
-    if let Some(row) = position.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-        return Err(row_error(path, "position", row, format!("is {:?} as f32", position[row]), "three finite numbers"));
+    if let Some(row) = position.iter().position(|p: &[f32; 3]| !p.iter().all(|x| x.abs() <= FARTHEST)) {
+        let (why, expected) = (format!("is {:?} as f32", position[row]), "three finite numbers, none beyond 1e12 m");
+        return Err(row_error(path, "position", row, why, expected));
     }
     let id = ids(&mut archive, path, count)?;
     Ok(Particles { position, temperature, id })
 }
 
 /// Opens a file that holds particles by its name.
-fn open(path: &Path) -> Result<Archive, ReadError> {
+pub fn open(path: &Path) -> Result<Archive, ReadError> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("npz") => Archive::open(path),
         Some("ply") => Err(ReadError::file(path, "PLY files cannot be read yet", FILE)),
@@ -63,8 +66,8 @@ fn values<T: Number>(archive: &mut Archive, name: &str, limit: u64) -> Result<Ve
 }
 
 /// How many particles there are, from the headers; those of all arrays fit.
-fn count(archive: &mut Archive) -> Result<u64, ReadError> {
-    let shape = archive.float_shape("position")?;
+pub fn count(archive: &mut Archive) -> Result<u64, ReadError> {
+    let shape = archive.shape("position", 2, Kind::Any, POSITIONS)?;
     let shape = shape.ok_or_else(|| archive.missing("position", POSITIONS))?;
     let [count, 3] = shape[..] else {
         return Err(archive.wrong_shape("position", &shape, POSITIONS));
@@ -73,26 +76,23 @@ fn count(archive: &mut Archive) -> Result<u64, ReadError> {
         let why = format!("of shape {shape:?} is too large");
         return Err(archive.fault("position", why, format!("{MAX_PARTICLES} particles at most")));
     }
-    match archive.float_shape("temperature")? {
+    match archive.shape("temperature", 1, Kind::Any, TEMPERATURES)? {
         None => return Err(archive.missing("temperature", TEMPERATURES)),
         Some(shape) if shape != [count] => return Err(archive.wrong_shape("temperature", &shape, TEMPERATURES)),
         Some(_) => {}
     }
-    match archive.header("id")? {
-        Some(header) if !matches!(header.element, Element::Int(_) | Element::Uint(_)) => {
-            Err(archive.fault("id", "elements are floats", IDS))
-        }
-        Some(header) if header.shape != [count] => Err(archive.wrong_shape("id", &header.shape, IDS)),
+    match archive.shape("id", 1, Kind::Whole, IDS)? {
+        Some(shape) if shape != [count] => Err(archive.wrong_shape("id", &shape, IDS)),
         _ => Ok(count),
     }
 }
 
 fn temperature(archive: &mut Archive, path: &Path, count: u64) -> Result<Vec<f32>, ReadError> {
     let temperature: Vec<f32> = values(archive, "temperature", count)?;
-    match temperature.iter().position(|t| !(*t > 0.0 && t.is_finite())) {
+    match temperature.iter().position(|t| !(*t > 0.0 && *t <= HOTTEST)) {
         Some(row) => {
             let why = format!("is {} as f32", temperature[row]);
-            Err(row_error(path, "temperature", row, why, "kelvin, above 0 and finite"))
+            Err(row_error(path, "temperature", row, why, "kelvin, above 0 and finite, at most 1e6"))
         }
         None => Ok(temperature),
     }
@@ -225,6 +225,14 @@ mod tests {
         assert_eq!(with("id", Some(npy("'<i8'", false, "(2,)", &wide))).unwrap(), expected);
         let bytes = with("id", Some(npy("'|u1'", false, "(2,)", &[3, 200]))).unwrap();
         assert_eq!(bytes.id, Some(vec![3, 200]));
+        let kelvin = [900i32, 3000].map(i32::to_le_bytes).concat();
+        assert_eq!(with("temperature", Some(npy("'<i4'", false, "(2,)", &kelvin))).unwrap(), expected);
+        let column = with("temperature", Some(npy("'<i4'", true, "(2, 1)", &kelvin))).unwrap();
+        assert_eq!(column, expected);
+        let column = with("id", Some(npy("'<u4'", false, "(2, 1)", &[7, 0, 0, 0, 255, 255, 255, 255]))).unwrap();
+        assert_eq!(column, expected);
+        let whole = with("position", Some(npy("'|u1'", false, "(2, 3)", &[0, 1, 2, 3, 4, 5]))).unwrap();
+        assert_eq!(whole, expected);
     }
 
     #[test]
@@ -248,20 +256,24 @@ mod tests {
         says("position", floats("(6,)", &[0.0; 6]), &["array `position`: has shape [6]", "[n, 3]"]);
         says("position", floats("(3, 2)", &[0.0; 6]), &["array `position`: has shape [3, 2]", "[n, 3]"]);
         says("position", floats("(3, 3)", &[0.0; 9]), &["array `temperature`: has shape [2]"]);
-        says("position", Some(npy("'<i4'", false, "(2, 3)", &[0; 24])), &["`position`: elements are integers"]);
         says("position", Some(npy("'<f4'", false, "(268435457, 3)", &[0; 24])), &["too large", "268435456 particles"]);
         says("position", Some(npy("'<f4'", false, "(2, 3)", &[0; 20])), &["`position`", "20 bytes", "24 bytes"]);
         says("temperature", None, &["array `temperature`: is missing", "kelvin"]);
-        says("temperature", floats("(2, 1)", &[1.0; 2]), &["`temperature`: has shape [2, 1]"]);
+        says("temperature", floats("(1, 2)", &[1.0; 2]), &["`temperature`: has shape [1, 2]"]);
+        says("temperature", floats("(2, 2)", &[1.0; 4]), &["`temperature`: has shape [2, 2]"]);
         says("id", floats("(2,)", &[1.0; 2]), &["array `id`: elements are floats", "integers"]);
         says("id", Some(npy("'<u4'", false, "(3,)", &[0; 12])), &["array `id`: has shape [3]"]);
-        for bad in [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for bad in [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, 1.1e6] {
             let needle = format!("array `temperature`, row 1: is {bad} as f32");
-            says("temperature", floats("(2,)", &[900.0, bad]), &[&needle, "expected kelvin, above 0 and finite"]);
+            says(
+                "temperature",
+                floats("(2,)", &[900.0, bad]),
+                &[&needle, "expected kelvin, above 0 and finite, at most 1e6"],
+            );
         }
         let tiny: Vec<u8> = [1e-60f64, 1.0].iter().flat_map(|v| v.to_le_bytes()).collect();
         says("temperature", Some(npy("'<f8'", false, "(2,)", &tiny)), &["row 0: is 0 as f32"]);
-        for bad in [f32::NAN, f32::INFINITY] {
+        for bad in [f32::NAN, f32::INFINITY, 1.1e12] {
             let position = floats("(2, 3)", &[0.0, 0.0, 0.0, 1.0, bad, 1.0]);
             says("position", position, &["array `position`, row 1: is [1.0, ", "three finite numbers"]);
         }

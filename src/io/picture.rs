@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::image::{Picture, read_exr, read_jpeg, read_png, write_exr, write_png};
+use super::image::{Fit, Picture, read_coded, read_colours, write_exr, write_png};
 use super::{ReadError, WriteError};
+use crate::view::BRIGHTEST;
 
 /// The formats of pictures that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,13 +27,35 @@ impl Format {
     }
 }
 
-/// Reads a PNG, EXR or JPEG file into linear premultiplied pixels. An EXR file needs channels R, G and B; without A it
-/// is opaque.
+/// Reads a PNG, EXR or JPEG file into linear premultiplied pixels, upright. Of an EXR file it is what is seen in its
+/// display window, of the part and layer that has channels R, G and B; without A it is opaque. At most 16 Mi pixels.
 pub fn read(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
+    read_fitting(path, Fit::ANY)
+}
+
+/// As [`read`], for a picture of that size, whatever it is.
+pub fn read_sized(path: &Path, size: [u32; 2]) -> Result<Picture<[f32; 4]>, ReadError> {
+    read_fitting(path, Fit::Exactly(size))
+}
+
+/// As [`read_sized`], for what is rendered with. An error names the first pixel that is not finite or is brighter than
+/// [`BRIGHTEST`].
+pub fn read_frame(path: &Path, size: [u32; 2]) -> Result<Picture<[f32; 4]>, ReadError> {
+    checked(path, read_sized(path, size)?)
+}
+
+/// Linear RGB of the first row of a picture, checked as [`read_frame`] does.
+pub fn read_row(path: &Path) -> Result<Vec<[f32; 3]>, ReadError> {
+    let row = checked(path, read_fitting(path, Fit::Row)?)?;
+    // Pixels are premultiplied; a row of colours has no other use for alpha.
+    Ok(row.pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
+}
+
+fn read_fitting(path: &Path, fit: Fit) -> Result<Picture<[f32; 4]>, ReadError> {
     match Format::of(path) {
-        Some(Format::Png) => read_png(path),
-        Some(Format::Exr) => read_exr_pixels(path),
-        None if is_jpeg(path) => read_jpeg(path),
+        Some(Format::Png) => read_coded(path, image::ImageFormat::Png, fit),
+        Some(Format::Exr) => read_colours(path, fit),
+        None if is_jpeg(path) => read_coded(path, image::ImageFormat::Jpeg, fit),
         None => {
             Err(ReadError::file(path, "not a known kind of picture", "a name that ends in .png, .exr, .jpg or .jpeg"))
         }
@@ -43,23 +66,17 @@ fn is_jpeg(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("jpg") || e.eq_ignore_ascii_case("jpeg"))
 }
 
-fn read_exr_pixels(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
-    let picture = read_exr(path)?;
-    let channel = |name: &str| picture.channels.iter().find(|(channel, _)| channel == name).map(|(_, values)| values);
-    let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) else {
-        let names: Vec<&str> = picture.channels.iter().map(|(name, _)| name.as_str()).collect();
-        return Err(ReadError::file(
-            path,
-            format!("has channels {}", names.join(", ")),
-            "channels R, G, B and maybe A",
-        ));
-    };
-    let colours = r.iter().zip(g).zip(b);
-    let pixels = match channel("A") {
-        Some(a) => colours.zip(a).map(|(((r, g), b), a)| [*r, *g, *b, *a]).collect(),
-        None => colours.map(|((r, g), b)| [*r, *g, *b, 1.0]).collect(),
-    };
-    Ok(Picture { size: picture.size, pixels })
+fn checked(path: &Path, picture: Picture<[f32; 4]>) -> Result<Picture<[f32; 4]>, ReadError> {
+    let is_fine = |pixel: &[f32; 4]| pixel.iter().all(|x| x.abs() <= BRIGHTEST);
+    match picture.pixels.iter().position(|pixel| !is_fine(pixel)) {
+        None => Ok(picture),
+        Some(at) => {
+            let width = picture.size[0] as usize;
+            let place = format!("pixel ({}, {})", at % width, at / width);
+            let expected = format!("finite numbers, none beyond {BRIGHTEST}");
+            Err(ReadError::at(path, place, format!("is {:?}", picture.pixels[at]), expected))
+        }
+    }
 }
 
 /// Writes linear premultiplied pixels in the given format. Atomic.

@@ -19,9 +19,9 @@ pub use self::weld::{CREASE, Welder, shading_groups, weld};
 use self::cache::Cache;
 use self::rig::Rig;
 use super::ReadError;
-use super::pattern::PatternError;
+use super::pattern::{Pattern, PatternError};
 use crate::simulate::mesh::{Builtin, Model};
-use crate::view::Camera;
+use crate::view::{Camera, FARTHEST};
 
 /// Most vertices of a scene that is read.
 pub const MAX_VERTICES: usize = 1 << 26;
@@ -85,10 +85,21 @@ pub enum Source {
     File(PathBuf),
 }
 
+/// What is said to a name with a place for the frame number.
+const NO_SEQUENCE: &str = "animated meshes and cameras are no sequences of files: expected one glTF file, or one .npz file \
+    with all frames";
+
 impl Source {
-    /// The source of that name: `builtin:NAME`, or a path relative to `folder`.
+    /// The source of that name: `builtin:NAME`, or a path relative to `folder` of one file for all frames.
     pub fn named(name: &str, folder: &Path) -> Result<Source, PatternError> {
-        let Some(builtin) = name.strip_prefix("builtin:") else { return Ok(Source::File(folder.join(name))) };
+        let Some(builtin) = name.strip_prefix("builtin:") else {
+            let path = folder.join(name);
+            let is_pattern = Pattern::parse(&path).map_or(true, |pattern| pattern.has_number());
+            return match is_pattern && !path.exists() {
+                true => Err(PatternError { path: name.into(), why: NO_SEQUENCE.to_owned() }),
+                false => Ok(Source::File(path)),
+            };
+        };
         let why = || "no such animated mesh; there are builtin:run, builtin:spin and builtin:crossing".to_owned();
         let found = Builtin::named(builtin).ok_or_else(|| PatternError { path: name.into(), why: why() });
         found.map(Source::Builtin)
@@ -168,6 +179,11 @@ impl AnimatedMesh {
         }
     }
 
+    /// How many vertices, triangles and objects an `.npz` cache holds, which is not kept in memory for that.
+    pub fn count_of_cache(path: &Path) -> Result<[usize; 3], ReadError> {
+        cache::count(path)
+    }
+
     /// What does not change.
     pub fn topology(&self) -> &Topology {
         &self.topology
@@ -220,15 +236,21 @@ impl AnimatedMesh {
         }
     }
 
-    /// World positions as [`AnimatedMesh::positions`]; an error that names vertex and frame where one is not finite.
+    /// World positions as [`AnimatedMesh::positions`]; an error that names vertex and frame where one is beyond
+    /// [`FARTHEST`].
     pub fn pose(&self, frame: f64) -> Result<Vec<[f32; 3]>, ReadError> {
         let mut pose = vec![[0.0; 3]; self.vertices()];
         self.positions(frame, &mut pose);
-        match pose.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        match pose.iter().position(|p| !p.iter().all(|x| x.abs() <= FARTHEST)) {
             None => Ok(pose),
             Some(row) => {
                 let place = format!("vertex {row}, frame {frame}");
-                Err(ReadError::at(&self.path, place, format!("is at {:?}", pose[row]), "three finite numbers"))
+                Err(ReadError::at(
+                    &self.path,
+                    place,
+                    format!("is at {:?}", pose[row]),
+                    "three finite numbers, none beyond 1e12 m",
+                ))
             }
         }
     }

@@ -32,7 +32,7 @@ use glam::DVec3;
 use super::ReadError;
 use super::particles::ParticleSequence;
 use super::pattern::{Pattern, PatternError};
-use super::picture::Format;
+use super::picture::{self, Format};
 use super::scene::{self, AnimatedMesh, Clock};
 use super::volume::{Grids, VolumeSequence};
 use crate::blur;
@@ -41,6 +41,7 @@ use crate::flame::{self, settings::Colour};
 use crate::smoke::settings::Settings;
 use crate::view::{Camera, Light, LightSource};
 use camera::CameraTrack;
+pub use camera::count_cameras;
 use track::Track;
 use tree::Tree;
 
@@ -336,7 +337,7 @@ fn flame(tree: &Tree, folder: &Path) -> Result<Flame, ShotError> {
         (_, Some("physical")) => settings.colour = Colour::Physical,
         (_, Some("displayable")) => settings.colour = Colour::Displayable,
         (_, Some(file)) if Format::of(Path::new(file)).is_some() => {
-            settings.colour = Colour::Ramp(texture::row(&folder.join(file))?);
+            settings.colour = Colour::Ramp(picture::read_row(&folder.join(file))?);
         }
         _ => return Err(tree.not_allowed("flame.colour")),
     }

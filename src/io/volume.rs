@@ -6,10 +6,11 @@ use std::path::Path;
 use npyz::WriterBuilder;
 use npyz::npz::NpzWriter;
 
-use super::array::{Archive, Array, check_count};
+use super::array::{Archive, Array, Kind, check_count};
 use super::sequence::{Input, Sequence, Source};
 use super::{ReadError, WriteError, write_atomic};
 use crate::simulate::smoke;
+use crate::view::FARTHEST;
 
 /// A density volume in memory: x runs fastest, then y, then z.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,9 @@ pub struct Volume {
 /// Most voxels of a volume that is read: a small file can unpack to any size.
 pub const MAX_VOXELS: u64 = 1 << 30;
 
+/// Largest component of a velocity, in metres per second.
+pub const FASTEST: f32 = 1e6;
+
 /// Names of the grids (in `.npz` files: arrays) to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Grids {
@@ -38,28 +42,57 @@ pub struct Grids {
     pub velocity: Option<String>,
 }
 
-/// Reads a volume from an `.npz` file: `density` [nz, ny, nx], optionally `velocity` [nz, ny, nx, 3] in m/s (both f16,
-/// f32 or f64, which become f32), `voxel_size` (a number or three, metres, above 0) and optionally `origin` [3]
-/// (default 0, 0, 0), both of any float or integer type. At most [`MAX_VOXELS`] voxels, at least one.
+/// Reads a volume from an `.npz` file: `density` [nz, ny, nx], optionally `velocity` [nz, ny, nx, 3] in m/s, `voxel_size`
+/// (a number or three, metres, above 0) and optionally `origin` [3] (default 0, 0, 0), all of any float or integer type,
+/// which become f32. At most [`MAX_VOXELS`] voxels, at least one. NaN is no smoke, or no motion; an infinite density or a
+/// velocity beyond [`FASTEST`] is an error that names the voxel (x, y, z), counted from 0.
 pub fn read(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     let mut archive = open(path)?;
-    let dimensions = density_header(&mut archive, grids)?;
+    density_header(&mut archive, grids)?;
     let density = values(&mut archive, density_name(grids), MAX_VOXELS)?;
-    let velocity = match velocity_header(&mut archive, grids, dimensions)? {
-        true => Some(values(&mut archive, velocity_name(grids), 3 * MAX_VOXELS)?),
+    let Shape { dimensions, voxel_size, origin, velocity } = shape(&mut archive, grids)?;
+    let place = |name: &str, at: usize| {
+        let [nx, ny] = [dimensions[0] as usize, dimensions[1] as usize];
+        format!("array `{name}`, voxel ({}, {}, {})", at % nx, at / nx % ny, at / nx / ny)
+    };
+    if let Some(at) = density.iter().position(|d: &f32| d.is_infinite()) {
+        let why = format!("is {} as f32", density[at]);
+        return Err(ReadError::at(path, place(density_name(grids), at), why, "a finite density"));
+    }
+    let velocity: Option<Vec<[f32; 3]>> = match velocity {
+        true => Some(values(&mut archive, velocity_name(grids), 3 * MAX_VOXELS)?.as_chunks().0.to_vec()),
         false => None,
     };
-    Ok(Volume {
-        dimensions,
-        voxel_size: voxel_size(&mut archive)?,
-        origin: origin(&mut archive)?,
-        density,
-        velocity: velocity.map(|v| v.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()),
-    })
+    let is_too_fast = |v: &[f32; 3]| v.iter().any(|c| c.abs() > FASTEST);
+    if let Some((at, v)) = velocity.iter().flatten().enumerate().find(|(_, v)| is_too_fast(v)) {
+        let expected = format!("m/s, none beyond {FASTEST}");
+        return Err(ReadError::at(path, place(velocity_name(grids), at), format!("is {v:?} as f32"), expected));
+    }
+    Ok(Volume { dimensions, voxel_size, origin, density, velocity })
+}
+
+/// What a volume is, without its values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// Voxels along x, y, z.
+    pub dimensions: [u32; 3],
+    /// As [`Volume::voxel_size`].
+    pub voxel_size: [f32; 3],
+    /// As [`Volume::origin`].
+    pub origin: [f32; 3],
+    /// Whether there is a velocity.
+    pub velocity: bool,
+}
+
+/// What the volume of an open archive is.
+pub fn shape(archive: &mut Archive, grids: &Grids) -> Result<Shape, ReadError> {
+    let dimensions = density_header(archive, grids)?;
+    let velocity = velocity_header(archive, grids, dimensions)?;
+    Ok(Shape { dimensions, voxel_size: voxel_size(archive)?, origin: origin(archive)?, velocity })
 }
 
 /// Opens a file that is a volume by its name.
-fn open(path: &Path) -> Result<Archive, ReadError> {
+pub fn open(path: &Path) -> Result<Archive, ReadError> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("npz") => Archive::open(path),
         Some("vdb") => Err(ReadError::file(path, "OpenVDB files cannot be read yet", "an .npz file")),
@@ -84,8 +117,9 @@ fn values(archive: &mut Archive, name: &str, limit: u64) -> Result<Vec<f32>, Rea
 /// Voxels along x, y, z.
 fn density_header(archive: &mut Archive, grids: &Grids) -> Result<[u32; 3], ReadError> {
     let name = density_name(grids);
-    let shape = archive.float_shape(name)?;
-    let shape = shape.ok_or_else(|| archive.missing(name, "[nz, ny, nx] of floats"))?;
+    const EXPECTED: &str = "[nz, ny, nx] of numbers";
+    let shape = archive.shape(name, 3, Kind::Any, EXPECTED)?;
+    let shape = shape.ok_or_else(|| archive.missing(name, EXPECTED))?;
     let [nz, ny, nx] = shape[..] else {
         return Err(archive.wrong_shape(name, &shape, "three axes, [nz, ny, nx]"));
     };
@@ -104,8 +138,8 @@ fn density_header(archive: &mut Archive, grids: &Grids) -> Result<[u32; 3], Read
 fn velocity_header(archive: &mut Archive, grids: &Grids, [nx, ny, nz]: [u32; 3]) -> Result<bool, ReadError> {
     let name = velocity_name(grids);
     let expected = [nz, ny, nx, 3].map(u64::from);
-    match archive.float_shape(name)? {
-        None if grids.velocity.is_some() => Err(archive.missing(name, "[nz, ny, nx, 3] of floats")),
+    match archive.shape(name, 4, Kind::Any, "")? {
+        None if grids.velocity.is_some() => Err(archive.missing(name, "[nz, ny, nx, 3] of numbers")),
         Some(shape) if shape != expected => {
             let expected = format!("{expected:?}, that of `{}` and a last axis of 3", density_name(grids));
             Err(archive.wrong_shape(name, &shape, &expected))
@@ -123,33 +157,38 @@ fn velocity_name(grids: &Grids) -> &str {
 }
 
 fn voxel_size(archive: &mut Archive) -> Result<[f32; 3], ReadError> {
-    let expected = "one number or three, in metres, above 0 and finite";
+    let expected = "one number or three, in metres, above 0 and finite, at most 1e12";
     let Some(array) = archive.read::<f32>("voxel_size", 3)? else {
         return Err(archive.missing("voxel_size", expected));
     };
-    let size = match (&array.shape[..], &array.values[..]) {
-        ([] | [1], &[h]) => [h; 3],
+    let size = match (&without_ones(&array.shape)[..], &array.values[..]) {
+        ([], &[h]) => [h; 3],
         ([3], &[x, y, z]) => [x, y, z],
         _ => return Err(archive.wrong_shape("voxel_size", &array.shape, expected)),
     };
-    match size.iter().all(|&h| h > 0.0 && h.is_finite()) {
+    match size.iter().all(|&h| h > 0.0 && h <= FARTHEST) {
         true => Ok(size),
         false => Err(archive.fault("voxel_size", format!("is {size:?} as f32"), expected)),
     }
 }
 
 fn origin(archive: &mut Archive) -> Result<[f32; 3], ReadError> {
-    let expected = "three finite numbers, in metres";
+    let expected = "three finite numbers, in metres, none beyond 1e12";
     let Some(array) = archive.read::<f32>("origin", 3)? else {
         return Ok([0.0; 3]);
     };
-    let (&[3], &[x, y, z]) = (&array.shape[..], &array.values[..]) else {
+    let ([3], &[x, y, z]) = (&without_ones(&array.shape)[..], &array.values[..]) else {
         return Err(archive.wrong_shape("origin", &array.shape, expected));
     };
-    match [x, y, z].iter().all(|o| o.is_finite()) {
+    match [x, y, z].iter().all(|o| o.abs() <= FARTHEST) {
         true => Ok([x, y, z]),
         false => Err(archive.fault("origin", format!("is {:?} as f32", [x, y, z]), expected)),
     }
+}
+
+/// The axes that have more than one element, or none.
+fn without_ones(shape: &[u64]) -> Vec<u64> {
+    shape.iter().copied().filter(|&axis| axis != 1).collect()
 }
 
 /// Writes a volume as an `.npz` file of f32 arrays that [`read`] gives back bit for bit. Atomic.
@@ -234,10 +273,10 @@ mod tests {
     use std::fs;
     use std::sync::Arc;
 
-    /// 2 x 3 x 4 voxels of numbers that tell where they are; NaN and infinities among them.
+    /// 2 x 3 x 4 voxels of numbers that tell where they are; NaN and the largest among them.
     fn numbered(velocity: bool) -> Volume {
         let mut density: Vec<f32> = (0..24).map(|i| i as f32 * 0.1).collect();
-        density[3..6].copy_from_slice(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
+        density[3..6].copy_from_slice(&[f32::NAN, f32::MAX, f32::MIN]);
         Volume {
             dimensions: [2, 3, 4],
             voxel_size: [0.1, 0.2, 0.25],
@@ -322,6 +361,26 @@ mod tests {
     }
 
     #[test]
+    fn integers_and_axes_of_one_are_read() {
+        let volume = read_arrays(&arrays()).unwrap();
+        let [size, origin] = [[0.5f32; 3], [1.0, 2.0, 3.0]];
+        let changed = [
+            ("density", npy("'|u1'", false, "(2, 2, 1)", &[0, 1, 2, 3])),
+            ("density", npy("'<f4'", false, "(2, 2, 1, 1)", &f32s(&volume.density))),
+            ("velocity", npy("'|i1'", false, "(2, 2, 1, 3)", &[1; 12])),
+            ("voxel_size", npy("'<f4'", false, "(1, 1)", &f32s(&size[..1]))),
+            ("voxel_size", npy("'<f4'", false, "(1, 3)", &f32s(&size))),
+            ("origin", npy("'<f4'", true, "(3, 1)", &f32s(&origin))),
+        ];
+        for (name, bytes) in changed {
+            let mut arrays = arrays();
+            arrays.retain(|(n, _)| *n != name);
+            arrays.push((name, bytes));
+            assert_eq!(read_arrays(&arrays).unwrap(), volume, "{name}");
+        }
+    }
+
+    #[test]
     fn optional_arrays_and_other_names() {
         let mut arrays = arrays();
         arrays.remove(3);
@@ -349,7 +408,6 @@ mod tests {
         says(error_with("density", None), &["array `density`: is missing", "[nz, ny, nx]"]);
         says(error_with("density", Some(npy("'<f4'", false, "(4,)", &[0; 16]))), &["`density`", "[4]", "three axes"]);
         says(error_with("density", Some(npy("'<f4'", false, "(2, 0, 2)", &[]))), &["[2, 0, 2]", "at least one voxel"]);
-        says(error_with("density", Some(npy("'<i4'", false, "(2, 2, 1)", &[0; 16]))), &["integers", "f16, f32 or f64"]);
         says(error_with("density", Some(npy("'|O'", false, "(2, 2, 1)", &[0; 16]))), &["`|O`", "f16, f32 or f64"]);
         let huge = npy("'<f4'", false, "(1024, 1024, 1025)", &[0; 16]);
         says(error_with("density", Some(huge)), &["too large", "1073741824 values at most"]);
@@ -357,7 +415,20 @@ mod tests {
         says(error_with("density", Some(promised)), &["16 bytes", "4294967296 bytes"]);
         let other = npy("'<f4'", false, "(2, 2, 3)", &[0; 48]);
         says(error_with("velocity", Some(other)), &["array `velocity`", "[2, 2, 3]", "[2, 2, 1, 3]"]);
-        says(error_with("velocity", Some(npy("'<u4'", false, "(2, 2, 1, 3)", &[0; 48]))), &["`velocity`", "integers"]);
+        // The fourth voxel is the second along y and along z.
+        for bad in [f32::INFINITY, f32::NEG_INFINITY] {
+            let density = npy("'<f4'", false, "(2, 2, 1)", &f32s(&[0.0, f32::NAN, 1.0, bad]));
+            says(
+                error_with("density", Some(density)),
+                &["array `density`, voxel (0, 1, 1): is", "inf", "a finite density"],
+            );
+        }
+        for bad in [f32::INFINITY, -1.1e6] {
+            let mut components = [f32::NAN; 12];
+            components[10] = bad;
+            let velocity = npy("'<f4'", false, "(2, 2, 1, 3)", &f32s(&components));
+            says(error_with("velocity", Some(velocity)), &["array `velocity`, voxel (0, 1, 1): is [NaN, ", "m/s"]);
+        }
         says(error_with("voxel_size", None), &["array `voxel_size`: is missing", "metres"]);
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-60, 1e60] {
             let scalar = npy("'<f8'", false, "()", &bad.to_le_bytes());

@@ -1,6 +1,7 @@
 //! The settings of the smoke effect: one field per key of `[smoke]`, with unit, range and default.
 
 use crate::error::{Error, Result, within};
+use crate::view::{BRIGHTEST, FARTHEST};
 
 /// Where particles are placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,7 +83,7 @@ pub struct Outline {
     pub strength: f32,
     /// Width in pixels, 1 to 16; 1 is the stencil alone.
     pub width: f32,
-    /// Linear RGB, 0 to 1.
+    /// Linear RGB, 0 to [`BRIGHTEST`].
     pub colour: [f32; 3],
     /// Which differences.
     pub operator: Operator,
@@ -100,7 +101,7 @@ impl Outline {
         within(names[0], self.strength, 0.0, 1e6, "0 (off) to 1e6")?;
         within(names[1], self.width, 1.0, 16.0, "pixels, 1 to 16")?;
         for c in self.colour {
-            within(names[2], c, 0.0, f32::MAX, "linear RGB, finite, 0 or above")?;
+            within(names[2], c, 0.0, BRIGHTEST, "linear RGB, 0 to 1e6")?;
         }
         Ok(())
     }
@@ -112,7 +113,7 @@ impl Outline {
 pub struct Tone {
     /// Smoothed luminance where the tone begins, 0 to 1, ascending; the first reads as 0.
     pub from: f32,
-    /// Linear RGB, each >= 0.
+    /// Linear RGB, 0 to [`BRIGHTEST`].
     pub colour: [f32; 3],
 }
 
@@ -146,7 +147,7 @@ pub struct Settings {
     pub emitter: Option<Emitter>,
     /// How particles move.
     pub integrator: Integrator,
-    /// A particle this slow dies; voxels (smallest side) per frame, >= 0; default 1e-4.
+    /// A particle this slow dies; voxels (smallest side) per frame, 0 to 1e6; default 1e-4.
     pub still: f32,
     /// A particle this old dies; frames, >= 1; default none. Those of the first frame begin at ages of their own.
     pub lifetime: Option<u32>,
@@ -168,7 +169,7 @@ pub struct Settings {
     pub shadow_filter: u32,
     /// Number of depth groups, 1 to 254; default 8.
     pub groups: u32,
-    /// Depth of a group in metres, > 0, counted from the camera; default: equal ranges of the smoke's own depth.
+    /// Depth of a group in metres, > 0, at most 1e12, counted from the camera; default: equal ranges of the smoke's own depth.
     pub group_depth: Option<f32>,
     /// Share of the last frame's depth range that is kept, 0 to 1 (exclusive); default 0.9.
     pub range_smoothing: f32,
@@ -241,15 +242,15 @@ impl Settings {
             return Err(Error::setting("smoke.placement", "cover", "\"random\" (\"cover\" is not built yet)"));
         }
         if let Some(Emitter { min, max }) = self.emitter
-            && !(0..3).all(|a| min[a].is_finite() && max[a].is_finite() && min[a] <= max[a])
+            && !(0..3).all(|a| min[a].abs() <= FARTHEST && max[a].abs() <= FARTHEST && min[a] <= max[a])
         {
             return Err(Error::setting(
                 "smoke.emitter",
                 format!("{min:?} to {max:?}"),
-                "min not above max, finite, in metres",
+                "min not above max, in metres, none beyond 1e12",
             ));
         }
-        number("smoke.still", self.still, 0.0, f32::MAX, "voxels per frame, 0 or above")?;
+        number("smoke.still", self.still, 0.0, 1e6, "voxels per frame, 0 to 1e6")?;
         if let Some(lifetime) = self.lifetime {
             whole("smoke.lifetime", lifetime, 1, 1 << 24, "frames, 1 to 16777216")?;
         }
@@ -269,7 +270,7 @@ impl Settings {
         }
         whole("smoke.groups", self.groups, 1, 254, "1 to 254")?;
         if let Some(depth) = self.group_depth {
-            number("smoke.group_depth", depth, f32::MIN_POSITIVE, f32::MAX, "metres, above 0")?;
+            number("smoke.group_depth", depth, f32::MIN_POSITIVE, FARTHEST, "metres, above 0, at most 1e12")?;
         }
         number("smoke.range_smoothing", self.range_smoothing, 0.0, 0.999, "0 to 0.999")?;
         number("smoke.hysteresis", self.hysteresis, 0.0, 1.0, "share of a range, 0 to 1")?;
@@ -292,8 +293,8 @@ pub(crate) fn validate_tones(name: &'static str, tones: &[Tone]) -> Result<()> {
         if !(0.0..=1.0).contains(&tone.from) || (i > 0 && tone.from <= tones[i - 1].from) {
             return Err(Error::setting(name, tone.from, "luminances in 0 to 1, ascending"));
         }
-        if tone.colour.iter().any(|c| !(0.0..=f32::MAX).contains(c)) {
-            return Err(Error::setting(name, format!("{:?}", tone.colour), "linear RGB, finite, 0 or above"));
+        if tone.colour.iter().any(|c| !(0.0..=BRIGHTEST).contains(c)) {
+            return Err(Error::setting(name, format!("{:?}", tone.colour), "linear RGB, 0 to 1e6"));
         }
     }
     Ok(())

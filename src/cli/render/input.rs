@@ -224,18 +224,7 @@ impl Images {
             return Ok(image.clone());
         }
         let path = self.pattern.path(frame);
-        let image = picture::read(&path)?;
-        let [width, height] = self.size;
-        if image.size != self.size {
-            let why = format!("the image has {} x {} pixels", image.size[0], image.size[1]);
-            return Err(ReadError::file(&path, why, format!("{width} x {height}, as the shot's size")));
-        }
-        let is_finite = |pixel: &[f32; 4]| pixel.iter().all(|x| x.is_finite());
-        if let Some(at) = image.pixels.iter().position(|pixel| !is_finite(pixel)) {
-            let place = format!("pixel ({}, {})", at % width as usize, at / width as usize);
-            return Err(ReadError::at(&path, place, format!("is {:?}", image.pixels[at]), "finite numbers"));
-        }
-        let image = Arc::new(image);
+        let image = Arc::new(picture::read_frame(&path, self.size)?);
         if self.last.len() > 3 {
             self.last.remove(0);
         }

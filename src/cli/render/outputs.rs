@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::layers::LayerName;
 use crate::io::WriteError;
-use crate::io::array::write_npy;
-use crate::io::image::{read_exr, write_exr};
+use crate::io::array::{is_whole_npy, write_npy};
+use crate::io::image::{read_exr_sized, write_exr};
 use crate::io::pattern::Pattern;
 use crate::io::picture::{self, Format};
 
@@ -129,7 +129,7 @@ impl Outputs {
                 let path = self.layer(folder, name, *is_array, frame);
                 match is_array {
                     true => is_whole_npy(&path),
-                    false => read_exr(&path).is_ok_and(|picture| picture.size == self.size),
+                    false => read_exr_sized(&path, self.size).is_ok(),
                 }
             };
             if !layers.iter().all(whole) {
@@ -140,18 +140,12 @@ impl Outputs {
         if self.format == Format::Png && !fs::read(&path).ok()?.ends_with(&PNG_END) {
             return None;
         }
-        let picture = picture::read(&path).ok()?;
-        (picture.size == self.size).then_some(picture.pixels)
+        picture::read_sized(&path, self.size).ok().map(|picture| picture.pixels)
     }
 }
 
 /// The chunk that ends a PNG file. Decoders do without, but then the file is not the one that was written.
 const PNG_END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
-
-fn is_whole_npy(path: &Path) -> bool {
-    let read = || -> io::Result<Vec<f32>> { npyz::NpyFile::new(io::BufReader::new(File::open(path)?))?.into_vec() };
-    read().is_ok()
-}
 
 /// Whether `path` could be written: its folder is made, and a file beside it is written and removed.
 fn probe(path: &Path) -> Result<(), Failure> {

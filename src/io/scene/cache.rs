@@ -1,18 +1,22 @@
 //! Caches of vertices: `.npz` files with a position per frame and vertex.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use super::weld::Welder;
 use super::{MAX_VERTICES, Topology};
 use crate::io::ReadError;
-use crate::io::array::{Archive, Array, Element};
+use crate::io::array::{Archive, Array, Header, Kind, in_c_order};
+use crate::view::{BRIGHTEST, FARTHEST};
 
 /// Most coordinates of a cache: 8 GiB of them.
 const MAX_VALUES: u64 = 1 << 31;
+/// Most triangles: twice as many as vertices, which is what closed surfaces have.
+const MAX_TRIANGLES: u64 = 2 * MAX_VERTICES as u64;
 
-const POSITIONS: &str = "[frames, vertices, 3] of floats, in metres";
+const POSITIONS: &str = "[frames, vertices, 3] of numbers, in metres";
 const TRIANGLES: &str = "[m, 3] of integers, rows of `position`";
-const COLOURS: &str = "[vertices, 3] of floats, linear RGB, 0 or more";
+const COLOURS: &str = "[vertices, 3] of floats, linear RGB, 0 to 1e6";
 const OBJECTS: &str = "[vertices] of integers, 0 to 4294967295";
 
 /// Positions of every frame.
@@ -50,10 +54,10 @@ impl Cache {
     }
 }
 
-/// Reads a cache and what does not change in it.
-pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
-    let mut archive = Archive::open(path)?;
-    let shape = archive.float_shape("position")?.ok_or_else(|| archive.missing("position", POSITIONS))?;
+/// Frames and vertices, from the header of `position`; at least one of each.
+pub(super) fn extent(archive: &mut Archive) -> Result<[u64; 2], ReadError> {
+    let shape = archive.shape("position", 3, Kind::Any, POSITIONS)?;
+    let shape = shape.ok_or_else(|| archive.missing("position", POSITIONS))?;
     let [frames, vertices, 3] = shape[..] else { return Err(archive.wrong_shape("position", &shape, POSITIONS)) };
     if frames == 0 || vertices == 0 {
         return Err(archive.wrong_shape("position", &shape, "at least one frame and one vertex"));
@@ -63,10 +67,17 @@ pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
         let why = format!("of shape {shape:?} is too large");
         return Err(archive.fault("position", why, format!("{MAX_VERTICES} vertices and {MAX_VALUES} values at most")));
     }
-    let vertices = vertices as usize;
+    Ok([frames, vertices])
+}
+
+/// Reads a cache and what does not change in it.
+pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
+    let mut archive = Archive::open(path)?;
+    let [_, vertices] = extent(&mut archive)?;
     let triangles = triangles(&mut archive, path, vertices)?;
-    let colour = colours(&mut archive, path, vertices)?;
     let (object, objects) = objects(&mut archive, path, vertices)?;
+    let vertices = vertices as usize;
+    let colour = colours(&mut archive, path, vertices)?;
     let is_mixed = |corners: &[u32; 3]| corners.iter().any(|c| object[*c as usize] != object[corners[0] as usize]);
     if let Some(row) = triangles.iter().position(is_mixed) {
         let names = triangles[row].map(|corner| &objects[object[corner as usize] as usize][..]).join(", ");
@@ -75,9 +86,10 @@ pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
     }
     let positions = archive.read("position", MAX_VALUES)?.map(|array: Array<f32>| array.values).unwrap_or_default();
     let positions = positions.as_chunks().0.to_vec();
-    if let Some(at) = positions.iter().position(|p: &[f32; 3]| !p.iter().all(|x| x.is_finite())) {
+    if let Some(at) = positions.iter().position(|p: &[f32; 3]| !p.iter().all(|x| x.abs() <= FARTHEST)) {
         let place = format!("array `position`, frame {}, vertex {}", at / vertices, at % vertices);
-        return Err(ReadError::at(path, place, format!("is {:?} as f32", positions[at]), "three finite numbers"));
+        let expected = "three finite numbers, none beyond 1e12 m";
+        return Err(ReadError::at(path, place, format!("is {:?} as f32", positions[at]), expected));
     }
     let normal = vec![[0.0; 3]; vertices];
     let double_sided = vec![false; objects.len()];
@@ -85,39 +97,89 @@ pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
     Ok((Cache { vertices, positions }, topology))
 }
 
-/// Whole numbers of an array of that shape, each at most `most`; none if there is no such array.
-fn whole(
+/// How much a cache holds: vertices, triangles and objects. Nothing of it is kept.
+pub(super) fn count(path: &Path) -> Result<[usize; 3], ReadError> {
+    let mut archive = Archive::open(path)?;
+    let [_, vertices] = extent(&mut archive)?;
+    let mut corners = 0;
+    each_whole(&mut archive, path, &corners_of(vertices), |_| corners += 1)?
+        .ok_or_else(|| archive.missing("triangle", TRIANGLES))?;
+    let mut objects = HashSet::from([0]);
+    let object = objects_of(vertices);
+    if archive.header(object.name)?.is_some() {
+        objects.clear();
+        each_whole(&mut archive, path, &object, |number| {
+            objects.insert(number);
+        })?;
+    }
+    Ok([vertices as usize, corners / 3, objects.len()])
+}
+
+/// An array of whole numbers.
+struct Whole {
+    name: &'static str,
+    /// Its shape, in which 0 is any.
+    shape: Vec<u64>,
+    /// The largest that is allowed.
+    most: u32,
+    expected: &'static str,
+}
+
+fn corners_of(vertices: u64) -> Whole {
+    // No more than MAX_VERTICES, and at least one.
+    Whole { name: "triangle", shape: vec![0, 3], most: vertices as u32 - 1, expected: TRIANGLES }
+}
+
+fn objects_of(vertices: u64) -> Whole {
+    Whole { name: "object", shape: vec![vertices], most: u32::MAX, expected: OBJECTS }
+}
+
+/// Hands over the numbers in the order of the file; the array's header, or none if there is no such array.
+fn each_whole(
     archive: &mut Archive,
     path: &Path,
-    name: &str,
-    fits: impl Fn(&[u64]) -> bool,
-    most: u32,
-    expected: &str,
-) -> Result<Option<Vec<u32>>, ReadError> {
-    match archive.header(name)? {
-        None => return Ok(None),
-        Some(header) if !matches!(header.element, Element::Int(_) | Element::Uint(_)) => {
-            return Err(archive.fault(name, "elements are floats", expected));
+    Whole { name, shape, most, expected }: &Whole,
+    mut take: impl FnMut(u32),
+) -> Result<Option<Header>, ReadError> {
+    let fits = |found: &[u64]| found.len() == shape.len() && found.iter().zip(shape).all(|(f, s)| *s == 0 || f == s);
+    match archive.shape(name, shape.len(), Kind::Whole, expected)? {
+        Some(found) if !fits(&found) => return Err(archive.wrong_shape(name, &found, expected)),
+        Some(found) if found[0] > MAX_TRIANGLES => {
+            let why = format!("of shape {found:?} is too large");
+            return Err(archive.fault(name, why, format!("{MAX_TRIANGLES} rows at most")));
         }
-        Some(header) if !fits(&header.shape) => return Err(archive.wrong_shape(name, &header.shape, expected)),
-        Some(_) => {}
+        _ => {}
     }
-    // Every integer up to 2^53 is exact as f64, and none above it becomes one that is allowed.
-    let Some(Array { shape, values }) = archive.read::<f64>(name, MAX_VALUES)? else { return Ok(None) };
-    let columns = shape.get(1).map_or(1, |&columns| columns.max(1) as usize);
-    match values.iter().position(|x| !(0.0..=f64::from(most)).contains(x)) {
-        None => Ok(Some(values.into_iter().map(|x| x as u32).collect())),
-        Some(at) => {
-            let place = format!("array `{name}`, row {}", at / columns);
-            Err(ReadError::at(path, place, format!("has {}", values[at]), format!("0 to {most}")))
+    let (mut at, mut wrong) = (0, None);
+    let header = archive.each(name, |value: f64| {
+        // Every integer up to 2^53 is exact as f64, and none above it becomes one that is allowed.
+        match (0.0..=f64::from(*most)).contains(&value) {
+            true => take(value as u32),
+            false => wrong = wrong.or(Some((at, value))),
         }
+        at += 1;
+    })?;
+    match (&header, wrong) {
+        (Some(Header { shape, fortran_order, .. }), Some((at, value))) => {
+            let columns = shape.get(1).map_or(1, |&columns| columns.max(1));
+            let row = if *fortran_order { at % shape[0].max(1) } else { at / columns };
+            let place = format!("array `{name}`, row {row}");
+            Err(ReadError::at(path, place, format!("has {value}"), format!("0 to {most}")))
+        }
+        _ => Ok(header),
     }
 }
 
-fn triangles(archive: &mut Archive, path: &Path, vertices: usize) -> Result<Vec<[u32; 3]>, ReadError> {
-    let fits = |shape: &[u64]| matches!(shape, [_, 3]);
-    // No more than MAX_VERTICES, and at least one.
-    let corners = whole(archive, path, "triangle", fits, vertices as u32 - 1, TRIANGLES)?;
+/// The numbers, rows one after the other; none if there is no such array.
+fn whole(archive: &mut Archive, path: &Path, array: &Whole) -> Result<Option<Vec<u32>>, ReadError> {
+    let mut values = Vec::new();
+    let header = each_whole(archive, path, array, |value| values.push(value))?;
+    let ordered = |Header { shape, fortran_order, .. }| in_c_order(Array { shape, values }, fortran_order).values;
+    Ok(header.map(ordered))
+}
+
+fn triangles(archive: &mut Archive, path: &Path, vertices: u64) -> Result<Vec<[u32; 3]>, ReadError> {
+    let corners = whole(archive, path, &corners_of(vertices))?;
     let corners = corners.ok_or_else(|| archive.missing("triangle", TRIANGLES))?;
     match corners.is_empty() {
         true => Err(archive.fault("triangle", "is empty", "at least one triangle")),
@@ -127,27 +189,27 @@ fn triangles(archive: &mut Archive, path: &Path, vertices: usize) -> Result<Vec<
 
 /// The given colours, or white.
 fn colours(archive: &mut Archive, path: &Path, vertices: usize) -> Result<Vec<[f32; 3]>, ReadError> {
-    match archive.float_shape("colour")? {
+    match archive.shape("colour", 2, Kind::Float, COLOURS)? {
         None => return Ok(vec![[1.0; 3]; vertices]),
         Some(shape) if shape != [vertices as u64, 3] => return Err(archive.wrong_shape("colour", &shape, COLOURS)),
         Some(_) => {}
     }
     let values = archive.read("colour", MAX_VALUES)?.map(|array: Array<f32>| array.values).unwrap_or_default();
     let colours = values.as_chunks().0.to_vec();
-    match colours.iter().position(|c: &[f32; 3]| !c.iter().all(|x| *x >= 0.0 && x.is_finite())) {
+    match colours.iter().position(|c: &[f32; 3]| !c.iter().all(|x| (0.0..=BRIGHTEST).contains(x))) {
         None => Ok(colours),
         Some(row) => {
             let place = format!("array `colour`, row {row}");
-            Err(ReadError::at(path, place, format!("is {:?} as f32", colours[row]), "three finite numbers, 0 or more"))
+            let expected = "three finite numbers, 0 to 1e6";
+            Err(ReadError::at(path, place, format!("is {:?} as f32", colours[row]), expected))
         }
     }
 }
 
 /// Number of each vertex's object, and the objects' names: the numbers of the file, ascending.
-fn objects(archive: &mut Archive, path: &Path, vertices: usize) -> Result<(Vec<u32>, Vec<String>), ReadError> {
-    let fits = |shape: &[u64]| shape == [vertices as u64];
-    let Some(given) = whole(archive, path, "object", fits, u32::MAX, OBJECTS)? else {
-        return Ok((vec![0; vertices], vec!["0".to_owned()]));
+fn objects(archive: &mut Archive, path: &Path, vertices: u64) -> Result<(Vec<u32>, Vec<String>), ReadError> {
+    let Some(given) = whole(archive, path, &objects_of(vertices))? else {
+        return Ok((vec![0; vertices as usize], vec!["0".to_owned()]));
     };
     let mut numbers = given.clone();
     numbers.sort_unstable();
@@ -211,6 +273,24 @@ mod tests {
         assert_eq!(fortran.pose(6.0).unwrap(), mesh.pose(6.0).unwrap());
         let halves = with("position", Some(npy("'<f2'", false, "(1, 4, 3)", &[0x00, 0x3c].repeat(12)))).unwrap();
         assert_eq!(halves.pose(5.0).unwrap(), [[1.0; 3]; 4]);
+        let whole = with("position", Some(npy("'|u1'", false, "(1, 4, 3)", &[1; 12]))).unwrap();
+        assert_eq!(whole.pose(5.0).unwrap(), [[1.0; 3]; 4]);
+        let column = with("object", Some(npy("'|u1'", false, "(4, 1)", &[7, 7, 7, 2]))).unwrap();
+        assert_eq!(column.topology().object, topology.object);
+        let fortran = with("triangle", Some(npy("'|u1'", true, "(2, 3)", &[0, 2, 1, 1, 2, 0]))).unwrap();
+        assert_eq!(fortran.topology().triangles, topology.triangles);
+    }
+
+    #[test]
+    fn a_cache_is_counted_as_it_is_read() {
+        let folder = Folder::new();
+        let path = folder.0.join("cache.npz");
+        write_archive(&path, &arrays());
+        assert_eq!(count(&path).unwrap(), [4, 2, 2]);
+        write_archive(&path, &arrays()[..3]);
+        assert_eq!(count(&path).unwrap(), [4, 2, 1]);
+        write_archive(&path, &arrays()[..1]);
+        assert!(count(&path).unwrap_err().to_string().contains("array `triangle`: is missing"));
     }
 
     #[test]
@@ -234,10 +314,10 @@ mod tests {
         says("position", None, &["array `position`: is missing", "[frames, vertices, 3]"]);
         says("position", floats("(4, 3)", &[0.0; 12]), &["array `position`: has shape [4, 3]"]);
         says("position", floats("(0, 4, 3)", &[]), &["`position`: has shape [0, 4, 3]", "at least one frame"]);
-        says("position", bytes("(2, 4, 3)", &[0; 24]), &["`position`: elements are integers"]);
+        says("colour", bytes("(4, 3)", &[0; 12]), &["array `colour`: elements are integers", "of floats"]);
         says("position", floats("(999999999, 4, 3)", &[0.0; 12]), &["too large", "at most"]);
         says("position", floats("(2, 4, 3)", &[0.0; 23]), &["`position`", "92 bytes", "96 bytes"]);
-        for bad in [f32::NAN, f32::INFINITY] {
+        for bad in [f32::NAN, f32::INFINITY, 1.1e12, -1.1e12] {
             let mut positions = [0.0; 24];
             positions[3 * 6 + 1] = bad;
             let place = format!("array `position`, frame 1, vertex 2: is [0.0, {bad:?}, 0.0]");
@@ -249,6 +329,10 @@ mod tests {
         says("triangle", floats("(1, 3)", &[0.0; 3]), &["array `triangle`: elements are floats"]);
         says("triangle", bytes("(3, 2)", &[0; 6]), &["array `triangle`: has shape [3, 2]"]);
         says("triangle", bytes("(0, 3)", &[]), &["array `triangle`: is empty"]);
+        says("triangle", bytes("(999999999, 3)", &[]), &["array `triangle`: of shape", "too large", "134217728 rows"]);
+        // Columns are together in Fortran order: (0, 1, 2), then (2, 9, 0).
+        let fortran = Some(npy("'|u1'", true, "(2, 3)", &[0, 2, 1, 9, 2, 0]));
+        says("triangle", fortran, &["array `triangle`, row 1: has 9"]);
         says("triangle", bytes("(2, 3)", &[0, 1, 2, 0, 4, 1]), &["array `triangle`, row 1: has 4; expected 0 to 3"]);
         let negative = [0i8, 1, -2].map(|v| v as u8);
         says("triangle", Some(npy("'|i1'", false, "(1, 3)", &negative)), &["`triangle`, row 0: has -2"]);
@@ -258,6 +342,10 @@ mod tests {
         let mut colours = [0.0; 12];
         colours[7] = -0.5;
         says("colour", floats("(4, 3)", &colours), &["array `colour`, row 2: is [0.0, -0.5, 0.0]"]);
+        for bad in [f32::NAN, f32::INFINITY, 1e38, 1.1e6] {
+            colours[7] = bad;
+            says("colour", floats("(4, 3)", &colours), &["array `colour`, row 2: is [0.0, ", "0 to 1e6"]);
+        }
         says("object", bytes("(3,)", &[0; 3]), &["array `object`: has shape [3]"]);
         let folder = Folder::new();
         let path = folder.0.join("cache.npz");

@@ -10,11 +10,13 @@ use gltf_json::material::Material;
 use gltf_json::mesh::{Primitive, Semantic};
 use gltf_json::texture::{Info, WrappingMode};
 use gltf_json::validation::Checked;
+use image::ImageFormat;
 
 use super::document::Document;
 use super::gltf::attribute;
 use crate::io::ReadError;
-use crate::io::image::{limits, linear_from_srgb};
+use crate::io::image::{Fit, decode, linear_from_srgb};
+use crate::view::BRIGHTEST;
 
 /// A decoded texture image, 8-bit sRGB.
 type Texels = image::RgbImage;
@@ -60,7 +62,7 @@ impl<'d> Colours<'d> {
         {
             multiply(&mut colours, own);
         }
-        let sane = |x: f64| if x.is_finite() { x.max(0.0) as f32 } else { 0.0 };
+        let sane = |x: f64| if x.is_finite() { x.clamp(0.0, BRIGHTEST.into()) as f32 } else { 0.0 };
         Ok(colours.into_iter().map(|colour| colour.map(sane)).collect())
     }
 
@@ -108,11 +110,12 @@ impl<'d> Colours<'d> {
     fn image(&mut self, number: usize) -> Option<Texels> {
         let place = format!("image {number}");
         let decoded = self.image_bytes(&place, number).and_then(|bytes| {
-            let fault = |error: String| self.document.fault(&place[..], error, "a PNG or JPEG picture");
-            let reader = image::ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-            let mut reader = reader.map_err(|error| fault(error.to_string()))?;
-            reader.limits(limits());
-            reader.decode().map_err(|error| fault(error.to_string()))
+            let length = bytes.len() as u64;
+            let fault = |(why, expected): (String, String)| self.document.fault(&place[..], why, expected);
+            let format = image::guess_format(&bytes).ok().filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg));
+            let unknown = || self.document.fault(&place[..], "is of another kind", "a PNG or JPEG picture");
+            let format = format.ok_or_else(unknown)?;
+            decode(Cursor::new(bytes), format, length, texture_size(length)).map_err(fault)
         });
         match decoded {
             Ok(picture) => Some(picture.into_rgb8()),
@@ -132,6 +135,11 @@ impl<'d> Colours<'d> {
             (None, None) => Err(missing()),
         }
     }
+}
+
+/// How large a texture may be that a file of so many bytes holds: flat ones of the usual sizes have few bytes, others not.
+fn texture_size(length: u64) -> Fit {
+    Fit::AtMost(length.saturating_mul(256).clamp(1 << 24, 1 << 28))
 }
 
 fn multiply(colours: &mut [[f64; 3]], factors: Vec<[f64; 3]>) {

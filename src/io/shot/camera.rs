@@ -9,15 +9,16 @@ use super::ShotError;
 use super::track::Track;
 use super::tree::Tree;
 use crate::io::ReadError;
-use crate::io::array::{Archive, Array};
+use crate::io::array::{Archive, Array, Kind};
 use crate::io::scene::{self, AnimatedMesh, Clock};
 use crate::view::Camera;
 
 /// Keys that `camera.file` takes the place of.
 pub(super) const INSTEAD_OF_FILE: [&str; 4] = ["camera.eye", "camera.target", "camera.up", "camera.vertical_fov"];
-/// Most values of an array of matrices.
-const MAX_VALUES: u64 = 1 << 28;
-const MATRICES: &str = "[frames, 4, 4] of floats, at least one for each frame of the shot";
+/// Most values of an array of matrices: those of the most frames of a shot.
+const MAX_VALUES: u64 = 16 * 1_000_000;
+const NAME: &str = "view_projection";
+const MATRICES: &str = "[frames, 4, 4] of numbers, at least one for each frame of the shot";
 /// By how much the rows of a matrix may be off those of a camera.
 const TOLERANCE: f64 = 1e-3;
 
@@ -119,11 +120,10 @@ impl CameraTrack {
 
 impl Source {
     fn of_file(tree: &Tree, file: &str, folder: &Path, frames: [u32; 2], fps: f64) -> Result<Source, ShotError> {
-        if file.to_ascii_lowercase().ends_with(".npz") {
-            let cameras = matrices(&folder.join(file), frames)?;
-            return Ok(Source::Frames { first: frames[0], cameras });
-        }
         let source = scene::Source::named(file, folder).map_err(|e| super::pattern_error(tree, "camera.file", &e))?;
+        if let (scene::Source::File(path), true) = (&source, file.to_ascii_lowercase().ends_with(".npz")) {
+            return Ok(Source::Frames { first: frames[0], cameras: matrices(path, frames)? });
+        }
         let clock = Clock { first: frames[0], fps };
         let scene = AnimatedMesh::open_any(&source, None, clock)?;
         if scene.camera(f64::from(frames[0])).is_none() {
@@ -136,17 +136,28 @@ impl Source {
 
 /// The cameras of an `.npz` file: `view_projection` [frames, 4, 4], which makes clip coordinates of column vectors.
 fn matrices(path: &Path, [first, last]: [u32; 2]) -> Result<Vec<Camera>, ReadError> {
-    const NAME: &str = "view_projection";
     let mut archive = Archive::open(path)?;
     let count = (last - first) as usize + 1;
-    match archive.float_shape(NAME)? {
-        None => return Err(archive.missing(NAME, MATRICES)),
-        Some(shape) if !matches!(shape[..], [n, 4, 4] if n >= count as u64) => {
-            let expected = format!("[{count}, 4, 4] for frames {first} to {last} of the shot");
-            return Err(archive.wrong_shape(NAME, &shape, &expected));
-        }
-        Some(_) => {}
+    let shape = archive.shape(NAME, 3, Kind::Any, MATRICES)?.ok_or_else(|| archive.missing(NAME, MATRICES))?;
+    if !matches!(shape[..], [n, 4, 4] if n >= count as u64) {
+        let expected = format!("[{count}, 4, 4] for frames {first} to {last} of the shot");
+        return Err(archive.wrong_shape(NAME, &shape, &expected));
     }
+    cameras(&mut archive, path, count)
+}
+
+/// How many cameras an `.npz` file holds; an error if one of them is none.
+pub fn count_cameras(path: &Path) -> Result<usize, ReadError> {
+    let mut archive = Archive::open(path)?;
+    let shape = archive.shape(NAME, 3, Kind::Any, MATRICES)?.ok_or_else(|| archive.missing(NAME, MATRICES))?;
+    match shape[..] {
+        [_, 4, 4] => cameras(&mut archive, path, usize::MAX).map(|cameras| cameras.len()),
+        _ => Err(archive.wrong_shape(NAME, &shape, MATRICES)),
+    }
+}
+
+/// At most so many cameras of an array whose header has been read.
+fn cameras(archive: &mut Archive, path: &Path, count: usize) -> Result<Vec<Camera>, ReadError> {
     let values = archive.read(NAME, MAX_VALUES)?.map(|array: Array<f64>| array.values).unwrap_or_default();
     let camera = |(row, matrix): (usize, &[f64])| {
         let rows: [DVec4; 4] = std::array::from_fn(|i| DVec4::from_slice(&matrix[4 * i..]));

@@ -7,6 +7,7 @@ use toml::Value;
 use super::track::{Between, Track};
 use super::tree::{self, Kind, Node, Tree};
 use super::{Background, ShotError};
+use crate::view::{BRIGHTEST, FARTHEST};
 
 type Result<T> = std::result::Result<T, ShotError>;
 
@@ -54,14 +55,14 @@ impl Tree {
             Value::String(text) if !text.is_empty() => Some(Background::Image(text.into())),
             _ => {
                 let colour = three(value)?.as_vec3().to_array();
-                colour.iter().all(|c| (0.0..=f32::MAX).contains(c)).then_some(Background::Colour(colour))
+                colour.iter().all(|c| (0.0..=BRIGHTEST).contains(c)).then_some(Background::Colour(colour))
             }
         })
     }
 
     /// A vector that may have keyframes.
     pub(super) fn vector(&self, path: &str, default: DVec3) -> Result<Track<DVec3>> {
-        self.track(path, default, |value| three(value).filter(|v| v.is_finite()))
+        self.track(path, default, |value| three(value).filter(|v| v.abs().max_element() <= f64::from(FARTHEST)))
     }
 
     /// A number that may have keyframes; not NaN.

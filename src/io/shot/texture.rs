@@ -1,4 +1,4 @@
-//! Colours from an image file: its first row.
+//! Tones from an image file: its first row.
 
 use std::path::Path;
 
@@ -6,18 +6,10 @@ use crate::io::ReadError;
 use crate::io::picture;
 use crate::smoke::settings::Tone;
 
-/// Colours in linear RGB from the left to the right of an image's first row.
-pub(super) fn row(path: &Path) -> Result<Vec<[f32; 3]>, ReadError> {
-    let texture = picture::read(path)?;
-    let width = texture.size[0] as usize;
-    // Pixels are premultiplied; a row of colours has no other use for alpha.
-    Ok(texture.pixels.into_iter().take(width).map(|[r, g, b, _]| [r, g, b]).collect())
-}
-
 /// Reads the tones of a shading texture, looked up at the nearest texel: texel i of n begins at luminance i / n.
 /// Neighbours of equal colour are one tone, so that a wide texture of few flat tones is what it looks like.
 pub(super) fn tones(path: &Path) -> Result<Vec<Tone>, ReadError> {
-    let row = row(path)?;
+    let row = picture::read_row(path)?;
     let width = row.len();
     let mut tones: Vec<Tone> = Vec::new();
     for (i, colour) in row.into_iter().enumerate() {

@@ -177,6 +177,10 @@ fn no_damage_to_a_file_panics() {
 #[test]
 fn poses_that_overflow_are_refused() {
     let mesh = open(&one_node(json!({"scale": [1, 3e38, 1], "translation": [0, 2e38, 0]}))).unwrap();
-    says(mesh.pose(4.0).unwrap_err().to_string(), &["vertex 1, frame 4: is at [0.0, inf, 0.0]", "finite"]);
-    says(mesh.poses(&[4.0, 5.0], 2).unwrap_err().to_string(), &["vertex 1, frame 4"]);
+    says(mesh.pose(4.0).unwrap_err().to_string(), &["vertex 0, frame 4: is at [1.0, 2e38, 0.0]", "finite", "1e12"]);
+    says(mesh.poses(&[4.0, 5.0], 2).unwrap_err().to_string(), &["vertex 0, frame 4"]);
+    let mesh = open(&one_node(json!({"scale": [1, 3e38, 1], "translation": [0, -2e38, 0]}))).unwrap();
+    says(mesh.pose(4.0).unwrap_err().to_string(), &["vertex 0, frame 4"]);
+    let far = open(&one_node(json!({"translation": [0, 9e11, 0]}))).unwrap();
+    assert!(far.pose(4.0).is_ok());
 }
