@@ -117,6 +117,7 @@ impl BlurInput {
             weld: Some(&weld),
             normals: Some(&normals),
         })?;
+        let mesh = mesh.faceted(|triangle| topology.is_flat(triangle));
         let motion = Motion::new(settings, size)?;
         let colours = TopologyInput::colour_rows(&mesh, Some((&topology.triangles, &topology.colour)));
         Ok(BlurInput {
