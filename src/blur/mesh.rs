@@ -201,6 +201,18 @@ impl Mesh {
         self.group_triangles = Lists::new(count, by_corner(&self.normal_groups));
     }
 
+    /// The same mesh with flat triangles: those that `is_flat` says, by their number, have a normal of their own.
+    pub fn faceted(mut self, is_flat: impl Fn(usize) -> bool) -> Mesh {
+        let smooth = |groups: &[u32; 3]| groups.map(|group| (false, group));
+        let flat = |triangle: usize| [(true, triangle as u32); 3];
+        let corners = self.normal_groups.iter().enumerate();
+        let corners = corners.flat_map(|(i, groups)| if is_flat(i) { flat(i) } else { smooth(groups) });
+        let (groups, firsts) = number(corners);
+        self.normal_groups = groups.as_chunks().0.to_vec();
+        self.group_triangles = Lists::new(firsts.len(), by_corner(&self.normal_groups));
+        self
+    }
+
     /// Number of points V, at least 1.
     pub fn points(&self) -> usize {
         self.points
@@ -381,6 +393,22 @@ mod tests {
         smooth.set_normals(&normals).unwrap();
         assert_eq!(smooth, mesh);
         assert!(smooth.set_normals(&normals[1..]).unwrap_err().to_string().contains("5 entries of normals for 6"));
+    }
+
+    #[test]
+    fn flat_triangles_share_no_normal() {
+        let flat = Mesh::new(&input(4, &TETRAHEDRON)).unwrap().faceted(|_| true);
+        assert_eq!(flat.normal_groups(), [[0; 3], [1; 3], [2; 3], [3; 3]]);
+        assert!((0..4).all(|group| flat.group_triangles().of(group) == [group as u32]));
+        // One flat triangle leaves the others as they were.
+        let mixed = Mesh::new(&input(4, &TETRAHEDRON)).unwrap().faceted(|triangle| triangle == 3);
+        let [a, b, c, d] = mixed.normal_groups() else { panic!("four triangles") };
+        assert_eq!((a[0], a[1], b[1], d[0]), (b[0], c[0], c[1], d[2]));
+        assert!([a, b, c].iter().all(|groups| !groups.contains(&d[0])));
+        assert_eq!(mixed.group_triangles().of(d[0] as usize), [3]);
+        assert_eq!(mixed.group_triangles().of(a[0] as usize), [0, 1]);
+        let smooth = Mesh::new(&input(4, &TETRAHEDRON)).unwrap();
+        assert_eq!((smooth.triangles(), smooth.objects()), (flat.triangles(), flat.objects()));
     }
 
     #[test]

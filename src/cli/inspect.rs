@@ -10,7 +10,7 @@ use super::{Failure, print};
 use crate::io::ReadError;
 use crate::io::array::{Archive, Element, Header};
 use crate::io::particles;
-use crate::io::scene::{AnimatedMesh, Clock};
+use crate::io::scene::{AnimatedMesh, Choice, Clock};
 use crate::io::shot::{self, Shot};
 use crate::io::volume::{self, Grids};
 
@@ -45,17 +45,45 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Report {
-    Mesh { vertices: usize, triangles: usize, objects: usize, animations: Vec<AnimationReport>, notes: Vec<String> },
-    Volume { grids: Vec<GridReport> },
-    Particles { count: u64, bounds: Option<[[f32; 3]; 2]>, temperature: Option<Range>, not_finite: u64 },
-    Cameras { cameras: usize },
-    Shot { size: [u32; 2], frames: [u32; 2], fps: f64, effects: Vec<&'static str> },
+    Mesh {
+        vertices: usize,
+        triangles: usize,
+        objects: usize,
+        animations: Vec<AnimationReport>,
+        cameras: Vec<CameraReport>,
+        notes: Vec<String>,
+    },
+    Volume {
+        grids: Vec<GridReport>,
+    },
+    Particles {
+        count: u64,
+        bounds: Option<[[f32; 3]; 2]>,
+        temperature: Option<Range>,
+        not_finite: u64,
+    },
+    Cameras {
+        cameras: usize,
+    },
+    Shot {
+        size: [u32; 2],
+        frames: [u32; 2],
+        fps: f64,
+        effects: Vec<&'static str>,
+    },
 }
 
 #[derive(Debug, Serialize)]
 struct AnimationReport {
     name: String,
     seconds: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraReport {
+    name: String,
+    /// What `camera.name` may name is perspective.
+    perspective: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -150,19 +178,21 @@ fn cameras(path: &Path) -> Result<Report, ReadError> {
 
 fn cache(path: &Path) -> Result<Report, ReadError> {
     let [vertices, triangles, objects] = AnimatedMesh::count_of_cache(path)?;
-    Ok(Report::Mesh { vertices, triangles, objects, animations: Vec::new(), notes: Vec::new() })
+    let (animations, cameras, notes) = (Vec::new(), Vec::new(), Vec::new());
+    Ok(Report::Mesh { vertices, triangles, objects, animations, cameras, notes })
 }
 
 fn mesh(path: &Path) -> Result<Report, ReadError> {
     // What is reported does not depend on the time.
-    let mesh = AnimatedMesh::read(path, None, Clock { first: 0, fps: 1.0 })?;
-    let animations = mesh.animations().iter();
+    let mesh = AnimatedMesh::read(path, &Choice::default(), Clock { first: 0, fps: 1.0 })?;
+    let (animations, cameras) = (mesh.animations().iter(), mesh.cameras().iter());
     Ok(Report::Mesh {
         vertices: mesh.vertices(),
         triangles: mesh.topology().triangles.len(),
         objects: mesh.topology().objects.len(),
         animations: animations.map(|a| AnimationReport { name: a.name.clone(), seconds: a.seconds }).collect(),
-        notes: mesh.notes().to_vec(),
+        cameras: cameras.map(|c| CameraReport { name: c.name.clone(), perspective: c.is_perspective }).collect(),
+        notes: mesh.notes().iter().map(|note| note.text.clone()).collect(),
     })
 }
 
@@ -246,9 +276,13 @@ fn not_finite(count: u64) -> String {
 impl Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Report::Mesh { vertices, triangles, objects, animations, notes } => {
+            Report::Mesh { vertices, triangles, objects, animations, cameras, notes } => {
                 writeln!(f, "mesh: {vertices} vertices, {triangles} triangles, {objects} objects")?;
                 animations.iter().try_for_each(|a| writeln!(f, "animation `{}`: {} s", a.name, a.seconds))?;
+                cameras.iter().try_for_each(|c| {
+                    let kind = if c.perspective { "perspective" } else { "orthographic, cannot be looked through" };
+                    writeln!(f, "camera `{}`: {kind}", c.name)
+                })?;
                 notes.iter().try_for_each(|note| writeln!(f, "note: {note}"))
             }
             Report::Volume { grids } => grids.iter().try_for_each(|grid| {

@@ -162,6 +162,9 @@ impl Job<'_> {
     fn render(&self, missing: &[u32]) -> Result<Vec<FrameTimes>, Failure> {
         let has_layers = self.outputs.has_layers();
         let mut inputs = Inputs::new(&self.shot, missing, self.common)?;
+        if !self.common.quiet {
+            inputs.notes().iter().for_each(|note| self.say(note));
+        }
         let effects = inputs.effects(&self.shot, missing, has_layers)?;
         let background = background(&self.shot)?;
         let mut renderer =

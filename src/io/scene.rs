@@ -1,9 +1,13 @@
 //! Animated meshes: glTF 2.0 (`.glb`, `.gltf`), `.npz` caches of vertices, and those that the program makes itself.
 
 mod cache;
+mod choice;
 mod colour;
+mod data_uri;
 mod document;
+mod extensions;
 mod gltf;
+mod json;
 mod rig;
 mod track;
 mod weld;
@@ -14,6 +18,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::thread;
 
+pub use self::choice::{Choice, NamedCamera, Pick};
 pub use self::weld::{CREASE, Welder, shading_groups, weld};
 
 use self::cache::Cache;
@@ -41,13 +46,40 @@ pub struct Topology {
     pub normal: Vec<[f32; 3]>,
     /// Whether an object has triangles that are meant to be seen from both sides.
     pub double_sided: Vec<bool>,
+    /// Whether triangles of vertices without normals are flat, as glTF has it. Otherwise they are smooth, but for sharp
+    /// edges (see [`shading_groups`]).
+    pub faceted: bool,
 }
 
 impl Topology {
+    /// Whether a triangle has one normal, its own.
+    pub fn is_flat(&self, triangle: usize) -> bool {
+        self.faceted && self.triangles[triangle].iter().all(|&corner| self.normal[corner as usize] == [0.0; 3])
+    }
+
     /// The same vertices without the triangles of one object, so that what it hides can be seen.
     pub fn without(&self, object: u32) -> Topology {
         let stays = |corners: &&[u32; 3]| self.object[corners[0] as usize] != object;
         Topology { triangles: self.triangles.iter().filter(stays).copied().collect(), ..self.clone() }
+    }
+}
+
+/// What of a file was passed over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// A sentence.
+    pub text: String,
+    /// Whether it concerns the looks of the mesh alone, and nothing where frames are images.
+    pub looks: bool,
+}
+
+impl Note {
+    fn new(text: String) -> Note {
+        Note { text, looks: false }
+    }
+
+    fn of_looks(text: String) -> Note {
+        Note { text, looks: true }
     }
 }
 
@@ -113,6 +145,18 @@ enum Motion {
     Model(Model),
 }
 
+/// What a file holds beside its mesh, and what of that is used.
+#[derive(Clone, Debug, Default)]
+struct Contents {
+    animations: Vec<Animation>,
+    /// Numbers of the animations that are played.
+    playing: Vec<usize>,
+    cameras: Vec<NamedCamera>,
+    /// Number of the camera that is looked through.
+    camera: Option<usize>,
+    notes: Vec<Note>,
+}
+
 /// A mesh whose vertices move. Poses are had on demand, of any frame in any order.
 #[derive(Clone, Debug)]
 pub struct AnimatedMesh {
@@ -120,14 +164,13 @@ pub struct AnimatedMesh {
     clock: Clock,
     topology: Topology,
     motion: Motion,
-    animations: Vec<Animation>,
-    notes: Vec<String>,
+    contents: Contents,
 }
 
 impl AnimatedMesh {
-    /// Reads or makes a mesh, which has triangles. `animation` is the name of a file's animation to play; none: the first.
-    pub fn open(source: &Source, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
-        let mesh = AnimatedMesh::open_any(source, animation, clock)?;
+    /// Reads or makes a mesh, which has triangles. `choice` is of what a glTF file has several of.
+    pub fn open(source: &Source, choice: &Choice, clock: Clock) -> Result<AnimatedMesh, ReadError> {
+        let mesh = AnimatedMesh::open_any(source, choice, clock)?;
         match mesh.topology.triangles.is_empty() {
             true => {
                 let (why, expected) = ("has no triangles in its scene", "at least one mesh of triangles");
@@ -138,10 +181,10 @@ impl AnimatedMesh {
     }
 
     /// As [`AnimatedMesh::open`], for its camera: a file may hold nothing else.
-    pub fn open_any(source: &Source, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
+    pub fn open_any(source: &Source, choice: &Choice, clock: Clock) -> Result<AnimatedMesh, ReadError> {
         match source {
             Source::Builtin(which) => Ok(AnimatedMesh::builtin(*which, which.usual_vertices(), clock)),
-            Source::File(path) => AnimatedMesh::read(path, animation, clock),
+            Source::File(path) => AnimatedMesh::read(path, choice, clock),
         }
     }
 
@@ -149,27 +192,27 @@ impl AnimatedMesh {
     pub fn builtin(which: Builtin, vertices: u32, clock: Clock) -> AnimatedMesh {
         let (model, topology) = Model::new(which, vertices);
         let path = PathBuf::from(format!("builtin:{}", which.name()));
-        AnimatedMesh { path, clock, topology, motion: Motion::Model(model), animations: Vec::new(), notes: Vec::new() }
+        AnimatedMesh { path, clock, topology, motion: Motion::Model(model), contents: Contents::default() }
     }
 
     /// Reads a file: glTF 2.0 (`.glb` or `.gltf`, with its buffers within or beside it), or an `.npz` cache:
     /// `position` [frames, vertices, 3] of floats, `triangle` [m, 3] of integers, and optionally `colour` [vertices, 3]
-    /// (linear RGB) and `object` [vertices] (integers). `animation` as in [`AnimatedMesh::open`]; caches have none. A glTF
+    /// (linear RGB) and `object` [vertices] (integers). `choice` as in [`AnimatedMesh::open`]; caches leave none. A glTF
     /// file may hold no triangles.
-    pub fn read(path: &Path, animation: Option<&str>, clock: Clock) -> Result<AnimatedMesh, ReadError> {
+    pub fn read(path: &Path, choice: &Choice, clock: Clock) -> Result<AnimatedMesh, ReadError> {
         let path_kept = path.to_owned();
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("glb" | "gltf") => {
-                let gltf::Scene { topology, rig, animations, notes } = gltf::read(path, animation)?;
-                Ok(AnimatedMesh { path: path_kept, clock, topology, motion: Motion::Rig(rig), animations, notes })
+                let gltf::Scene { topology, rig, contents } = gltf::read(path, choice)?;
+                Ok(AnimatedMesh { path: path_kept, clock, topology, motion: Motion::Rig(rig), contents })
             }
-            Some("npz") if animation.is_some() => {
+            Some("npz") if !choice.animations.is_empty() => {
                 Err(ReadError::file(path, "a cache has no animations by name", "no key `animation`, or a glTF file"))
             }
             Some("npz") => {
                 let (cache, topology) = cache::read(path)?;
-                let (animations, notes) = (Vec::new(), Vec::new());
-                Ok(AnimatedMesh { path: path_kept, clock, topology, motion: Motion::Cache(cache), animations, notes })
+                let contents = Contents::default();
+                Ok(AnimatedMesh { path: path_kept, clock, topology, motion: Motion::Cache(cache), contents })
             }
             _ => Err(ReadError::file(
                 path,
@@ -194,14 +237,34 @@ impl AnimatedMesh {
         self.topology.object.len()
     }
 
-    /// The file's animations.
-    pub fn animations(&self) -> &[Animation] {
-        &self.animations
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
-    /// What of the file was passed over, a sentence each.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
+    /// The file's animations.
+    pub fn animations(&self) -> &[Animation] {
+        &self.contents.animations
+    }
+
+    /// Those that are played, the later ones over the earlier ones.
+    pub fn playing(&self) -> impl Iterator<Item = &Animation> {
+        self.contents.playing.iter().map(|number| &self.contents.animations[*number])
+    }
+
+    /// The cameras of a glTF file's scene.
+    pub fn cameras(&self) -> &[NamedCamera] {
+        &self.contents.cameras
+    }
+
+    /// The one of them that is looked through.
+    pub fn camera_taken(&self) -> Option<&NamedCamera> {
+        self.contents.camera.map(|number| &self.contents.cameras[number])
+    }
+
+    /// What of the file was passed over.
+    pub fn notes(&self) -> &[Note] {
+        &self.contents.notes
     }
 
     /// How many frames a cache holds, from the clock's first on; none where poses are a function of time. Before the
@@ -271,7 +334,7 @@ impl AnimatedMesh {
         Ok(parts?.into_iter().flatten().collect())
     }
 
-    /// The scene's own camera at a frame: that of a glTF file (its first perspective one), or the natural one of what
+    /// The scene's own camera at a frame: that of a glTF file (see [`Choice`]), or the natural one of what
     /// the program makes. It may be unfit ([`Camera::validate`]) where the file's is.
     pub fn camera(&self, frame: f64) -> Option<Camera> {
         match &self.motion {

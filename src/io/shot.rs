@@ -33,7 +33,7 @@ use super::ReadError;
 use super::particles::ParticleSequence;
 use super::pattern::{Pattern, PatternError};
 use super::picture::{self, Format};
-use super::scene::{self, AnimatedMesh, Clock};
+use super::scene::{self, AnimatedMesh, Choice, Clock, Pick};
 use super::volume::{Grids, VolumeSequence};
 use crate::blur;
 use crate::error::Error;
@@ -94,8 +94,8 @@ pub struct Flame {
 pub struct Blur {
     /// Where the animated mesh comes from.
     pub scene: scene::Source,
-    /// The animation of the file that is played; none: its first.
-    pub animation: Option<String>,
+    /// The animations of the file that are played; none: its first.
+    pub animations: Vec<Pick>,
     /// The frames that are blurred, one picture each; none: they are drawn.
     pub images: Option<Pattern>,
     /// Everything else; validated.
@@ -238,8 +238,9 @@ impl Shot {
     /// The animated mesh, read or made; none without blur.
     pub fn scene(&self) -> Result<Option<AnimatedMesh>, ReadError> {
         let clock = Clock { first: self.frames[0], fps: self.fps };
-        let Some(Blur { scene, animation, .. }) = &self.blur else { return Ok(None) };
-        let mesh = AnimatedMesh::open(scene, animation.as_deref(), clock)?;
+        let Some(Blur { scene, animations, .. }) = &self.blur else { return Ok(None) };
+        let choice = Choice { animations: animations.clone(), ..Choice::default() };
+        let mesh = AnimatedMesh::open(scene, &choice, clock)?;
         mesh.check_frames(self.frames)?;
         Ok(Some(mesh))
     }
@@ -247,6 +248,11 @@ impl Shot {
     /// The camera at `frame`, which may lie between two.
     pub fn camera(&self, frame: impl Into<f64>) -> Camera {
         self.camera.at(frame.into())
+    }
+
+    /// The file that the camera is of, as far as it is one of several things.
+    pub fn camera_scene(&self) -> Option<&AnimatedMesh> {
+        self.camera.scene()
     }
 
     /// The light at `frame`.
@@ -360,10 +366,9 @@ fn blur(tree: &Tree, folder: &Path, [first, last]: [u32; 2]) -> Result<Blur, Sho
     settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
     let scene = tree.text("blur.scene")?.unwrap_or_else(|| "builtin:run".to_owned());
     let scene = scene::Source::named(&scene, folder).map_err(|e| pattern_error(tree, "blur.scene", &e))?;
-    let animation = tree.text("blur.animation")?;
-    if let (scene::Source::Builtin(_), Some(name)) = (&scene, &animation) {
-        let message = format!("blur.animation = \"{name}\": allowed: only with a glTF file as blur.scene");
-        return Err(tree.wrong("blur.animation", message));
+    let animations = tree.picks("blur.animation")?;
+    if matches!(scene, scene::Source::Builtin(_)) {
+        only_with_gltf(tree, "blur.animation", "blur.scene")?;
     }
     let is_cache = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     match &scene {
@@ -383,7 +388,14 @@ fn blur(tree: &Tree, folder: &Path, [first, last]: [u32; 2]) -> Result<Blur, Sho
         }
         None => None,
     };
-    Ok(Blur { scene, animation, images, settings })
+    Ok(Blur { scene, animations, images, settings })
+}
+
+/// Refuses a key that chooses among what a glTF file holds, where `file` is no such file.
+fn only_with_gltf(tree: &Tree, key: &str, file: &str) -> Result<(), ShotError> {
+    let Some(node) = tree.get(key) else { return Ok(()) };
+    let message = format!("{key} = {}: allowed: only with a glTF file as {file}", tree::value(node));
+    Err(tree.wrong(key, message))
 }
 
 /// A refused name of an input, with its place in the shot.

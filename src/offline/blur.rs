@@ -119,6 +119,7 @@ impl BlurInput {
         // Vertices of one point share a normal if they have the same one here: any that tells the groups apart.
         let normals: Vec<[f32; 3]> = groups.iter().map(|group| [f32::from_bits(*group), 0.0, 0.0]).collect();
         mesh.set_normals(&normals)?;
+        let mesh = mesh.faceted(|triangle| topology.is_flat(triangle));
         let motion = Motion::new(settings, size)?;
         let colours = TopologyInput::colour_rows(&mesh, &topology.colour);
         Ok(BlurInput {

@@ -177,6 +177,7 @@ fn meshes_that_cannot_be_blurred_are_3_and_named() {
         "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "mesh.bin", "byteLength": 36}]}"#;
     folder.write("mesh.gltf", gltf);
     render("mesh.gltf", &["--set", "blur.animation=Walk"], 3, &["mesh.gltf", "Walk"]);
+    render("mesh.gltf", &["--set", "blur.animation=[0]"], 3, &["mesh.gltf", "no number 0", "has none"]);
     render("builtin:spin", &["--set", "blur.animation=Walk"], 2, &["blur.animation", "glTF"]);
     render("mesh.gltf", &["--set", "camera.file=mesh.gltf"], 3, &["mesh.gltf", "has no camera"]);
     folder.write("camera.gltf", CAMERA);
@@ -197,6 +198,41 @@ fn a_camera_may_be_all_that_a_file_holds() {
         let camera = ["--set", "camera.file=camera.gltf", "--frames", "4", "-o", "a.png", "-q"];
         succeeds(&folder, &[&["render", "shot.toml"], &camera[..]].concat());
     }
+}
+
+#[test]
+fn what_of_a_scene_is_passed_over_is_said_once() {
+    let folder = with_images("");
+    let bytes = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes());
+    fs::write(folder.0.join("mesh.bin"), bytes.collect::<Vec<u8>>()).expect("temporary folder");
+    let gltf = r#"{"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_materials_sheen"],
+        "scenes": [{"nodes": [0, 1, 2]}], "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}, {"camera": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 0}, "mode": 0}]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "mesh.bin", "byteLength": 36}]}"#;
+    folder.write("mesh.gltf", gltf);
+    folder.write("drawn.toml", SHOT);
+    let notes = ["mesh 0, primitive 1 is of points or lines", "requires KHR_materials_sheen", "camera `0`, of 2"];
+    let inspected = succeeds(&folder, &["inspect", "mesh.gltf"]);
+    assert!(notes[..2].iter().all(|note| inspected.contains(note)), "{inspected}");
+    assert!(inspected.contains("camera `0`: perspective\ncamera `1`: perspective\n"), "{inspected}");
+    if !has_device() {
+        return;
+    }
+    let said = |shot: &str, more: &[&str]| {
+        let scene = ["--set", "blur.scene=mesh.gltf", "--set", "camera.file=mesh.gltf"];
+        let output = celfx(&folder, &[&["render", shot, "--frames", "4", "-o", "a.png"], &scene[..], more].concat())
+            .output()
+            .expect("the program runs");
+        let error = String::from_utf8(output.stderr).expect("UTF-8");
+        assert!(output.status.success(), "{error}");
+        notes.map(|note| error.matches(note).count())
+    };
+    assert_eq!(said("drawn.toml", &[]), [1, 1, 1]);
+    // Nothing is lost of the looks of images.
+    assert_eq!(said("shot.toml", &[]), [1, 0, 1]);
+    assert_eq!(said("drawn.toml", &["-q"]), [0, 0, 0]);
 }
 
 #[test]

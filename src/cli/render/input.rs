@@ -1,6 +1,6 @@
 //! What frames are rendered from: the shot's volumes, particles, poses and images, read ahead of the renderer.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
@@ -13,6 +13,7 @@ use crate::io::image::Picture;
 use crate::io::particles::{ParticleSequence, Particles};
 use crate::io::pattern::Pattern;
 use crate::io::picture;
+use crate::io::scene::AnimatedMesh;
 use crate::io::sequence::{Input, Sequence};
 use crate::io::shot::Shot;
 use crate::io::volume::{Volume, VolumeSequence};
@@ -29,6 +30,7 @@ pub(super) struct Inputs {
     particles: Option<ParticleSequence>,
     blur: Option<BlurInput>,
     images: Option<Images>,
+    notes: Vec<String>,
 }
 
 /// The pictures of the frames that are blurred.
@@ -85,7 +87,9 @@ impl Inputs {
             Some(pattern) => Some(Images::new(pattern, shot, rendered)?),
             None => None,
         };
-        let blur = match (shot.scene()?, &shot.blur) {
+        let scene = shot.scene()?;
+        let notes = notes(shot, scene.as_ref());
+        let blur = match (scene, &shot.blur) {
             (Some(scene), Some(blur)) => {
                 let of_shot = shot.clone();
                 let camera = move |frame: f64| of_shot.camera(frame);
@@ -93,7 +97,12 @@ impl Inputs {
             }
             _ => None,
         };
-        Ok(Inputs { volumes: shot.volumes()?, particles: shot.particles()?, blur, images })
+        Ok(Inputs { volumes: shot.volumes()?, particles: shot.particles()?, blur, images, notes })
+    }
+
+    /// What of the shot's scenes is passed over, and what is used where there are several.
+    pub(super) fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// What the effects are made for that render the `missing` frames, and keep their layers if that is asked for.
@@ -180,6 +189,34 @@ impl Inputs {
             }
         }
     }
+}
+
+fn notes(shot: &Shot, scene: Option<&AnimatedMesh>) -> Vec<String> {
+    let mut notes = Vec::new();
+    let has_images = shot.blur.as_ref().is_some_and(|blur| blur.images.is_some());
+    let mut of_file = |mesh: &AnimatedMesh, looks: bool| {
+        let file = mesh.path().display();
+        let passed_over = mesh.notes().iter().filter(|note| looks || !note.looks);
+        notes.extend(passed_over.map(|note| format!("{file}: {}", note.text)));
+    };
+    scene.iter().for_each(|mesh| of_file(mesh, !has_images));
+    // Of a camera's file nothing else is seen.
+    shot.camera_scene().iter().for_each(|mesh| of_file(mesh, false));
+    if let (Some(mesh), Some(blur)) = (scene, &shot.blur)
+        && let ([first, _, ..], true) = (mesh.animations(), blur.animations.is_empty())
+    {
+        let (file, name, all) = (mesh.path().display(), &first.name, mesh.animations().len());
+        notes.push(format!("{file}: plays its first animation, `{name}`, of {all}; blur.animation names others"));
+    }
+    if let Some(mesh) = shot.camera_scene()
+        && let (Some(camera), [_, _, ..]) = (mesh.camera_taken(), mesh.cameras())
+    {
+        let (file, name, all) = (mesh.path().display(), &camera.name, mesh.cameras().len());
+        notes.push(format!("{file}: is seen by its camera `{name}`, of {all}; camera.name names others"));
+    }
+    let mut seen = HashSet::new();
+    notes.retain(|note| seen.insert(note.clone()));
+    notes
 }
 
 fn blurred(blur: &mut BlurInput, images: &mut Option<Images>, number: u32) -> Result<Blurred, Failure> {

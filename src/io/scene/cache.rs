@@ -93,7 +93,7 @@ pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
     }
     let normal = vec![[0.0; 3]; vertices];
     let double_sided = vec![false; objects.len()];
-    let topology = Topology { triangles, object, objects, colour, normal, double_sided };
+    let topology = Topology { triangles, object, objects, colour, normal, double_sided, faceted: false };
     Ok((Cache { vertices, positions }, topology))
 }
 
@@ -223,7 +223,7 @@ fn objects(archive: &mut Archive, path: &Path, vertices: u64) -> Result<(Vec<u32
 mod tests {
     use super::*;
     use crate::io::array::tests::{npy, write_archive};
-    use crate::io::scene::{AnimatedMesh, Clock};
+    use crate::io::scene::{AnimatedMesh, Choice, Clock, Pick};
     use crate::io::tests::Folder;
 
     fn f32s(values: &[f32]) -> Vec<u8> {
@@ -249,7 +249,7 @@ mod tests {
         let folder = Folder::new();
         let path = folder.0.join("cache.npz");
         write_archive(&path, &arrays);
-        AnimatedMesh::read(&path, None, Clock { first: 5, fps: 24.0 })
+        AnimatedMesh::read(&path, &Choice::default(), Clock { first: 5, fps: 24.0 })
     }
 
     #[test]
@@ -349,7 +349,8 @@ mod tests {
         says("object", bytes("(3,)", &[0; 3]), &["array `object`: has shape [3]"]);
         let folder = Folder::new();
         let path = folder.0.join("cache.npz");
-        let error = AnimatedMesh::read(&path, Some("Walk"), Clock { first: 0, fps: 1.0 }).unwrap_err();
+        let walk = Choice { animations: vec![Pick::Name("Walk".into())], ..Choice::default() };
+        let error = AnimatedMesh::read(&path, &walk, Clock { first: 0, fps: 1.0 }).unwrap_err();
         assert!(error.to_string().contains("no animations by name"), "{error}");
     }
 }

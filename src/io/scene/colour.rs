@@ -1,19 +1,14 @@
 //! Linear base colours of a glTF primitive's vertices.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::f64::consts::TAU;
 use std::io::Cursor;
 
-use gltf_json::accessor::Type;
-use gltf_json::extensions::texture::TextureTransform;
-use gltf_json::material::Material;
-use gltf_json::mesh::{Primitive, Semantic};
-use gltf_json::texture::{Info, WrappingMode};
-use gltf_json::validation::Checked;
 use image::ImageFormat;
 
+use super::Note;
 use super::document::Document;
-use super::gltf::attribute;
+use super::json::{Index, Material, Primitive, TextureInfo, TextureTransform, Type, WrappingMode};
 use crate::io::ReadError;
 use crate::io::image::{Fit, decode, linear_from_srgb};
 use crate::view::BRIGHTEST;
@@ -26,17 +21,22 @@ pub(super) struct Colours<'d> {
     document: &'d Document<'d>,
     /// By image; none where it cannot be decoded.
     images: HashMap<usize, Option<Texels>>,
-    notes: Vec<String>,
+    /// Textures whose pictures only an extension has.
+    foreign: BTreeSet<usize>,
+    notes: Vec<Note>,
 }
 
 impl<'d> Colours<'d> {
     pub(super) fn new(document: &'d Document<'d>) -> Colours<'d> {
-        Colours { document, images: HashMap::new(), notes: Vec::new() }
+        Colours { document, images: HashMap::new(), foreign: BTreeSet::new(), notes: Vec::new() }
     }
 
     /// Images that could not be used.
-    pub(super) fn into_notes(self) -> Vec<String> {
-        self.notes
+    pub(super) fn into_notes(self) -> Vec<Note> {
+        let foreign = self.foreign.into_iter().map(|texture| {
+            Note::of_looks(format!("texture {texture} has no PNG or JPEG picture; the texture is left out"))
+        });
+        self.notes.into_iter().chain(foreign).collect()
     }
 
     fn material(&self, primitive: &Primitive) -> Result<Option<&'d Material>, ReadError> {
@@ -52,7 +52,7 @@ impl<'d> Colours<'d> {
     /// lies beside it in the picture does not bleed in.
     pub(super) fn of_vertices(&mut self, primitive: &Primitive, count: usize) -> Result<Vec<[f32; 3]>, ReadError> {
         let pbr = self.material(primitive)?.map(|material| &material.pbr_metallic_roughness);
-        let [r, g, b, _] = pbr.map_or([1.0; 4], |pbr| pbr.base_color_factor.0.map(f64::from));
+        let [r, g, b, _] = pbr.map_or([1.0; 4], |pbr| pbr.base_color_factor.map(f64::from));
         let mut colours = vec![[r, g, b]; count];
         if let Some(own) = self.vertex_colours(primitive)? {
             multiply(&mut colours, own);
@@ -68,9 +68,9 @@ impl<'d> Colours<'d> {
 
     /// COLOR_0, with or without alpha.
     fn vertex_colours(&self, primitive: &Primitive) -> Result<Option<Vec<[f64; 3]>>, ReadError> {
-        let Some(accessor) = attribute(primitive, Semantic::Colors(0)) else { return Ok(None) };
+        let Some(accessor) = primitive.attribute("COLOR_0") else { return Ok(None) };
         let json = self.document.entry(&self.document.root.accessors, accessor, "accessor")?;
-        if json.type_ == Checked::Valid(Type::Vec3) {
+        if json.type_ == Type::Vec3 {
             return self.document.values::<3>(accessor).map(Some);
         }
         let values = self.document.values::<4>(accessor)?;
@@ -78,21 +78,28 @@ impl<'d> Colours<'d> {
     }
 
     /// What a texture has at the vertices; none where its picture or the coordinates are missing.
-    fn texture_colours(&mut self, primitive: &Primitive, info: &Info) -> Result<Option<Vec<[f64; 3]>>, ReadError> {
+    fn texture_colours(
+        &mut self,
+        primitive: &Primitive,
+        info: &TextureInfo,
+    ) -> Result<Option<Vec<[f64; 3]>>, ReadError> {
         let root = &self.document.root;
         let texture = self.document.entry(&root.textures, info.index, "texture")?;
-        let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
-        let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(info.tex_coord);
-        let Some(accessor) = attribute(primitive, Semantic::TexCoords(set)) else { return Ok(None) };
+        let transform = info.extensions.transform.as_ref();
+        let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(info.tex_coord).0;
+        let Some(accessor) = primitive.attribute(&format!("TEXCOORD_{set}")) else { return Ok(None) };
         let wrap = match texture.sampler {
             Some(sampler) => {
                 let sampler = self.document.entry(&root.samplers, sampler, "texture sampler")?;
                 [sampler.wrap_s, sampler.wrap_t]
             }
-            None => [Checked::Valid(WrappingMode::Repeat); 2],
+            None => [WrappingMode::Repeat; 2],
         };
         let coordinates = self.document.values::<2>(accessor)?;
-        let image = texture.source.value();
+        let Some(image) = texture.source.map(Index::value) else {
+            self.foreign.insert(info.index.value());
+            return Ok(None);
+        };
         if !self.images.contains_key(&image) {
             let texels = self.image(image);
             self.images.insert(image, texels);
@@ -120,7 +127,7 @@ impl<'d> Colours<'d> {
         match decoded {
             Ok(picture) => Some(picture.into_rgb8()),
             Err(error) => {
-                self.notes.push(format!("{error}; the texture is left out"));
+                self.notes.push(Note::of_looks(format!("{error}; the texture is left out")));
                 None
             }
         }
@@ -150,19 +157,19 @@ fn multiply(colours: &mut [[f64; 3]], factors: Vec<[f64; 3]>) {
 
 /// KHR_texture_transform: scale, then rotation, then offset.
 fn transformed(transform: &TextureTransform, [u, v]: [f64; 2]) -> [f64; 2] {
-    let [su, sv] = transform.scale.0.map(f64::from);
-    let [ou, ov] = transform.offset.0.map(f64::from);
-    let (sin, cos) = (f64::from(transform.rotation.0) % TAU).sin_cos();
+    let [su, sv] = transform.scale.map(f64::from);
+    let [ou, ov] = transform.offset.map(f64::from);
+    let (sin, cos) = (f64::from(transform.rotation) % TAU).sin_cos();
     let (u, v) = (su * u, sv * v);
     [cos * u + sin * v + ou, cos * v - sin * u + ov]
 }
 
 /// The texel of a coordinate; `size` is at least 1.
-fn texel(coordinate: f64, size: u32, wrap: Checked<WrappingMode>) -> u32 {
+fn texel(coordinate: f64, size: u32, wrap: WrappingMode) -> u32 {
     let within = match wrap {
-        Checked::Valid(WrappingMode::ClampToEdge) => coordinate,
-        Checked::Valid(WrappingMode::MirroredRepeat) => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
-        _ => coordinate.rem_euclid(1.0),
+        WrappingMode::ClampToEdge => coordinate,
+        WrappingMode::MirroredRepeat => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
+        WrappingMode::Repeat => coordinate.rem_euclid(1.0),
     };
     // The conversion saturates and makes 0 of NaN.
     ((within * f64::from(size)) as u32).min(size - 1)
@@ -174,7 +181,7 @@ mod tests {
 
     #[test]
     fn coordinates_wrap() {
-        let at = |coordinate, wrap| texel(coordinate, 4, Checked::Valid(wrap));
+        let at = |coordinate, wrap| texel(coordinate, 4, wrap);
         let coordinates = [-0.3, 0.0, 0.3, 0.99, 1.0, 1.3];
         assert_eq!(coordinates.map(|t| at(t, WrappingMode::Repeat)), [2, 0, 1, 3, 0, 1]);
         assert_eq!(coordinates.map(|t| at(t, WrappingMode::ClampToEdge)), [0, 0, 1, 3, 3, 3]);

@@ -1,74 +1,66 @@
 //! A glTF file taken apart: its JSON, its buffers, and the numbers of its accessors.
 //!
-//! The model of the JSON is the crate's; every index and every byte is checked here, for nothing in a file is trusted.
+//! Every index and every byte is checked here, for nothing in a file is trusted.
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::fs;
 use std::path::Path;
 
-use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, IndexComponentType, Type};
-use gltf_json::buffer::View;
-use gltf_json::validation::Checked;
-use gltf_json::{Index, Root};
-use serde::Deserialize;
-
+use super::data_uri::{self, percent_decoded};
+use super::json::{Accessor, BufferView, ComponentType, Head, Index, Root, Type};
+use super::{Note, extensions};
 use crate::io::ReadError;
 
 /// Most values of an accessor without data of its own (all 0, but for sparse ones): a small file can ask for any number.
 const MAX_ZEROS: usize = 1 << 24;
 
-/// Extensions that a file may require: none of them changes where vertices are, or we obey it.
-const EXTENSIONS: [&str; 16] = [
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "KHR_xmp_json_ld",
-];
-
 /// A glTF file in memory.
 pub(super) struct Document<'a> {
     pub(super) path: &'a Path,
     pub(super) root: Root,
-    buffers: Vec<Vec<u8>>,
+    /// What the file wants and cannot have.
+    pub(super) notes: Vec<Note>,
+    /// The binary chunk.
+    binary: Option<&'a [u8]>,
+    /// Those that have been read.
+    buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
 }
 
 impl<'a> Document<'a> {
-    /// Takes a `.glb` or `.gltf` file apart and reads the buffers that it names.
-    pub(super) fn new(path: &'a Path, file: &[u8]) -> Result<Document<'a>, ReadError> {
+    /// Takes a `.glb` or `.gltf` file apart. The buffers that it names are read where something in them is.
+    pub(super) fn new(path: &'a Path, file: &'a [u8]) -> Result<Document<'a>, ReadError> {
         let (json, binary) = match file.starts_with(b"glTF") {
             true => glb_chunks(path, file)?,
             false => (file, None),
         };
-        check_required(path, json)?;
+        let json = without_ends(json);
+        let head: Head = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
+        check_version(path, &head)?;
+        extensions::check(path, &head)?;
         let root: Root = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
-        let mut document = Document { path, root, buffers: Vec::new() };
-        for index in 0..document.root.buffers.len() {
-            let bytes = document.buffer(index, binary)?;
-            document.buffers.push(bytes);
-        }
-        Ok(document)
+        let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
+        Ok(Document { path, root, notes: extensions::notes(&head), binary, buffers })
     }
 
-    /// The bytes of a buffer: the binary chunk, a `data:` URI, or a file beside this one.
-    fn buffer(&self, index: usize, binary: Option<&[u8]>) -> Result<Vec<u8>, ReadError> {
+    /// The bytes of a buffer, which there is.
+    fn buffer(&self, index: usize) -> Result<&[u8], ReadError> {
+        let read = &self.buffers[index];
+        if let Some(bytes) = read.get() {
+            return Ok(bytes);
+        }
+        let bytes = self.read_buffer(index)?;
+        Ok(read.get_or_init(|| bytes))
+    }
+
+    /// Reads a buffer: the binary chunk, a `data:` URI, or a file beside this one.
+    fn read_buffer(&self, index: usize) -> Result<Cow<'a, [u8]>, ReadError> {
         let buffer = &self.root.buffers[index];
         let place = format!("buffer {index}");
         let mut bytes = match &buffer.uri {
-            Some(uri) => self.resource(&place, uri)?.into_owned(),
-            None => match binary {
-                Some(binary) if index == 0 => binary.to_vec(),
+            Some(uri) => self.resource(&place, uri)?,
+            None => match self.binary {
+                Some(binary) if index == 0 => Cow::Borrowed(binary),
                 _ => return Err(self.fault(place, "has neither a URI nor a binary chunk", "a .glb file, or a URI")),
             },
         };
@@ -76,22 +68,27 @@ impl<'a> Document<'a> {
             let expected = format!("{} bytes", buffer.byte_length.0);
             return Err(self.fault(place, format!("has {} bytes", bytes.len()), expected));
         }
-        bytes.truncate(buffer.byte_length.0 as usize);
+        let length = buffer.byte_length.0 as usize;
+        match &mut bytes {
+            Cow::Borrowed(bytes) => *bytes = &bytes[..length],
+            Cow::Owned(bytes) => bytes.truncate(length),
+        }
         Ok(bytes)
     }
 
     /// What a URI stands for: the data in it, or the bytes of a file relative to this one.
     pub(super) fn resource(&self, place: &str, uri: &str) -> Result<Cow<'static, [u8]>, ReadError> {
-        if let Some(data) = uri.strip_prefix("data:") {
-            let decoded = data.split_once(";base64,").and_then(|(_, text)| base64(text.as_bytes()));
-            return decoded.map(Cow::Owned).ok_or_else(|| {
-                self.fault(place.to_owned(), "a data URI that cannot be decoded", "`data:TYPE;base64,` and base64")
+        if uri.starts_with("data:") {
+            return data_uri::decoded(uri).map(Cow::Owned).ok_or_else(|| {
+                let expected = "`data:TYPE;base64,` and base64, or `data:TYPE,` and text";
+                self.fault(place.to_owned(), "a data URI that cannot be decoded", expected)
             });
         }
         if uri.contains("://") {
             return Err(self.fault(place.to_owned(), format!("is at `{uri}`"), "data within the file or beside it"));
         }
-        let file = self.path.parent().unwrap_or(Path::new("")).join(percent_decoded(uri));
+        let name = String::from_utf8_lossy(&percent_decoded(uri)).into_owned();
+        let file = self.path.parent().unwrap_or(Path::new("")).join(name);
         let read = fs::read(&file);
         read.map(Cow::Owned).map_err(|e| self.fault(place.to_owned(), format!("{}: {e}", file.display()), "a file"))
     }
@@ -110,10 +107,10 @@ impl<'a> Document<'a> {
     }
 
     /// The bytes of a buffer view and their stride, if it has one.
-    pub(super) fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), ReadError> {
+    pub(super) fn view(&self, index: Index<BufferView>) -> Result<(&[u8], Option<usize>), ReadError> {
         let view = self.entry(&self.root.buffer_views, index, "buffer view")?;
         self.entry(&self.root.buffers, view.buffer, "buffer")?;
-        let buffer = &self.buffers[view.buffer.value()];
+        let buffer = self.buffer(view.buffer.value())?;
         let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
         let range = offset.checked_add(length).filter(|&end| end <= buffer.len() as u64);
         let Some(end) = range else {
@@ -121,7 +118,7 @@ impl<'a> Document<'a> {
             let expected = format!("a part of its buffer of {} bytes", buffer.len());
             return Err(self.fault(format!("buffer view {}", index.value()), why, expected));
         };
-        Ok((&buffer[offset as usize..end as usize], view.byte_stride.map(|stride| stride.0)))
+        Ok((&buffer[offset as usize..end as usize], view.byte_stride.map(|stride| stride.0 as usize)))
     }
 
     /// The values of an accessor of `N` components each, integers normalised where it says so. All are finite.
@@ -135,11 +132,10 @@ impl<'a> Document<'a> {
             4 => Type::Vec4,
             _ => Type::Mat4,
         };
-        let (Checked::Valid(type_), Checked::Valid(GenericComponentType(component))) =
-            (accessor.type_, accessor.component_type)
-        else {
+        let (type_, component) = (accessor.type_, accessor.component_type);
+        if type_ == Type::Other || component == ComponentType::Other {
             return Err(self.fault(place, "has an unknown type", format!("{wanted:?} of floats or integers")));
-        };
+        }
         if type_ != wanted {
             return Err(self.fault(place, format!("is of {type_:?}"), format!("{wanted:?}")));
         }
@@ -171,9 +167,10 @@ impl<'a> Document<'a> {
         values: &mut [[f64; N]],
     ) -> Result<(), ReadError> {
         let Some(sparse) = &accessor.sparse else { return Ok(()) };
-        let Checked::Valid(IndexComponentType(kind)) = sparse.indices.component_type else {
+        let kind = sparse.indices.component_type;
+        if !matches!(kind, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
             return Err(self.fault(place, "has sparse indices of an unknown type", "unsigned integers"));
-        };
+        }
         let (indices, new) = (&sparse.indices, &sparse.values);
         let whole = |bytes: &[u8]| decoded(kind, false, bytes);
         let number = |bytes: &[u8]| decoded(component, accessor.normalized, bytes);
@@ -193,7 +190,7 @@ impl<'a> Document<'a> {
     fn elements<const N: usize, D: Fn(&[u8]) -> f64>(
         &self,
         place: &str,
-        view: Index<View>,
+        view: Index<BufferView>,
         offset: u64,
         count: u64,
         component: ComponentType,
@@ -223,7 +220,7 @@ impl<'a> Document<'a> {
     /// The values of an accessor of whole numbers.
     pub(super) fn indices(&self, index: Index<Accessor>) -> Result<Vec<u32>, ReadError> {
         let accessor = self.entry(&self.root.accessors, index, "accessor")?;
-        if let Checked::Valid(GenericComponentType(ComponentType::F32)) = accessor.component_type {
+        if accessor.component_type == ComponentType::F32 {
             return Err(self.fault(format!("accessor {}", index.value()), "is of floats", "unsigned integers"));
         }
         // What is negative becomes 0xFFFFFFFF and is refused where it is used.
@@ -263,35 +260,21 @@ fn glb_chunks<'f>(path: &Path, file: &'f [u8]) -> Result<(&'f [u8], Option<&'f [
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
 
-/// Refuses a file that requires what we do not know, before anything else in it is looked at.
-fn check_required(path: &Path, json: &[u8]) -> Result<(), ReadError> {
-    #[derive(Deserialize)]
-    #[serde(rename_all = "camelCase")]
-    struct Head {
-        asset: Asset,
-        #[serde(default)]
-        extensions_required: Vec<String>,
-    }
-    #[derive(Deserialize)]
-    #[serde(rename_all = "camelCase")]
-    struct Asset {
-        version: String,
-        min_version: Option<String>,
-    }
-    let head: Head = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
+/// The JSON without the byte order mark that some put before it and the zeros that some pad it with.
+fn without_ends(json: &[u8]) -> &[u8] {
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    &json[..end]
+}
+
+/// Refuses a file of another version.
+fn check_version(path: &Path, head: &Head) -> Result<(), ReadError> {
     if head.asset.version.split('.').next() != Some("2") {
         return Err(ReadError::at(path, "asset", format!("is glTF {}", head.asset.version), "glTF 2.0"));
     }
-    if let Some(version) = head.asset.min_version.filter(|version| version != "2.0") {
-        return Err(ReadError::at(path, "asset", format!("needs glTF {version}"), "glTF 2.0"));
-    }
-    match head.extensions_required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
+    match head.asset.min_version.as_deref().filter(|version| *version != "2.0") {
+        Some(version) => Err(ReadError::at(path, "asset", format!("needs glTF {version}"), "glTF 2.0")),
         None => Ok(()),
-        Some(name) => {
-            let compressed = name.contains("compression").then_some(", uncompressed");
-            let expected = format!("a file that does without it{}", compressed.unwrap_or_default());
-            Err(ReadError::at(path, "extensionsRequired", format!("{name} is not supported"), expected))
-        }
     }
 }
 
@@ -305,82 +288,16 @@ fn decoded(component: ComponentType, normalized: bool, bytes: &[u8]) -> f64 {
         ComponentType::U8 => (f64::from(bits), f64::from(u8::MAX)),
         ComponentType::I16 => (f64::from(bits as u16 as i16), f64::from(i16::MAX)),
         ComponentType::U16 => (f64::from(bits), f64::from(u16::MAX)),
-        ComponentType::U32 => (f64::from(bits), f64::from(u32::MAX)),
+        // What is unknown is refused before.
+        ComponentType::U32 | ComponentType::Other => (f64::from(bits), f64::from(u32::MAX)),
         ComponentType::F32 => return f64::from(f32::from_bits(bits)),
     };
     if normalized { (value / most).max(-1.0) } else { value }
 }
 
-/// Decodes base64 (RFC 4648), padded or not; `None` if it is none.
-fn base64(text: &[u8]) -> Option<Vec<u8>> {
-    let text = text.trim_ascii_end();
-    let end = text.iter().rposition(|&c| c != b'=').map_or(0, |last| last + 1);
-    let mut bytes = Vec::with_capacity(end / 4 * 3 + 2);
-    for group in text[..end].chunks(4) {
-        let mut bits = 0u32;
-        for &c in group {
-            let digit = match c {
-                b'A'..=b'Z' => c - b'A',
-                b'a'..=b'z' => c - b'a' + 26,
-                b'0'..=b'9' => c - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => return None,
-            };
-            bits = bits << 6 | u32::from(digit);
-        }
-        let three = (bits << (6 * (4 - group.len()))).to_be_bytes();
-        match group.len() {
-            1 => return None,
-            digits => bytes.extend(&three[1..digits]),
-        }
-    }
-    Some(bytes)
-}
-
-/// A URI with its `%XX` decoded.
-fn percent_decoded(uri: &str) -> String {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let [first, tail @ ..] = rest {
-        let hex = |c: &u8| char::from(*c).to_digit(16);
-        (rest, _) = match (first, tail) {
-            (b'%', [a, b, after @ ..]) if hex(a).is_some() && hex(b).is_some() => {
-                let byte = hex(a).zip(hex(b)).map_or(0, |(a, b)| a * 16 + b);
-                (after, bytes.push(byte as u8))
-            }
-            _ => (tail, bytes.push(*first)),
-        };
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_is_decoded() {
-        for (text, bytes) in [
-            ("", &b""[..]),
-            ("Zg==", b"f"),
-            ("Zm8=", b"fo"),
-            ("Zm9v", b"foo"),
-            ("Zm9vYg", b"foob"),
-            ("Zm9vYmE=", b"fooba"),
-            ("+/A9\n", &[0xfb, 0xf0, 0x3d]),
-        ] {
-            assert_eq!(base64(text.as_bytes()).as_deref(), Some(bytes), "{text}");
-        }
-        assert_eq!(base64(b"Z"), None);
-        assert_eq!(base64(b"Zm9*"), None);
-    }
-
-    #[test]
-    fn uris_are_decoded() {
-        assert_eq!(percent_decoded("a%20b%2Fc%zz%4"), "a b/c%zz%4");
-        assert_eq!(percent_decoded("%C3%A4"), "ä");
-    }
 
     #[test]
     fn integers_are_normalised() {

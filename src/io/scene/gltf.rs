@@ -3,36 +3,31 @@
 use std::fs;
 use std::path::Path;
 
-use glam::{DAffine3, DMat4, DQuat, DVec3};
-use gltf_json::Index;
-use gltf_json::animation::{Interpolation as KeyKind, Property as Target};
-use gltf_json::mesh::{Mode, Primitive, Semantic};
-use gltf_json::validation::Checked;
-
+use super::choice::{self, Choice};
 use super::colour::Colours;
 use super::document::Document;
-use super::rig::{Influences, Lens, Local, Node, Part, Rig, Skin};
+use super::json::{KeyKind, Mode, Primitive, TargetPath};
+use super::rig::{Influences, Local, Node, Part, Rig, Skin};
 use super::track::{Interpolation, Property, Track};
-use super::{Animation, MAX_VERTICES, Topology};
+use super::{Animation, Contents, MAX_VERTICES, Note, Topology};
 use crate::io::ReadError;
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 /// What a file holds.
 pub(super) struct Scene {
     pub(super) topology: Topology,
     pub(super) rig: Rig,
-    pub(super) animations: Vec<Animation>,
-    /// What of the file was passed over.
-    pub(super) notes: Vec<String>,
+    pub(super) contents: Contents,
 }
 
-/// Reads a `.glb` or `.gltf` file; `animation` by its name, or the first.
-pub(super) fn read(path: &Path, animation: Option<&str>) -> Result<Scene, ReadError> {
+/// Reads a `.glb` or `.gltf` file, of which that is played and looked through.
+pub(super) fn read(path: &Path, choice: &Choice) -> Result<Scene, ReadError> {
     let file = fs::read(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
-    parse(path, &file, animation)
+    parse(path, &file, choice)
 }
 
 /// [`read`] with the file in memory; others that it names are found by its path.
-pub(super) fn parse(path: &Path, file: &[u8], animation: Option<&str>) -> Result<Scene, ReadError> {
+pub(super) fn parse(path: &Path, file: &[u8], choice: &Choice) -> Result<Scene, ReadError> {
     let document = Document::new(path, file)?;
     let nodes = nodes(&document)?;
     let order = parents_first(&document, &nodes)?;
@@ -40,22 +35,30 @@ pub(super) fn parse(path: &Path, file: &[u8], animation: Option<&str>) -> Result
     for number in 0..document.root.skins.len() {
         rig.skins.push(skin(&document, number)?);
     }
-    let animations = animations(&document)?;
-    let mut notes = Vec::new();
-    if let Some(chosen) = choose(&document, &animations, animation)? {
-        rig.tracks = tracks(&document, chosen, &rig, &mut notes)?;
-    }
     let shown = shown(&document, &rig.nodes)?;
-    rig.lens = lens(&document, &shown, &mut notes)?;
+    let cameras = choice::cameras(&document, &shown)?;
+    let camera = choice::camera(&document, &cameras, choice.camera.as_ref())?;
+    rig.lens = camera.and_then(|camera| cameras[camera].lens);
+    let animations = animations(&document)?;
+    let mut notes = document.notes.clone();
+    let mut playing = choice::animations(&document, &animations, &choice.animations, &mut notes)?;
+    if let Some(lens) = rig.lens.filter(|_| choice.for_camera)
+        && let Some(own) = choice::mover(&document, &rig.nodes, lens.node, &playing)
+    {
+        playing = vec![own];
+    }
+    rig.tracks = all_tracks(&document, &playing, &rig, &mut notes)?;
     let start = rig.skeleton(f64::NEG_INFINITY).global;
     let colours = Colours::new(&document);
-    let mut builder = Builder { document: &document, topology: Topology::default(), rig, start, colours, notes };
+    let topology = Topology { faceted: true, ..Topology::default() };
+    let mut builder = Builder { document: &document, topology, rig, start, colours, notes };
     for node in (0..shown.len()).filter(|&node| shown[node]) {
         builder.add_node(node)?;
     }
     let Builder { topology, rig, mut notes, colours, .. } = builder;
     notes.extend(colours.into_notes());
-    Ok(Scene { topology, rig, animations, notes })
+    let cameras = cameras.into_iter().map(|found| found.camera).collect();
+    Ok(Scene { topology, rig, contents: Contents { animations, playing, cameras, camera, notes } })
 }
 
 fn nodes(document: &Document) -> Result<Vec<Node>, ReadError> {
@@ -66,7 +69,7 @@ fn nodes(document: &Document) -> Result<Vec<Node>, ReadError> {
             Some(matrix) => Local::Matrix(DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from)))),
             None => {
                 let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-                let rotation = node.rotation.map_or(DQuat::IDENTITY, |q| DQuat::from_array(q.0.map(f64::from)));
+                let rotation = node.rotation.map_or(DQuat::IDENTITY, |q| DQuat::from_array(q.map(f64::from)));
                 Local::Parts {
                     translation: node.translation.map_or(DVec3::ZERO, vector),
                     rotation: if rotation.length() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY },
@@ -187,44 +190,44 @@ fn animations(document: &Document) -> Result<Vec<Animation>, ReadError> {
     Ok(animations)
 }
 
-/// The number of the animation to play: that of the name, or the first; none where the file has none.
-fn choose(document: &Document, animations: &[Animation], name: Option<&str>) -> Result<Option<usize>, ReadError> {
-    let Some(name) = name else { return Ok((!animations.is_empty()).then_some(0)) };
-    let found = animations.iter().position(|animation| animation.name == name);
-    if found.is_none() {
-        let names: Vec<&str> = animations.iter().map(|animation| &animation.name[..]).collect();
-        let expected = match names.is_empty() {
-            true => "a file with animations; this one has none".to_owned(),
-            false => format!("one of `{}`", names.join("`, `")),
-        };
-        return Err(document.fault("animations", format!("none is called `{name}`"), expected));
-    }
-    Ok(found)
+/// What the animations of those numbers move, those of a later one after those of an earlier one.
+fn all_tracks(
+    document: &Document,
+    playing: &[usize],
+    rig: &Rig,
+    notes: &mut Vec<Note>,
+) -> Result<Vec<Track>, ReadError> {
+    let tracks: Result<Vec<_>, _> = playing.iter().map(|number| tracks(document, *number, rig, notes)).collect();
+    let tracks = tracks?;
+    choice::note_overlap(&tracks, notes);
+    Ok(tracks.into_iter().flatten().collect())
 }
 
-fn tracks(document: &Document, number: usize, rig: &Rig, notes: &mut Vec<String>) -> Result<Vec<Track>, ReadError> {
+fn tracks(document: &Document, number: usize, rig: &Rig, notes: &mut Vec<Note>) -> Result<Vec<Track>, ReadError> {
     let animation = &document.root.animations[number];
     let mut tracks = Vec::new();
+    let mut passed_over = 0;
     for (channel, json) in animation.channels.iter().enumerate() {
         let place = format!("animation {number}, channel {channel}");
+        // Without a node an extension says what is moved, or nobody.
+        let Some(node) = json.target.node.filter(|_| json.target.path != TargetPath::Other) else {
+            passed_over += 1;
+            continue;
+        };
         let sampler = document.entry(&animation.samplers, json.sampler, "animation sampler")?;
-        document.entry(&document.root.nodes, json.target.node, "node")?;
-        let node = json.target.node.value();
+        document.entry(&document.root.nodes, node, "node")?;
+        let node = node.value();
         let (property, width) = match json.target.path {
-            Checked::Valid(Target::Translation) => (Property::Translation, 3),
-            Checked::Valid(Target::Rotation) => (Property::Rotation, 4),
-            Checked::Valid(Target::Scale) => (Property::Scale, 3),
-            Checked::Valid(Target::MorphTargetWeights) => (Property::Weights, rig.nodes[node].weights.len()),
-            Checked::Invalid => {
-                notes.push(format!("{place} moves something unknown: it is not played"));
-                continue;
-            }
+            TargetPath::Translation => (Property::Translation, 3),
+            TargetPath::Rotation => (Property::Rotation, 4),
+            TargetPath::Scale => (Property::Scale, 3),
+            TargetPath::Weights | TargetPath::Other => (Property::Weights, rig.nodes[node].weights.len()),
         };
         let (interpolation, rows) = match sampler.interpolation {
-            Checked::Valid(KeyKind::Step) => (Interpolation::Step, 1),
-            Checked::Valid(KeyKind::Linear) => (Interpolation::Linear, 1),
-            Checked::Valid(KeyKind::CubicSpline) => (Interpolation::CubicSpline, 3),
-            Checked::Invalid => {
+            KeyKind::Step => (Interpolation::Step, 1),
+            KeyKind::Linear => (Interpolation::Linear, 1),
+            KeyKind::CubicSpline => (Interpolation::CubicSpline, 3),
+            KeyKind::Other => {
                 let expected = "STEP, LINEAR or CUBICSPLINE";
                 return Err(document.fault(place, "has an unknown interpolation", expected));
             }
@@ -244,24 +247,12 @@ fn tracks(document: &Document, number: usize, rig: &Rig, notes: &mut Vec<String>
         }
         tracks.push(Track { node, property, interpolation, times, values, width });
     }
-    Ok(tracks)
-}
-
-/// The first perspective camera of the scene.
-fn lens(document: &Document, shown: &[bool], notes: &mut Vec<String>) -> Result<Option<Lens>, ReadError> {
-    let root = &document.root;
-    for (node, json) in root.nodes.iter().enumerate().filter(|(node, _)| shown[*node]) {
-        let Some(camera) = json.camera else { continue };
-        match &document.entry(&root.cameras, camera, "camera")?.perspective {
-            Some(lens) => {
-                let far = lens.zfar.map_or(f64::INFINITY, f64::from);
-                let (vertical_fov, near) = (f64::from(lens.yfov), f64::from(lens.znear));
-                return Ok(Some(Lens { node, vertical_fov, near, far }));
-            }
-            None => notes.push(format!("camera {} is orthographic: it is not used", camera.value())),
-        }
+    if passed_over > 0 {
+        let channels = animation.channels.len();
+        let which = format!("animation {number}: {passed_over} of {channels} channels move no property of a node");
+        notes.push(Note::new(format!("{which}: they are not played")));
     }
-    Ok(None)
+    Ok(tracks)
 }
 
 /// Gathers the vertices and triangles of the scene.
@@ -272,7 +263,7 @@ struct Builder<'d> {
     /// Where the nodes are before the first key.
     start: Vec<DAffine3>,
     colours: Colours<'d>,
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 impl Builder<'_> {
@@ -298,15 +289,15 @@ impl Builder<'_> {
     fn add_primitive(&mut self, node: usize, place: &str, primitive: &Primitive) -> Result<(), ReadError> {
         let document = self.document;
         let mode = match primitive.mode {
-            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
-            Checked::Valid(_) => {
-                self.notes.push(format!("{place} is of points or lines: it is not drawn"));
+            mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => mode,
+            Mode::PointsOrLines => {
+                self.notes.push(Note::new(format!("{place} is of points or lines: it is not drawn")));
                 return Ok(());
             }
-            Checked::Invalid => return Err(document.fault(place, "has an unknown mode", "0 to 6")),
+            Mode::Other => return Err(document.fault(place, "has an unknown mode", "0 to 6")),
         };
-        let Some(positions) = attribute(primitive, Semantic::Positions) else {
-            self.notes.push(format!("{place} has no positions: it is not drawn"));
+        let Some(positions) = primitive.attribute("POSITION") else {
+            self.notes.push(Note::new(format!("{place} has no positions: it is not drawn")));
             return Ok(());
         };
         let base = narrow(document.values::<3>(positions)?);
@@ -319,7 +310,7 @@ impl Builder<'_> {
                 format!("{MAX_VERTICES} at most"),
             ));
         }
-        let mut triangles = triangles(document, place, primitive, mode, count)?;
+        let mut triangles = triangles(document, place, primitive, mode, count, &mut self.notes)?;
         let influences = self.influences(node, place, primitive, count)?;
         if influences.is_none() && self.start[node].matrix3.determinant() < 0.0 {
             // A mirror turns triangles over.
@@ -327,7 +318,7 @@ impl Builder<'_> {
         }
         let morphs = morphs(document, place, primitive, count)?;
         let colours = self.colours.of_vertices(primitive, count)?;
-        let normals = match attribute(primitive, Semantic::Normals) {
+        let normals = match primitive.attribute("NORMAL") {
             Some(accessor) => sized(document, place, "normals", narrow(document.values::<3>(accessor)?), count)?,
             None => vec![[0.0; 3]; count],
         };
@@ -346,7 +337,7 @@ impl Builder<'_> {
 
     /// What joints the vertices follow; none where they follow the node.
     fn influences(
-        &self,
+        &mut self,
         node: usize,
         place: &str,
         primitive: &Primitive,
@@ -355,8 +346,8 @@ impl Builder<'_> {
         let document = self.document;
         let Some(skin) = document.root.nodes[node].skin.map(|skin| skin.value()) else { return Ok(None) };
         let mut sets: Vec<(Vec<u32>, Vec<f64>)> = Vec::new();
-        while let Some(joints) = attribute(primitive, Semantic::Joints(sets.len() as u32)) {
-            let Some(weights) = attribute(primitive, Semantic::Weights(sets.len() as u32)) else {
+        while let Some(joints) = primitive.attribute(&format!("JOINTS_{}", sets.len())) {
+            let Some(weights) = primitive.attribute(&format!("WEIGHTS_{}", sets.len())) else {
                 return Err(document.fault(place, format!("has JOINTS_{0} but no WEIGHTS_{0}", sets.len()), "both"));
             };
             let joints = sized(document, place, "joints", document.values::<4>(joints)?, count)?;
@@ -370,31 +361,35 @@ impl Builder<'_> {
         let per = 4 * sets.len();
         let mut influences = Influences { skin, per, joints: Vec::new(), weights: Vec::new() };
         let known = self.rig.skins[skin].joints.len() as u32;
+        let mut loose = 0;
         for vertex in 0..count {
             let own = 4 * vertex..4 * vertex + 4;
-            let sum: f64 = sets.iter().flat_map(|(_, weights)| &weights[own.clone()]).sum();
-            if sum.is_nan() || sum <= 0.0 {
+            let slots =
+                || sets.iter().flat_map(|(joints, weights)| joints[own.clone()].iter().zip(&weights[own.clone()]));
+            let sum: f64 = slots().map(|(_, weight)| weight).sum();
+            // What follows nothing follows its first joint.
+            let is_loose = slots().all(|(_, weight)| *weight == 0.0);
+            loose += usize::from(is_loose);
+            if !is_loose && (sum.is_nan() || sum <= 0.0) {
                 let why = format!("vertex {vertex} has weights that add up to {sum}");
                 return Err(document.fault(place, why, "weights that add up to 1"));
             }
-            for (joints, weights) in &sets {
-                for (&joint, &weight) in joints[own.clone()].iter().zip(&weights[own.clone()]) {
-                    if weight != 0.0 && joint >= known {
-                        let why = format!("vertex {vertex} follows joint {joint}");
-                        return Err(document.fault(place, why, format!("a joint below {known}")));
-                    }
-                    influences.joints.push(if weight != 0.0 { joint } else { 0 });
-                    influences.weights.push(weight / sum);
+            for (slot, (&joint, &weight)) in slots().enumerate() {
+                let share = if is_loose { f64::from(u8::from(slot == 0)) } else { weight / sum };
+                if share != 0.0 && joint >= known {
+                    let why = format!("vertex {vertex} follows joint {joint}");
+                    return Err(document.fault(place, why, format!("a joint below {known}")));
                 }
+                influences.joints.push(if share != 0.0 { joint } else { 0 });
+                influences.weights.push(share);
             }
+        }
+        if loose > 0 {
+            let which = format!("{place}: {loose} of {count} vertices have no weights");
+            self.notes.push(Note::new(format!("{which}: they follow their first joint")));
         }
         Ok(Some(influences))
     }
-}
-
-/// The accessor of an attribute.
-pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<gltf_json::Accessor>> {
-    primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }
 
 fn narrow(values: Vec<[f64; 3]>) -> Vec<[f32; 3]> {
@@ -436,6 +431,7 @@ fn triangles(
     primitive: &Primitive,
     mode: Mode,
     count: usize,
+    notes: &mut Vec<Note>,
 ) -> Result<Vec<[u32; 3]>, ReadError> {
     let corners: Vec<u32> = match primitive.indices {
         Some(accessor) => document.indices(accessor)?,
@@ -458,7 +454,8 @@ fn triangles(
         _ => {
             let (triangles, rest) = corners.as_chunks();
             if !rest.is_empty() {
-                return Err(document.fault(place, format!("has {} indices", corners.len()), "a multiple of three"));
+                let (last, all) = (rest.len(), corners.len());
+                notes.push(Note::new(format!("{place}: the last {last} of {all} indices fill no triangle")));
             }
             triangles.to_vec()
         }

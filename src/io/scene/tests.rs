@@ -1,7 +1,9 @@
 //! glTF files made here, whose poses are known in closed form.
 
+mod choices;
 mod faults;
 mod gltf_file;
+mod legal;
 mod looks;
 mod poses;
 mod welding;
@@ -19,10 +21,23 @@ const SECONDS: Clock = Clock { first: 0, fps: 1.0 };
 
 /// Reads a file of those parts with the first animation.
 fn open(file: &GltfFile) -> Result<AnimatedMesh, ReadError> {
+    open_as(file, &Choice::default())
+}
+
+fn open_as(file: &GltfFile, choice: &Choice) -> Result<AnimatedMesh, ReadError> {
     let folder = Folder::new();
     let path = folder.0.join("mesh.gltf");
     file.write_gltf(&path);
-    AnimatedMesh::open(&Source::File(path), None, SECONDS)
+    AnimatedMesh::open(&Source::File(path), choice, SECONDS)
+}
+
+/// The animation of that name.
+fn named(animation: &str) -> Choice {
+    Choice { animations: vec![Pick::Name(animation.into())], ..Choice::default() }
+}
+
+fn notes(mesh: &AnimatedMesh) -> Vec<&str> {
+    mesh.notes().iter().map(|note| &note.text[..]).collect()
 }
 
 fn pose(mesh: &AnimatedMesh, seconds: f64) -> Vec<[f32; 3]> {
@@ -45,7 +60,7 @@ fn names_become_sources() {
     assert_eq!(Source::named("fox.glb", folder), Ok(Source::File("shots/fox.glb".into())));
     let error = Source::named("builtin:runn", folder).unwrap_err().to_string();
     assert!(error.contains("builtin:runn: ") && error.contains("builtin:run,"), "{error}");
-    let error = AnimatedMesh::read(Path::new("a.fbx"), None, SECONDS).unwrap_err().to_string();
+    let error = AnimatedMesh::read(Path::new("a.fbx"), &Choice::default(), SECONDS).unwrap_err().to_string();
     assert!(error.contains("a.fbx") && error.contains(".glb, .gltf or .npz"), "{error}");
 }
 
@@ -78,7 +93,7 @@ fn real_files_are_posed_as_others_pose_them() {
     };
     let read = |name: &str, animation| {
         let path = Path::new(&data).join("gltf").join(name);
-        path.exists().then(|| AnimatedMesh::read(&path, Some(animation), SECONDS).unwrap())
+        path.exists().then(|| AnimatedMesh::read(&path, &named(animation), SECONDS).unwrap())
     };
     if let Some(fox) = read("Fox.glb", "Run") {
         assert_eq!((fox.vertices(), fox.topology().triangles.len(), fox.topology().objects.len()), (1728, 576, 1));

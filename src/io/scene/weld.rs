@@ -74,7 +74,7 @@ pub fn weld(object: &[u32], frames: &[Vec<[f32; 3]>]) -> Vec<u32> {
 /// one point and have the same normal in the file; or, where the file has none, their normals at rest (the area-weighted
 /// mean of the triangles that use the vertex itself) are at most [`CREASE`] degrees from that of the group's first
 /// vertex. A vertex that triangles on both sides of a hard edge share is in one group all the same: only the file could
-/// tell it apart. `points` is from [`weld()`], `rest` the positions of any one frame.
+/// tell it apart. What is flat ([`Topology::is_flat`]) is not looked at here. `points` is from [`weld()`], `rest` the positions of any one frame.
 pub fn shading_groups(topology: &Topology, points: &[u32], rest: &[[f32; 3]]) -> Vec<u32> {
     let own = own_normals(topology, rest);
     let cosine = CREASE.to_radians().cos();

@@ -10,7 +10,7 @@ use super::track::Track;
 use super::tree::Tree;
 use crate::io::ReadError;
 use crate::io::array::{Archive, Array, Kind};
-use crate::io::scene::{self, AnimatedMesh, Clock};
+use crate::io::scene::{self, AnimatedMesh, Choice, Clock};
 use crate::view::Camera;
 
 /// Keys that `camera.file` takes the place of.
@@ -51,13 +51,14 @@ enum Source {
 #[derive(Clone, Debug)]
 struct SceneCamera {
     source: scene::Source,
+    choice: Choice,
     clock: Clock,
     scene: Arc<AnimatedMesh>,
 }
 
 impl PartialEq for SceneCamera {
     fn eq(&self, other: &Self) -> bool {
-        (&self.source, self.clock) == (&other.source, other.clock)
+        (&self.source, &self.choice, self.clock) == (&other.source, &other.choice, other.clock)
     }
 }
 
@@ -80,6 +81,10 @@ impl CameraTrack {
                 vertical_fov: tree.number("camera.vertical_fov", default.vertical_fov)?,
             },
         };
+        if !matches!(&source, Source::Scene(camera) if matches!(camera.source, scene::Source::File(_))) {
+            super::only_with_gltf(tree, "camera.name", "camera.file")?;
+            super::only_with_gltf(tree, "camera.animation", "camera.file")?;
+        }
         Ok(CameraTrack { source, near: given("camera.near", default.near)?, far: given("camera.far", default.far)? })
     }
 
@@ -106,6 +111,14 @@ impl CameraTrack {
         }
     }
 
+    /// The scene that it is of.
+    pub(super) fn scene(&self) -> Option<&AnimatedMesh> {
+        match &self.source {
+            Source::Scene(camera) => Some(&camera.scene),
+            _ => None,
+        }
+    }
+
     /// Whether it is the same at every frame, as far as the shot's text tells.
     pub(super) fn is_constant(&self) -> bool {
         let is_still = match &self.source {
@@ -124,14 +137,35 @@ impl Source {
         if let (scene::Source::File(path), true) = (&source, file.to_ascii_lowercase().ends_with(".npz")) {
             return Ok(Source::Frames { first: frames[0], cameras: matrices(path, frames)? });
         }
-        let clock = Clock { first: frames[0], fps };
-        let scene = AnimatedMesh::open_any(&source, None, clock)?;
+        let (choice, clock) = (choice(tree, &source, folder)?, Clock { first: frames[0], fps });
+        let scene = AnimatedMesh::open_any(&source, &choice, clock)?;
         if scene.camera(f64::from(frames[0])).is_none() {
+            let why = match scene.cameras().first() {
+                Some(camera) => format!("its camera `{}` is orthographic", camera.name),
+                None => "has no camera".to_owned(),
+            };
             let expected = "a glTF file with a perspective camera in its scene";
-            return Err(ReadError::file(&folder.join(file), "has no camera", expected).into());
+            return Err(ReadError::file(&folder.join(file), why, expected).into());
         }
-        Ok(Source::Scene(SceneCamera { source, clock, scene: Arc::new(scene) }))
+        Ok(Source::Scene(SceneCamera { source, choice, clock, scene: Arc::new(scene) }))
     }
+}
+
+/// What of the camera's file is played and looked through. Without a word on it that is what is played of the same file
+/// for the blur, or else what moves the camera.
+fn choice(tree: &Tree, source: &scene::Source, folder: &Path) -> Result<Choice, ShotError> {
+    let camera = tree.picks("camera.name")?;
+    if camera.len() > 1 {
+        return Err(tree.not_allowed("camera.name"));
+    }
+    let own = tree.picks("camera.animation")?;
+    let for_camera = own.is_empty();
+    let blurred = tree.text("blur.scene")?.and_then(|name| scene::Source::named(&name, folder).ok());
+    let animations = match for_camera && blurred.as_ref() == Some(source) {
+        true => tree.picks("blur.animation")?,
+        false => own,
+    };
+    Ok(Choice { animations, camera: camera.into_iter().next(), for_camera })
 }
 
 /// The cameras of an `.npz` file: `view_projection` [frames, 4, 4], which makes clip coordinates of column vectors.

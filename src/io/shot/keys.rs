@@ -19,6 +19,11 @@ pub(super) const KEYS: &[(&str, &str)] = &[
         "a glTF file with a camera, \"builtin:run\", \"builtin:spin\" or \"builtin:crossing\", or an .npz file with \
          view_projection [frames, 4, 4]",
     ),
+    ("camera.name", "the name of a camera of the glTF file, or its number in the file's scene, from 0"),
+    (
+        "camera.animation",
+        "the name of an animation of the glTF file, its number, from 0, a list of names and numbers, or \"*\" for all",
+    ),
     ("light", "a table"),
     ("light.direction", "[x, y, z], none beyond 1e12, not all 0, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("light.position", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
@@ -87,7 +92,10 @@ pub(super) const KEYS: &[(&str, &str)] = &[
     ("flame.light", "0 (off) to 1e6"),
     ("blur", "a table"),
     ("blur.scene", "\"builtin:run\", \"builtin:spin\" or \"builtin:crossing\", or a file (.glb, .gltf, .npz)"),
-    ("blur.animation", "the name of an animation of the glTF file"),
+    (
+        "blur.animation",
+        "the name of an animation of the glTF file, its number, from 0, a list of names and numbers, or \"*\" for all",
+    ),
     ("blur.images", "a pattern of image files, one a frame (\"frames/####.png\", .exr, .jpg)"),
     ("blur.strength", "frames, 0 (off) to 4"),
     ("blur.teeth", "a whole number, 1 to 4096, not together with blur.tooth_width"),

@@ -7,6 +7,7 @@ use toml::Value;
 use super::track::{Between, Track};
 use super::tree::{self, Kind, Node, Tree};
 use super::{Background, ShotError};
+use crate::io::scene::Pick;
 use crate::view::{BRIGHTEST, FARTHEST};
 
 type Result<T> = std::result::Result<T, ShotError>;
@@ -86,6 +87,19 @@ impl Tree {
     /// A string that need not be there.
     pub(super) fn text(&self, path: &str) -> Result<Option<String>> {
         self.read(path, None, |value| value.as_str().filter(|text| !text.is_empty()).map(|text| Some(text.to_owned())))
+    }
+
+    /// What of a file is used, by name or number: one, or a list of some; none where the shot does not say it.
+    pub(super) fn picks(&self, path: &str) -> Result<Vec<Pick>> {
+        let pick = |value: &Value| match value {
+            Value::String(name) => Some(Pick::Name(name.clone())).filter(|_| !name.is_empty()),
+            number => whole(number).map(Pick::Number),
+        };
+        self.read(path, Vec::new(), |value| match value {
+            Value::Array(picks) if picks.is_empty() => None,
+            Value::Array(picks) => picks.iter().map(pick).collect(),
+            one => Some(vec![pick(one)?]),
+        })
     }
 
     /// True or false; false where it is not named.

@@ -79,7 +79,7 @@ fn built_in_shots_name_every_key_of_their_effects() {
         let has = |key: &str| shown.iter().any(|(shown, ..)| shown == key);
         let effect = |key: &str, table: &str| key == table || key.starts_with(&format!("{table}."));
         let is_left_out = |key: &str| {
-            (key == "camera.file" && shot.blur.is_none())
+            (["camera.file", "camera.name", "camera.animation"].contains(&key) && shot.blur.is_none())
                 || key.starts_with("smoke.emitter.")
                 || (effect(key, "blur") && shot.blur.is_none())
                 || (effect(key, "smoke") && shot.smoke.is_none())
@@ -134,9 +134,9 @@ fn built_in_shots_say_the_defaults() {
             assert_eq!(*settings, expected, "{name}");
             assert_eq!(settings.light > 0.0, shot.smoke.is_some(), "{name}: fire tints smoke where there is some");
         }
-        if let Some(Blur { scene, animation, images, settings }) = &shot.blur {
+        if let Some(Blur { scene, animations, images, settings }) = &shot.blur {
             assert_eq!(*scene, scene::Source::Builtin(crate::simulate::mesh::Builtin::Run));
-            assert_eq!((animation, images), (&None, &None));
+            assert_eq!((&animations[..], images), (&[][..], &None));
             let tooth_width = Some(crate::blur::Settings::default().tooth_width());
             assert_eq!(*settings, crate::blur::Settings { tooth_width, ..crate::blur::Settings::default() });
         }
@@ -156,7 +156,9 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
                     assert!(error.to_string().contains("not together with flame.size"), "{error}");
                 }
                 // The built-in scene has none.
-                Err(error) if key == "blur.animation" => assert!(error.to_string().contains("glTF"), "{error}"),
+                Err(error) if ["blur.animation", "camera.animation", "camera.name"].contains(&&key[..]) => {
+                    assert!(error.to_string().contains("glTF"), "{error}")
+                }
                 loaded => drop(loaded.expect(&key)),
             }
             tried.push(key);
@@ -170,7 +172,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         expected.extend(shot.flame.is_some().then_some("flame.size_pixels"));
         if shot.blur.is_some() {
             expected.extend(camera::INSTEAD_OF_FILE);
-            expected.extend(["blur.animation", "blur.images", "blur.teeth"]);
+            expected.extend(["blur.animation", "blur.images", "blur.teeth", "camera.animation", "camera.name"]);
         }
         expected.sort_unstable();
         tried.sort_unstable();
@@ -276,6 +278,20 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[blur]\nscene = \"builtin:rum\"", "shot.toml:2: blur.scene = \"builtin:rum\": ", "builtin:run"),
         ("[blur]\nimages = \"a.png\"", "shot.toml:2: blur.images = \"a.png\": ", "####"),
         ("[blur]\nanimation = \"Run\"", "shot.toml:2: blur.animation = \"Run\": ", "only with a glTF file"),
+        ("[blur]\nanimation = []", "shot.toml:2: blur.animation = []: ", "a list of names and numbers"),
+        ("[blur]\nanimation = [-1]", "shot.toml:2: blur.animation = [-1]: ", "its number, from 0"),
+        ("[blur]\nanimation = [\"Run\", 2]", "shot.toml:2: blur.animation = [\"Run\", 2]: ", "only with a glTF file"),
+        (
+            "[smoke]\n[camera]\nname = \"Top\"",
+            "shot.toml:3: camera.name = \"Top\": ",
+            "only with a glTF file as camera.file",
+        ),
+        (
+            "[smoke]\n[camera]\nfile = \"builtin:run\"\nanimation = 1",
+            "shot.toml:4: camera.animation = 1: ",
+            "only with",
+        ),
+        ("[smoke]\n[camera]\nfile = \"a.glb\"\nname = [0, 1]", "shot.toml:4: camera.name = [0, 1]: ", "its number"),
         ("[blur]\nscene = \"a.npz\"\ntrajectory = \"exact\"", "shot.toml:3: blur.trajectory = \"exact\": ", ".npz"),
         ("blur = 3", "shot.toml:1: blur = 3: ", "a table"),
         ("flame = 3", "shot.toml:1: flame = 3: ", "a table"),
@@ -440,4 +456,82 @@ fn paths_are_relative_to_the_shot() {
     fs::write(&file, "[flame]\ncolour = \"u.exr\"").expect("temporary folder");
     let message = load().expect_err("negative").to_string();
     assert!(message.contains("a.toml:2: flame.colour = -1: allowed: linear RGB"), "{message}");
+}
+
+/// A glTF file of a mesh, and cameras `Main`, `Top` (orthographic) and `Side`. `BoxAction` moves the mesh and `MainAction`
+/// the first camera, from x = 0 to x = 4 in a second.
+fn film() -> String {
+    let numbers = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 5.0, 4.0, 0.0, 5.0];
+    let bytes: String = numbers.iter().flat_map(|x| x.to_le_bytes()).map(|byte| format!("%{byte:02x}")).collect();
+    let action = |name: &str, node: u32| {
+        serde_json::json!({
+            "name": name, "samplers": [{"input": 1, "output": 2}],
+            "channels": [{"sampler": 0, "target": {"node": node, "path": "translation"}}],
+        })
+    };
+    let perspective = serde_json::json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}});
+    let orthographic = serde_json::json!({"type": "orthographic"});
+    serde_json::json!({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1, 2, 3]}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "name": "Main"}, {"camera": 1, "name": "Top"}, {"camera": 0, "name": "Side"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "cameras": [perspective, orthographic],
+        "animations": [action("BoxAction", 0), action("MainAction", 1)],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3},
+            {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "type": "SCALAR", "count": 2},
+            {"bufferView": 0, "byteOffset": 44, "componentType": 5126, "type": "VEC3", "count": 2},
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 68}],
+        "buffers": [{"byteLength": 68, "uri": format!("data:application/octet-stream,{bytes}")}],
+    })
+    .to_string()
+}
+
+#[test]
+fn a_camera_of_a_file_moves_whatever_else_is_played() {
+    let folder = Folder::new();
+    fs::write(folder.0.join("film.gltf"), film()).expect("temporary folder");
+    fs::copy(folder.0.join("film.gltf"), folder.0.join("other.gltf")).expect("temporary folder");
+    let path = folder.0.join("shot.toml");
+    fs::write(&path, "fps = 2\nframes = [1, 3]\n[camera]\nfile = \"film.gltf\"\n[blur]\nscene = \"film.gltf\"\n")
+        .expect("temporary folder");
+    let load = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+        Shot::load(path.to_str().expect("UTF-8"), &sets)
+    };
+    // Where the camera and the mesh are in the last frame.
+    let ends = |sets: &[&str]| {
+        let shot = load(sets).expect("a shot");
+        let mesh = shot.scene().expect("a mesh").expect("a blur");
+        (shot.camera(3).eye.x, mesh.pose(3.0).expect("a pose")[0][0])
+    };
+    for (sets, expected) in [
+        (&[][..], (4.0, 4.0)),
+        (&["blur.animation=BoxAction"], (4.0, 4.0)),
+        (&["blur.animation=MainAction"], (4.0, 0.0)),
+        (&["blur.animation=1"], (4.0, 0.0)),
+        (&["blur.animation=[\"MainAction\", 0]"], (4.0, 4.0)),
+        (&["blur.animation=*"], (4.0, 4.0)),
+        (&["blur.animation=MainAction", "camera.file=other.gltf"], (4.0, 0.0)),
+        (&["camera.animation=BoxAction"], (0.0, 4.0)),
+        (&["camera.animation=MainAction", "blur.animation=0"], (4.0, 4.0)),
+        (&["camera.name=Side"], (0.0, 4.0)),
+        (&["camera.name=2", "blur.animation=MainAction"], (0.0, 0.0)),
+    ] {
+        assert_eq!(ends(sets), expected, "{sets:?}");
+    }
+    for (set, words) in [
+        ("camera.name=Top", &["film.gltf", "camera `Top`", "orthographic", "perspective"][..]),
+        ("camera.name=1", &["camera `Top`", "orthographic"]),
+        ("camera.name=Rear", &["none is called `Rear`", "`Main`, `Top`, `Side`"]),
+        ("camera.animation=Fly", &["none is called `Fly`", "`BoxAction`, `MainAction`"]),
+        ("camera.animation=2", &["no number 2", "0 to 1"]),
+    ] {
+        let error = load(&[set]).expect_err(set).to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{set}: {error}");
+    }
+    let only_top = film().replace("{\"camera\":0,", "{").replace("\"nodes\":[0,1,2,3]", "\"nodes\":[0,2]");
+    fs::write(folder.0.join("other.gltf"), only_top).expect("temporary folder");
+    let error = load(&["camera.file=other.gltf"]).expect_err("no camera").to_string();
+    assert!(error.contains("other.gltf: its camera `Top` is orthographic"), "{error}");
 }

@@ -292,6 +292,6 @@ fn cameras_see_along_their_nodes() {
     assert_near(&[eye, target, up], &[[0.0, 0.0, 5.0], [0.0, 0.0, 4.0], [-1.0, 0.0, 0.0]], "turned");
     file.root["nodes"][1]["camera"] = 0.into();
     let mesh = open(&file).unwrap();
-    assert_eq!(mesh.camera(0.0), None);
-    assert_eq!(mesh.notes(), ["camera 0 is orthographic: it is not used"]);
+    assert_eq!((mesh.camera(0.0), mesh.camera_taken()), (None, None));
+    assert_eq!(mesh.cameras(), [NamedCamera { name: "0".into(), is_perspective: false }]);
 }

@@ -33,7 +33,7 @@ fn real_files_are_welded_as_their_poses_tell() {
     for (name, seconds) in [("Fox.glb", 1.0), ("BrainStem.glb", 4.0), ("MorphStressTest.gltf", 3.0)] {
         let path = Path::new(&data).join("gltf").join(name);
         if path.exists() {
-            let mesh = AnimatedMesh::read(&path, None, SECONDS).unwrap();
+            let mesh = AnimatedMesh::read(&path, &Choice::default(), SECONDS).unwrap();
             let (found, expected) = (mesh.weld(), by_poses(&mesh, &every(seconds / 12.0, 13)));
             let differing = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
             assert!(
