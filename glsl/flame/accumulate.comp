@@ -254,7 +254,7 @@ void main() {
         scene_depth[y] = inside[y] ? FAR_AWAY : 0u;
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
-                scene_depth[y] = floatBitsToUint(scene[at]);
+                scene_depth[y] = floatBitsToUint(from_base(scene[at]));
             }
         }
         sum[y] = no_sum();

@@ -56,7 +56,7 @@ void clear_present() {
 
 // Notes a particle as number `index` in the blocks that it touches.
 void note(uint row, uint index) {
-    vec4 bounds = pixel_bounds(particles[row].view.xyz, 1.0) - vec2(own_tile() * TILE).xyxy;
+    vec4 bounds = pixel_bounds(from_eye(particles[row].view.xyz), 1.0) - vec2(own_tile() * TILE).xyxy;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         vec2 low = float(BLOCK) * vec2(block & 1u, block >> 1u);
         if (all(lessThanEqual(bounds.xy, low + float(BLOCK))) && all(greaterThanEqual(bounds.zw, low))) {
@@ -71,7 +71,7 @@ float far_at(ivec2 place, int class_index) {
 
 // Colour of a particle at a pixel's ray, and its opacity there.
 vec4 fog(uint row, vec2 ray) {
-    vec4 view = particles[row].view;
+    vec3 view = from_eye(particles[row].view.xyz);
     int class_index = int(particles[row].draw.w);
     float reach = kernel_reach();
     float narrow = min(reach / max(0.75 * params.focal.w * view.z, 1e-30), 1.0) / reach;

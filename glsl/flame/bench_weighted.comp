@@ -15,7 +15,7 @@ void main() {
     }
     barrier();
     Pixel pixel = own_pixel();
-    vec2 range = vec2(from_ordered(control.range_low), from_ordered(control.range_high));
+    vec2 range = depth_range();
     vec4 sum = vec4(0.0);
     float left = 1.0;
     uint words = (params.counts.x + 31u) / 32u;

@@ -25,7 +25,7 @@ void main() {
     float brightest = uintBitsToFloat(control.brightest);
     uint light = share_of(colour.r, brightest) | share_of(colour.g, brightest) << 16u;
     float reach = reach_of(view.w, mask_level());
-    vec4 bounds = pixel_bounds(view.xyz, reach);
+    vec4 bounds = pixel_bounds(from_eye(view.xyz), reach);
     uvec4 cells;
     uint level = cells_of(bounds, cells);
     bool touches = on_screen(bounds);

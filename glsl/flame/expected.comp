@@ -166,18 +166,18 @@ float narrow_rise(vec2 centre, vec2 zeta, float near, float pixel, float chance)
     return all_of_it * (before.y - before.x) / max(1.0 - all_of_it * (before.x - before.z), 1e-30);
 }
 
-// Where a pixel's ray meets a particle.
+// Where a pixel's ray meets a particle. Depths are those from the frame's base, but for `z`: from the eye.
 struct Meeting {
     vec2 slope;
     vec2 centre;  // from the particle to the ray, at the particle's depth
     vec2 zeta;    // where a bin, as far as the scene lets one see, begins and ends; metres behind the particle
 };
 
-Meeting meet(vec3 view, vec2 bin, vec2 ray, float step_down, int y) {
+Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, int y) {
     vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
     float end = min(bin.y, scene_depth[y]);
     vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);
-    return Meeting(slope, view.z * slope - view.xy, zeta);
+    return Meeting(slope, z * slope - view.xy, zeta);
 }
 
 // Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
@@ -188,24 +188,25 @@ void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, fl
     vec2 weights = uintBitsToFloat(particles[row].light.zw);
     float weight = is_one ? weights.x : 0.0;
     float chance = weights.y;
-    float pixel = params.focal.w * view.z;
+    float z = from_eye(view).z;
+    float pixel = params.focal.w * z;
     bool narrow = is_narrow(pixel);
-    float near = params.lens.z - view.z;
+    float near = params.lens.z - depth_base() - view.z;
     // What decides for all rows is asked once, and not in each.
     float rises[ROWS];
     if (narrow) {
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            Meeting met = meet(view, bin, ray, step_down, y);
+            Meeting met = meet(view, z, bin, ray, step_down, y);
             rises[y] = narrow_rise(met.centre, met.zeta, near, pixel, chance);
         }
     } else {
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            Meeting met = meet(view, bin, ray, step_down, y);
+            Meeting met = meet(view, z, bin, ray, step_down, y);
             rises[y] = rise(met.centre, met.slope, met.zeta, class_index);
         }
         if (near > -params.space.z) {
             [[unroll]] for (int y = 0; y < ROWS; ++y) {
-                Meeting met = meet(view, bin, ray, step_down, y);
+                Meeting met = meet(view, z, bin, ray, step_down, y);
                 rises[y] /= cut_by_near(met.centre, met.slope, met.zeta.x, near, class_index);
             }
         }
@@ -228,10 +229,10 @@ void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, fl
     }
 }
 
-// The middle of a bin, in metres; what lies before the near plane is not there.
+// The middle of a bin, in metres from the frame's base; what lies before the near plane is not there.
 float middle(uint bin, vec2 scale) {
     vec2 ends = scale.x + vec2(float(bin), float(bin + 1u)) / scale.y;
-    ends = max(ends, vec2(params.lens.z));
+    ends = max(ends, vec2(params.lens.z - depth_base()));
     return 0.5 * (ends.x + ends.y);
 }
 
@@ -327,7 +328,7 @@ void main() {
         scene_depth[y] = uintBitsToFloat(FAR_AWAY);
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
-                scene_depth[y] = scene[at];
+                scene_depth[y] = from_base(scene[at]);
             }
         }
         uvec4 a = uvec4(0u, 0u, 0u, floatBitsToUint(1.0)), b = uvec4(0u), c = uvec4(0u), d = uvec4(0u);
@@ -370,7 +371,7 @@ void main() {
         uint from = segment * control.segment_entries;
         uint to = is_seen ? min(from + control.segment_entries, total) : 0u;
         vec2 depths = vec2(scale.x + float(bin) / scale.y, scale.x + float(bin + 1u) / scale.y);
-        depths = max(depths, vec2(params.lens.z));
+        depths = max(depths, vec2(params.lens.z - depth_base()));
         uint at = from;
         do {
             if (at + lane < to) {
@@ -382,7 +383,7 @@ void main() {
                 }
                 uint row = entries[lists[level].x + index];
                 vec4 view = particles[row].view;
-                vec4 bounds = pixel_bounds(view.xyz, 1.0) - vec4(vec2(tile * TILE), vec2(tile * TILE));
+                vec4 bounds = pixel_bounds(from_eye(view.xyz), 1.0) - vec4(vec2(tile * TILE), vec2(tile * TILE));
                 bool reaches = view.z + params.space.z >= depths.x && view.z - params.space.z <= depths.y;
                 [[unroll]] for (uint other = 0u; other < BLOCKS; ++other) {
                     vec2 low = float(BLOCK) * vec2(other & 1u, other >> 1u);

@@ -18,7 +18,7 @@ void main() {
     }
     vec4 view = particles[row].view;
     uvec4 cells;
-    uint level = cells_of(pixel_bounds(view.xyz, particles[row].slope.w), cells);
+    uint level = cells_of(pixel_bounds(from_eye(view.xyz), particles[row].slope.w), cells);
     vec2 scale = bucket_scale();
     uint bucket = bucket_of(nearest_of(view.z), scale.x, scale.y);
     for (uint y = cells.y; y <= cells.w; ++y) {

@@ -5,6 +5,7 @@
 layout(local_size_x = 256) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) writeonly buffer LampBuffer { Lamp lamp; };
+layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };
 
 shared vec4 places[256];   // brightness times position; brightness
 shared vec4 colours[256];  // sum of colours; brightness times squared distance
@@ -34,6 +35,6 @@ void main() {
         float brightest = max(colour.r, max(colour.g, colour.b));
         // The fire reaches about two standard deviations from its middle.
         lamp.place = vec4(middle, max(4.0 * spread, 1e-6));
-        lamp.colour = vec4(params.light.w * colour.rgb / max(brightest, 1e-30), 0.0);
+        lamp.colour = vec4(params.light.w * colour.rgb / max(brightest, 1e-30), uintBitsToFloat(control.base));
     }
 }

@@ -13,6 +13,6 @@ void main() {
         discard;
     }
     vec2 slope = (gl_FragCoord.xy - params.focal.yz) * params.focal.w;
-    vec3 away = depth * vec3(slope.x, -slope.y, 1.0) - lamp.place.xyz;
+    vec3 away = vec3(depth * vec2(slope.x, -slope.y), depth - lamp.colour.w) - lamp.place.xyz;
     brighter = vec4(lamp.colour.rgb / (1.0 + dot(away, away) / lamp.place.w), 0.0);
 }

@@ -49,6 +49,10 @@ struct Control {
     uint listed;           // entries of the longest list that a tile can have
     uint classes;          // of the kernel table: a bit for each that a particle needs
     uint new_classes;      // those of them that the table does not have
+    uint base;             // bits of the view depth that particles' depths are less; 0 unless the fire is far away
+    uint depth_low;        // depth range of what can be seen from there, if it is not 0
+    uint depth_high;
+    uint unused;
     uvec4 tile_groups;     // dispatch over occupied tiles
     uvec4 active_groups;   // dispatch over tiles that need more repetitions
     uvec4 tile_draw;       // draw of occupied tiles
@@ -60,18 +64,18 @@ struct Control {
 
 // A physical particle in a frame.
 struct Particle {
-    vec4 view;      // centre in view space; w: alpha where the mask is 1
+    vec4 view;      // centre in view space, z less the frame's base; w: alpha where the mask is 1
     vec4 centre;    // centre in pixels: whole and fraction of x, whole and fraction of y
     vec4 slope;     // x / z and y / z of the centre; 1 if it is too near the camera for these; share of its square that matters
     vec4 colour;    // linear RGB; w: mean number of render particles
-    uvec4 draw;     // hash of its id, id, number of render particles (0: dropped), class of the kernel table
+    uvec4 draw;     // hash of its id, id, number of render particles (0: dropped), class of the kernel table; until `range` bits of what z has lost in rounding
     uvec4 light;    // colour in 65535ths of the brightest: r | g << 16, b; weight of its class; 1 if it is in lists, until `weigh` has how often a sprite below a pixel passes there
 };
 
 // The fire as a lamp, in view space.
 struct Lamp {
-    vec4 place;   // middle; square of its width
-    vec4 colour;  // how much it brightens what is close to it
+    vec4 place;   // middle, z less the frame's base; square of its width
+    vec4 colour;  // how much it brightens what is close to it; the frame's base
 };
 
 #endif

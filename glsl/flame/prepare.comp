@@ -46,7 +46,8 @@ void main() {
         vec4 position = positions[row];
         bool valid = is_finite(position.x) && is_finite(position.y) && is_finite(position.z) && is_finite(position.w) && position.w > 0.0;
         float t = valid ? min(position.w, params.space.w) : 1.0;
-        vec3 view = valid ? to_view(position.xyz) : vec3(0.0);
+        vec4 view_and_rest = valid ? to_view_and_rest(position.xyz) : vec4(0.0);
+        vec3 view = view_and_rest.xyz;
         float alpha = params.model.x * t / params.model.w;
         float mean_count = min(params.model.z * t / params.model.w, float(MOST_COUNT));
         uint id = (params.flags.w & 2u) != 0u ? ids[row] : row;
@@ -76,7 +77,7 @@ void main() {
         vec2 whole = floor(centre);
         particles[row] = Particle(vec4(view, alpha), vec4(whole.x, centre.x - whole.x, whole.y, centre.y - whole.y),
             vec4(slope, near_camera ? 1.0 : 0.0, 1.0), vec4(colour, mean_count),
-            uvec4(pcg(id + pcg(params.draw.x)), id, count, 0u), uvec4(0u));
+            uvec4(pcg(id + pcg(params.draw.x)), id, count, floatBitsToUint(view_and_rest.w)), uvec4(0u));
     }
     barrier();
     if (lane == 0u) {

@@ -4,10 +4,13 @@
 #include "params.glsl"
 layout(binding = 4, r32f) uniform readonly image2D levels;
 layout(std430, binding = 5) readonly buffer Scene { float scene[]; };
+layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(constant_id = 4) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
 layout(location = 0) flat in vec4 place;
 layout(location = 1) flat in uvec4 sprite;
 layout(location = 0) out uvec2 winner;
+#include "../common/bits.glsl"
+#include "depth_range.glsl"
 #include "mask_value.glsl"
 
 void main() {
@@ -16,7 +19,7 @@ void main() {
     float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.model.y;
     if (HAS_SCENE == 1u) {
-        passes = passes && place.z < scene[uint(gl_FragCoord.y) * params.image.x + uint(gl_FragCoord.x)];
+        passes = passes && place.z < from_base(scene[uint(gl_FragCoord.y) * params.image.x + uint(gl_FragCoord.x)]);
     }
     if (!passes) {
         discard;

@@ -4,7 +4,7 @@
 // Places in the mask's levels: texels a pixel, and what `draw_mask` has chosen.
 struct Sprite {
     vec2 at;       // centre in pixels
-    float z;       // view depth
+    float z;       // view depth, less the frame's base
     float scale;   // texels of the mask's level a pixel
     uint texel;    // variant << 16 | place within each texel's sorted alphas
     bool exists;   // ahead of near, before far, and not lost below a pixel
@@ -16,7 +16,8 @@ struct Optics {
     vec3 up;
     vec3 forward;
     float spread;
-    float near;
+    float base;       // the view depth that those of particles are less
+    float near;       // from there, as `far` is
     float far;
     float focal;      // pixels of a slope of 1
     float half_side;  // half a sprite, in metres or pixels
@@ -27,14 +28,15 @@ struct Optics {
 };
 
 Optics optics_of_frame(uint level) {
-    return Optics(params.right.xyz, params.up.xyz, params.forward.xyz, params.space.x, params.lens.z, params.lens.w, params.focal.x,
+    return Optics(params.right.xyz, params.up.xyz, params.forward.xyz, params.space.x, depth_base(),
+        params.lens.z - depth_base(), params.lens.w - depth_base(), params.focal.x,
         0.5 * params.space.y, (params.flags.w & 1u) != 0u, params.draw.y, 0.5 * float(MASK_SIDE >> level), float(1u << (2u * level)));
 }
 
 // What render particles need of their particle.
 struct Source {
     vec2 at;     // its centre in pixels
-    float z;     // its view depth
+    float z;     // its view depth, less the frame's base
     vec2 slope;  // x / z and y / z
     vec2 from;   // near the camera there is no slope: x and y, and `at` is the middle of the picture
 };
@@ -51,7 +53,7 @@ Sprite make_sprite(Optics optics, Source source, uint particle_word, uint repeti
     vec3 in_view = vec3(dot(optics.right, offset), dot(optics.up, offset), dot(optics.forward, offset));
     vec2 from = in_view.xy + source.from;
     float z = source.z + in_view.z;
-    float per_metre = optics.focal / max(z, optics.near);
+    float per_metre = optics.focal / (max(z, optics.near) + optics.base);
     vec2 across = vec2(from.x - source.slope.x * in_view.z, source.slope.y * in_view.z - from.y);
     float half_side = optics.half_side * (optics.in_pixels ? 1.0 : per_metre);
     // A sprite below a pixel is a pixel that passes as often as it would have covered the centre.

@@ -28,7 +28,7 @@ void main() {
     float threshold = view.w > 0.0 ? params.model.y / view.w : params.model.y > 0.0 ? 2.0 : 0.0;
     uint class_index = uint(class_place(threshold) + 0.5);
     float weight = float(particles[row].draw.z) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);
-    float pixel = params.focal.w * view.z;
+    float pixel = params.focal.w * (view.z + uintBitsToFloat(control.base));
     // What is narrower than a pixel needs no table: how often one of its sprites, which fills a part of its pixel, passes there.
     float all = float(params.draw.y * MASK_SIDE * MASK_SIDE);
     float side = min(params.space.y / max(pixel, 1e-30), 1.0);

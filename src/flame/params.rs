@@ -74,6 +74,10 @@ pub struct Control {
     pub listed: u32,
     pub classes: u32,
     pub new_classes: u32,
+    pub base: u32,
+    pub depth_low: u32,
+    pub depth_high: u32,
+    pub unused: u32,
     pub tile_groups: [u32; 4],
     pub active_groups: [u32; 4],
     pub tile_draw: [u32; 4],
@@ -128,6 +132,7 @@ impl Control {
         Control {
             nearest: u32::MAX,
             range_low: u32::MAX,
+            depth_low: u32::MAX,
             tile_groups: [0, 1, 1, 0],
             active_groups: [0, 1, 1, 0],
             tile_draw: [4, 0, 0, 0],

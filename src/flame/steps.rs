@@ -155,6 +155,7 @@ impl Steps<'_> {
         let particles = Command::Dispatch { threads: [self.moment.given.count, 1, 1] };
         let one_group = Command::Dispatch { threads: [256, 1, 1] };
         self.plan.step(self.passes.prepare, particles);
+        self.plan.step(self.passes.range, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
         let repetitions = match self.desc.settings.mode {

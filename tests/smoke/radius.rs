@@ -43,8 +43,8 @@ fn positions(volume: &Volume, key: u32) -> Vec<[f32; 3]> {
         match kind {
             0 => face,
             1 => origin + ((draw(1) * n as f32).floor() + 0.5) * h,
-            2 => face.next_up(),
-            3 => face.next_down(),
+            2 => beside(face, face.next_up()),
+            3 => beside(face, face.next_down()),
             4 => origin + (draw(2) * 1.2 - 0.1) * n as f32 * h,
             _ => origin + draw(2) * n as f32 * h,
         }
@@ -52,6 +52,11 @@ fn positions(volume: &Volume, key: u32) -> Vec<[f32; 3]> {
     (0..COUNT)
         .map(|index| [0, 1, 2].map(|axis| along(axis, index, (random(key, index, 40 + axis as u32) * 9.0) as u32)))
         .collect()
+}
+
+/// What is one step beside 0 is the least normal number: a device may take subnormal ones for 0.
+fn beside(face: f32, step: f32) -> f32 {
+    if step.is_subnormal() { face + f32::MIN_POSITIVE.copysign(step) } else { step }
 }
 
 /// Runs the search for particles at these places.

@@ -1,0 +1,104 @@
+//! Effects in all ways that their kernels are specialised for.
+
+use ash::vk;
+use celfx::blur::settings::{Completion, Refine, Space};
+use celfx::flame::colour::Table;
+use celfx::flame::settings::{Mode, Sampling, Shape};
+use celfx::flame::{self, SceneFormat};
+use celfx::gpu::buffer::BufferDesc;
+use celfx::gpu::image::ImageDesc;
+use celfx::host::DepthFormat;
+use celfx::plan::Pass;
+use celfx::smoke::settings::{Integrator, Operator, Shadow};
+use celfx::{blur, smoke};
+
+use crate::common::bench::RANGE;
+use crate::common::{flame as fire, scenes};
+
+/// What an effect's pipelines are made of.
+pub struct Variant {
+    pub passes: Vec<Pass>,
+    pub buffers: Vec<BufferDesc>,
+    pub images: Vec<ImageDesc>,
+}
+
+const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: false };
+
+/// Each of `bits` switches on or off, in all ways.
+fn switches<const N: usize>() -> impl Iterator<Item = [bool; N]> {
+    (0..1_u32 << N).map(|word| std::array::from_fn(|bit| word >> bit & 1 == 1))
+}
+
+pub fn all() -> Vec<Variant> {
+    let smoke = switches().flat_map(|bits| [Shadow::Exact, Shadow::Map, Shadow::None].map(|s| smoke_of(bits, s)));
+    let completions = [Completion::Surface, Completion::Gradient, Completion::None];
+    let blur = switches().flat_map(|bits| completions.map(|c| blur_of(bits, c)));
+    smoke.chain(flames()).chain(blur).collect()
+}
+
+fn smoke_of([rk2, second, layers, skipping, depth, flat, plain]: [bool; 7], shadow: Shadow) -> Variant {
+    let mut settings = smoke::Settings { shadow, ..smoke::Settings::default() };
+    settings.integrator = if rk2 { Integrator::Rk2 } else { Integrator::Euler };
+    settings.outline.operator = if second { Operator::Second } else { Operator::Roberts };
+    settings.outline.width = if second { 16.0 } else { 1.0 };
+    settings.outline.strength = if plain { 0.0 } else { 1.0 };
+    settings.sigma = if flat { 0.0 } else { settings.sigma };
+    let desc = scenes::desc([16, 16], [8; 3], settings);
+    let desc = smoke::Desc { layers, skipping, depth: depth.then_some(DEPTH), edges: depth, velocity: true, ..desc };
+    let layout = smoke::layout::Layout::new(&desc, RANGE).expect("a layout");
+    let passes = smoke::passes::Passes::new(&desc, &layout).list;
+    Variant { passes, buffers: layout.buffers().collect(), images: layout.images(&desc).to_vec() }
+}
+
+fn flames() -> impl Iterator<Item = Variant> {
+    let tables =
+        || [Table::physical(3e3, 1.0, 3e3), Table::displayable(3e3, 2.0, 1.0), Table::ramp(3e3, &[[1.0; 3]; 2])];
+    switches().flat_map(move |bits| tables().map(|table| flame_of(bits, &table)))
+}
+
+fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], table: &Table) -> Variant {
+    let settings = flame::Settings {
+        mode: if expected { Mode::Expected } else { Mode::Stochastic },
+        shape: if cube { Shape::Cube } else { Shape::Ball },
+        sampling: if sobol { Sampling::ShuffledSobol } else { Sampling::Independent },
+        flicker: if flicker { 0.5 } else { 0.0 },
+        ..flame::Settings::default()
+    };
+    let scene = scene.then_some(SceneFormat::Buffer);
+    let desc = flame::Desc { scene, layers, ..fire::desc([16, 16], 8, settings) };
+    let layout = flame::layout::Layout::new(&desc, table, RANGE).expect("a layout");
+    let passes = flame::passes::Passes::new(&desc, table).list;
+    Variant { passes, buffers: layout.buffers().collect(), images: layout.images(&desc).to_vec() }
+}
+
+fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], completion: Completion) -> Variant {
+    let mut settings = blur::Settings { completion, ..blur::Settings::default() };
+    settings.space = if screen { Space::Screen } else { Space::Homogeneous };
+    settings.refine = if by_length { Refine::Length } else { Refine::Error };
+    settings.toon.outline.operator = if second { Operator::Second } else { Operator::Roberts };
+    settings.toon.outline.width = if second { 16.0 } else { 1.0 };
+    settings.toon.outline.strength = if plain { 0.0 } else { 1.0 };
+    let desc = blur::Desc {
+        size: [16, 16],
+        target_format: vk::Format::R32G32B32A32_SFLOAT,
+        points: 8,
+        triangles: 8,
+        neighbours: 8,
+        objects: 1,
+        groups: 8,
+        group_triangles: 8,
+        outer: true,
+        toon: true,
+        depth: depth.then_some(DEPTH),
+        most_triangles: 64,
+        segments: if many { 32 } else { 1 },
+        frames_resident: 4,
+        seed: 0,
+        settings,
+        layers,
+        skipping: true,
+    };
+    let layout = blur::layout::Layout::new(&desc, RANGE).expect("a layout");
+    let passes = blur::passes::Passes::new(&desc).list;
+    Variant { passes, buffers: layout.buffers().collect(), images: layout.images(&desc).to_vec() }
+}
