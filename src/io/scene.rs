@@ -4,6 +4,7 @@ mod cache;
 mod colour;
 mod document;
 mod gltf;
+mod references;
 mod rig;
 mod track;
 mod weld;
@@ -14,6 +15,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::thread;
 
+pub use self::references::references;
 pub use self::weld::{CREASE, Welder, shading_groups, weld};
 
 use self::cache::Cache;

@@ -339,7 +339,7 @@ fn base64(text: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// A URI with its `%XX` decoded.
-fn percent_decoded(uri: &str) -> String {
+pub(super) fn percent_decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
