@@ -2,14 +2,19 @@
 //!
 //! Every writer is atomic: a file appears whole or not at all (see [`write_atomic`]).
 
+use std::borrow::Cow;
 use std::collections::HashMap;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use xxhash_rust::xxh3::xxh3_64;
+
 pub mod array;
+pub mod file;
 pub mod image;
+pub mod overlap;
 mod palette;
 pub mod particles;
 pub mod pattern;
@@ -56,26 +61,14 @@ pub struct WriteError {
 }
 
 /// Writes `path` so that it appears whole or not at all: into a hidden file `.NAME.PID.part` beside it, synced, then
-/// renamed. Folders that are missing are made, a file of that name is replaced, and a `.part` that a killed run left
-/// behind does not disturb (see [`remove_stale_parts`]). On an error the `.part` is removed and what was at `path` stays.
+/// renamed; where NAME is long, that of the hidden file has a hash of it in its place. Folders that are missing are made, a
+/// file of that name is replaced, and a `.part` that a killed run left behind does not disturb (see [`remove_stale_parts`]). On an error the `.part` is removed and what was at `path` stays.
 pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
     write_atomic_io(path, write).map_err(|source| WriteError { path: path.into(), source })
 }
 
 fn write_atomic_io(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let Some(name) = path.file_name() else {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path does not end in a file name"));
-    };
-    // A rename would put a plain file in the place of a device or pipe such as /dev/null.
-    if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
-        return Err(io::Error::new(io::ErrorKind::AlreadyExists, "there is something of that name that is not a file"));
-    }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)?;
-    let mut part_name = OsString::from(".");
-    part_name.push(name);
-    part_name.push(format!(".{}.part", std::process::id()));
-    let part = folder.join(part_name);
+    let part = begin(path)?;
     let result = fill(&part, write).and_then(|()| fs::rename(&part, path));
     if result.is_err() {
         // The first error is the one to report, whether or not there was anything to remove.
@@ -83,8 +76,56 @@ fn write_atomic_io(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::
         return result;
     }
     // Makes the rename durable too; not every file system can sync a folder, and the file itself is safe by now.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
     Ok(())
+}
+
+/// Whether [`write_atomic`] could write `path`: its folder is made, and a file beside it is written and removed.
+pub fn probe(path: &Path) -> Result<(), WriteError> {
+    let probe = || {
+        let part = begin(path)?;
+        // The folder is there: all that may be missing is the file. Anything else would show only after the rendering,
+        // such as a name that is too long, or a folder that may not be looked into.
+        match fs::symlink_metadata(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let written = fill(&part, |_| Ok(()));
+        // The first error is the one to report.
+        let removed = fs::remove_file(&part);
+        written.and(removed)
+    };
+    probe().map_err(|source| WriteError { path: path.into(), source })
+}
+
+/// Makes the folder of `path` and returns the `.part` beside it; an error where there is no room for a plain file.
+fn begin(path: &Path) -> io::Result<PathBuf> {
+    let Some(name) = path.file_name() else {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path does not end in a file name"));
+    };
+    // A rename would put a plain file in the place of a device or pipe such as /dev/null.
+    if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, "there is something of that name that is not a file"));
+    }
+    let folder = folder_of(path);
+    fs::create_dir_all(folder)?;
+    let mut part = OsString::from(".");
+    part.push(stem(name));
+    part.push(format!(".{}.part", std::process::id()));
+    Ok(folder.join(part))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// What stands for a file's name in that of its `.part`, which is longer and must not be too long where the name is not.
+fn stem(name: &OsStr) -> Cow<'_, OsStr> {
+    const LONGEST: usize = 100;
+    match name.as_encoded_bytes() {
+        bytes if bytes.len() > LONGEST => Cow::Owned(format!("{:016x}", xxh3_64(bytes)).into()),
+        _ => Cow::Borrowed(name),
+    }
 }
 
 fn fill(part: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
@@ -105,34 +146,43 @@ pub fn remove_stale_parts(paths: impl IntoIterator<Item = PathBuf>) {
     if !Path::new("/proc/self").exists() {
         return;
     }
-    let mut folders: HashMap<PathBuf, HashMap<OsString, Vec<PathBuf>>> = HashMap::new();
+    let mut folders: HashMap<PathBuf, Parts> = HashMap::new();
     for path in paths {
         let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { continue };
         let parts = match folders.get_mut(folder) {
             Some(parts) => parts,
             None => folders.entry(folder.into()).or_insert_with(|| stale_parts(folder)),
         };
-        for part in parts.remove(name).unwrap_or_default() {
+        for part in parts.remove(stem(name).as_encoded_bytes()).unwrap_or_default() {
             // It was half a file that nobody will finish; the next run tries again.
             let _ = fs::remove_file(part);
         }
     }
 }
 
-/// The parts in a folder whose process is gone, by the name of the file that they were to become.
-fn stale_parts(folder: &Path) -> HashMap<OsString, Vec<PathBuf>> {
-    let mut parts: HashMap<OsString, Vec<PathBuf>> = HashMap::new();
+/// Parts by the [`stem`] of the file that they were to become.
+type Parts = HashMap<Vec<u8>, Vec<PathBuf>>;
+
+/// The parts in a folder whose process is gone.
+fn stale_parts(folder: &Path) -> Parts {
+    let mut parts = Parts::new();
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let file = entry.file_name();
-        let name = file.to_str().and_then(|name| name.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.'));
-        let Some((name, process)) = name else { continue };
-        let is_gone = process.parse::<u32>().is_ok_and(|id| !Path::new(&format!("/proc/{id}")).exists());
-        if is_gone {
-            parts.entry(name.into()).or_default().push(entry.path());
+        let Some((stem, process)) = part_of(file.as_encoded_bytes()) else { continue };
+        if !Path::new(&format!("/proc/{process}")).exists() {
+            parts.entry(stem.to_owned()).or_default().push(entry.path());
         }
     }
     parts
+}
+
+/// Stem and process of a `.STEM.PID.part`.
+fn part_of(file: &[u8]) -> Option<(&[u8], u32)> {
+    let rest = file.strip_prefix(b".")?.strip_suffix(b".part")?;
+    let dot = rest.iter().rposition(|byte| *byte == b'.')?;
+    let process = std::str::from_utf8(&rest[dot + 1..]).ok()?.parse().ok()?;
+    Some((&rest[..dot], process))
 }
 
 #[cfg(test)]
@@ -222,12 +272,34 @@ pub(crate) mod tests {
             "1.png".into(),
             format!("1.png.{gone}.part"),
         ];
-        let removed = [format!(".1.png.{gone}.part"), format!(".2.png.{gone}.part")];
+        let long = "long".repeat(60);
+        let stem = stem(OsStr::new(&long)).into_owned().into_string().unwrap();
+        let removed = [".1.png.", ".2.png.", &format!(".{stem}.")].map(|part| format!("{part}{gone}.part"));
         kept.iter().chain(&removed).for_each(|name| fs::write(folder.0.join(name), b"half").unwrap());
-        remove_stale_parts(["1.png", "2.png", "3.png", "no folder/1.png"].map(|name| folder.0.join(name)));
+        remove_stale_parts(["1.png", "2.png", "3.png", &long, "no folder/1.png"].map(|name| folder.0.join(name)));
         let mut kept = kept;
         kept.sort();
         assert_eq!(folder.names(), kept);
+    }
+
+    #[test]
+    fn a_name_may_be_as_long_as_the_file_system_allows() {
+        let folder = Folder::new();
+        // What most file systems take, in bytes.
+        let longest = "n".repeat(251) + ".png";
+        for name in [&longest[..], &longest[150..]] {
+            probe(&folder.0.join(name)).unwrap();
+            assert!(folder.names().is_empty());
+            write_atomic(&folder.0.join(name), |w| w.write_all(b"x")).unwrap();
+            assert_eq!(folder.names(), [name]);
+            fs::remove_file(folder.0.join(name)).unwrap();
+        }
+        // Also where its folder is not there yet.
+        for name in [format!("a{longest}"), format!("new/a{longest}")] {
+            let error = probe(&folder.0.join(&name)).unwrap_err().to_string();
+            assert!(error.contains(&name), "{error}");
+        }
+        assert_eq!(folder.names(), ["new"]);
     }
 
     #[test]

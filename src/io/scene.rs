@@ -8,6 +8,7 @@ mod document;
 mod extensions;
 mod gltf;
 mod json;
+mod references;
 mod rig;
 mod track;
 mod weld;
@@ -19,6 +20,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 pub use self::choice::{Choice, NamedCamera, Pick};
+pub use self::references::references;
 pub use self::weld::{CREASE, Welder, shading_groups, weld};
 
 use self::cache::Cache;

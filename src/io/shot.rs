@@ -17,6 +17,7 @@
 //! `celfx shot builtin:campfire` and `celfx shot builtin:blur` print every key.
 
 mod camera;
+mod files;
 mod keys;
 mod read;
 mod texture;
@@ -30,6 +31,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::ReadError;
+use super::overlap::Files;
 use super::particles::ParticleSequence;
 use super::pattern::{Pattern, PatternError};
 use super::picture::{self, Format};
@@ -134,6 +136,8 @@ pub struct Shot {
     camera: CameraTrack,
     light: LightTrack,
     ambient: Track<f64>,
+    /// What its keys name.
+    files: Vec<Files>,
 }
 
 /// Why a shot cannot be used.
@@ -208,6 +212,7 @@ impl Shot {
             smoke: tree.get("smoke").map(|_| smoke(tree, folder)).transpose()?,
             flame: tree.get("flame").map(|_| flame(tree, folder)).transpose()?,
             blur: tree.get("blur").map(|_| blur(tree, folder, frames)).transpose()?,
+            files: files::named(tree, folder)?,
         };
         if shot.smoke.is_none() && shot.flame.is_none() && shot.blur.is_none() {
             let message =

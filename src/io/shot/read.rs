@@ -7,6 +7,7 @@ use toml::Value;
 use super::track::{Between, Track};
 use super::tree::{self, Kind, Node, Tree};
 use super::{Background, ShotError};
+use crate::io::pattern::LAST_FRAME;
 use crate::io::scene::Pick;
 use crate::view::{BRIGHTEST, FARTHEST};
 
@@ -34,7 +35,7 @@ impl Tree {
     /// First and last frame.
     pub(super) fn frames(&self) -> Result<[u32; 2]> {
         self.read("frames", [1, 48], |value| match value.as_array()?.as_slice() {
-            [first, last] => Some([whole(first)?, whole(last)?]).filter(|[a, b]| a <= b && *b <= 999_999),
+            [first, last] => Some([whole(first)?, whole(last)?]).filter(|[a, b]| a <= b && *b <= LAST_FRAME),
             _ => None,
         })
     }

@@ -1,0 +1,144 @@
+//! Files as such: which one a path means, and whether it is still what it was.
+
+use std::fs::{self, Metadata};
+use std::io;
+use std::path::{Component, Path, PathBuf};
+use std::time::SystemTime;
+
+use super::ReadError;
+
+/// Which file it is, whatever path leads to it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Identity(#[cfg(unix)] [u64; 2], #[cfg(not(unix))] PathBuf);
+
+impl Identity {
+    /// That of the file at `path`, links followed; none if there is no such file.
+    pub fn of(path: &Path) -> Option<Identity> {
+        Identity::new(path, &fs::metadata(path).ok()?).ok()
+    }
+
+    #[cfg(unix)]
+    fn new(_: &Path, metadata: &Metadata) -> io::Result<Identity> {
+        use std::os::unix::fs::MetadataExt;
+        Ok(Identity([metadata.dev(), metadata.ino()]))
+    }
+
+    #[cfg(not(unix))]
+    fn new(path: &Path, _: &Metadata) -> io::Result<Identity> {
+        fs::canonicalize(path).map(Identity)
+    }
+}
+
+/// What tells that a file has been written or replaced since.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    file: Identity,
+    size: u64,
+    modified: Option<SystemTime>,
+}
+
+impl Stamp {
+    /// That of the file at `path` now.
+    ///
+    /// # Errors
+    /// There is no such file.
+    pub fn of(path: &Path) -> Result<Stamp, ReadError> {
+        let stamp = || {
+            let metadata = fs::metadata(path)?;
+            let file = Identity::new(path, &metadata)?;
+            io::Result::Ok(Stamp { file, size: metadata.len(), modified: metadata.modified().ok() })
+        };
+        stamp().map_err(|error| ReadError::file(path, error, "a file that can be read"))
+    }
+
+    /// An error if the file at `path` is not as it was.
+    pub fn check(&self, path: &Path) -> Result<(), ReadError> {
+        match Stamp::of(path)? == *self {
+            true => Ok(()),
+            false => {
+                let expected = "a file that stays as it is while frames are made from it";
+                Err(ReadError::file(path, "was written or replaced after it was first looked at", expected))
+            }
+        }
+    }
+}
+
+/// The path of a folder without links, `.` and `..`; what of it is not there yet is taken as it is written.
+pub fn resolved(folder: &Path) -> PathBuf {
+    let mut found = std::env::current_dir().unwrap_or_default();
+    for component in folder.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                found.pop();
+            }
+            Component::Prefix(_) | Component::RootDir => found.push(component),
+            Component::Normal(name) => {
+                found.push(name);
+                found = fs::canonicalize(&found).unwrap_or(found);
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::tests::Folder;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_is_one_by_all_of_its_names() {
+        let folder = Folder::new();
+        let path = |name: &str| folder.0.join(name);
+        fs::create_dir(path("a")).unwrap();
+        fs::write(path("a/file"), "x").unwrap();
+        fs::write(path("a/other"), "x").unwrap();
+        fs::hard_link(path("a/file"), path("hard")).unwrap();
+        std::os::unix::fs::symlink("a/file", path("soft")).unwrap();
+        let file = Identity::of(&path("a/file"));
+        assert!(file.is_some());
+        for name in ["hard", "soft", "a/../a/./file"] {
+            assert_eq!(Identity::of(&path(name)), file, "{name}");
+        }
+        assert_ne!(Identity::of(&path("a/other")), file);
+        assert_eq!(Identity::of(&path("none")), None);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn folders_are_found_whether_they_are_there_or_not() {
+        let folder = Folder::new();
+        let real = fs::canonicalize(&folder.0).unwrap();
+        fs::create_dir_all(folder.0.join("a/b")).unwrap();
+        std::os::unix::fs::symlink("a/b", folder.0.join("link")).unwrap();
+        for (name, found) in [
+            ("a/./b", "a/b"),
+            ("link", "a/b"),
+            // The folder above what the link leads to.
+            ("link/..", "a"),
+            ("link/new/sub", "a/b/new/sub"),
+            ("new/../a", "a"),
+            ("new/./sub/..", "new"),
+        ] {
+            assert_eq!(resolved(&folder.0.join(name)), real.join(found), "{name}");
+        }
+        assert_eq!(resolved(Path::new("")), fs::canonicalize(".").unwrap());
+        assert_eq!(resolved(Path::new("new")), fs::canonicalize(".").unwrap().join("new"));
+    }
+
+    #[test]
+    fn a_file_that_changes_is_noticed() {
+        let folder = Folder::new();
+        let path = folder.0.join("file");
+        fs::write(&path, "one").unwrap();
+        let stamp = Stamp::of(&path).unwrap();
+        assert!(stamp.check(&path).is_ok());
+        fs::write(&path, "three").unwrap();
+        let error = stamp.check(&path).unwrap_err().to_string();
+        assert!(error.contains("file: was written or replaced"), "{error}");
+        fs::remove_file(&path).unwrap();
+        assert!(stamp.check(&path).is_err() && Stamp::of(&path).is_err());
+    }
+}
