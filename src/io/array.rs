@@ -10,7 +10,7 @@ use exr::prelude::f16;
 use npyz::WriterBuilder;
 use npyz::npz::NpzArchive;
 
-use super::{ReadError, WriteError, write_atomic};
+use super::{ReadError, WriteError, file, write_atomic};
 
 /// Header text longer than this is refused; that of a plain array has about 100 bytes.
 const MAX_HEADER: usize = 1 << 16;
@@ -115,7 +115,7 @@ impl Archive {
     /// Opens the file and reads the list of its arrays.
     pub fn open(path: &Path) -> Result<Archive, ReadError> {
         let whole = "a whole .npz file as numpy.savez writes it";
-        let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
+        let file = file::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
         let zip = NpzArchive::new(BufReader::new(file)).map_err(|error| {
             ReadError::file(path, format!("no zip archive, or one that is cut short ({error})"), whole)
         })?;

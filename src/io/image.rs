@@ -1,7 +1,7 @@
 //! Pictures: PNG, EXR, JPEG (read only), animated GIF (written only). All in memory is linear light with premultiplied alpha, rows from the top, unless
 //! said; 8-bit pixels are sRGB with straight alpha.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Write};
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use exr::prelude::{
 };
 use image::ImageEncoder;
 
-use super::{ReadError, WriteError, write_atomic};
+use super::{ReadError, WriteError, file, write_atomic};
 
 /// Largest side of a picture that is read, in pixels.
 const MAX_SIDE: u32 = 32_768;
@@ -126,7 +126,7 @@ pub fn read_jpeg(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
 }
 
 fn read_coded(path: &Path, format: image::ImageFormat, name: &str) -> Result<Picture<[f32; 4]>, ReadError> {
-    let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
+    let file = file::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
     let mut reader = image::ImageReader::with_format(BufReader::new(file), format);
     reader.limits(limits());
     let expected = format!("a whole {name} picture of at most {MAX_SIDE} pixels a side");
@@ -201,7 +201,7 @@ pub struct Channels {
 /// Reads the first layer of an EXR file.
 pub fn read_exr(path: &Path) -> Result<Channels, ReadError> {
     let expected = "a whole EXR picture without deep data";
-    let bytes = fs::read(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
+    let bytes = file::read(path, u64::MAX).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
     let image = reader.all_attributes().from_buffered(Cursor::new(bytes));
     let layer = image.map_err(|error| ReadError::file(path, error, expected))?.layer_data;
@@ -275,6 +275,7 @@ mod tests {
     use super::*;
     use crate::io::tests::Folder;
     use image::AnimationDecoder;
+    use std::fs;
 
     #[test]
     fn transfer_is_srgb() {

@@ -9,6 +9,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 pub mod array;
+mod file;
 pub mod image;
 mod palette;
 pub mod particles;
