@@ -1,10 +1,15 @@
 //! Animated meshes: glTF 2.0 (`.glb`, `.gltf`), `.npz` caches of vertices, and those that the program makes itself.
 
+mod budget;
 mod cache;
 mod colour;
 mod document;
+mod extensions;
 mod gltf;
+mod instances;
+mod reach;
 mod rig;
+mod texels;
 mod track;
 mod weld;
 

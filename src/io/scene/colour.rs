@@ -1,8 +1,6 @@
 //! Linear base colours of a glTF primitive's vertices.
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
-use std::io::Cursor;
 
 use gltf_json::accessor::Type;
 use gltf_json::extensions::texture::TextureTransform;
@@ -13,28 +11,24 @@ use gltf_json::validation::Checked;
 
 use super::document::Document;
 use super::gltf::attribute;
+use super::texels::Pictures;
 use crate::io::ReadError;
-use crate::io::image::{limits, linear_from_srgb};
-
-/// A decoded texture image, 8-bit sRGB.
-type Texels = image::RgbImage;
+use crate::io::image::linear_from_srgb;
 
 /// Finds vertices' colours: base colour factor x vertex colour x base colour texture at the vertex.
 pub(super) struct Colours<'d> {
     document: &'d Document<'d>,
-    /// By image; none where it cannot be decoded.
-    images: HashMap<usize, Option<Texels>>,
-    notes: Vec<String>,
+    pictures: Pictures,
 }
 
 impl<'d> Colours<'d> {
     pub(super) fn new(document: &'d Document<'d>) -> Colours<'d> {
-        Colours { document, images: HashMap::new(), notes: Vec::new() }
+        Colours { document, pictures: Pictures::default() }
     }
 
     /// Images that could not be used.
     pub(super) fn into_notes(self) -> Vec<String> {
-        self.notes
+        self.pictures.notes
     }
 
     fn material(&self, primitive: &Primitive) -> Result<Option<&'d Material>, ReadError> {
@@ -90,47 +84,13 @@ impl<'d> Colours<'d> {
             None => [Checked::Valid(WrappingMode::Repeat); 2],
         };
         let coordinates = self.document.values::<2>(accessor)?;
-        let image = texture.source.value();
-        if !self.images.contains_key(&image) {
-            let texels = self.image(image);
-            self.images.insert(image, texels);
-        }
-        let Some(Some(texels)) = self.images.get(&image) else { return Ok(None) };
+        let Some(texels) = self.pictures.get(self.document, texture.source.value()) else { return Ok(None) };
         let look_up = |uv: [f64; 2]| {
             let [u, v] = transform.map_or(uv, |transform| transformed(transform, uv));
             let [x, y] = [(u, texels.width(), wrap[0]), (v, texels.height(), wrap[1])].map(|(t, n, w)| texel(t, n, w));
             texels.get_pixel(x, y).0.map(|c| linear_from_srgb(f64::from(c) / 255.0))
         };
         Ok(Some(coordinates.into_iter().map(look_up).collect()))
-    }
-
-    /// Decodes an image; a note where that is not possible, for the mesh can be drawn without it.
-    fn image(&mut self, number: usize) -> Option<Texels> {
-        let place = format!("image {number}");
-        let decoded = self.image_bytes(&place, number).and_then(|bytes| {
-            let fault = |error: String| self.document.fault(&place[..], error, "a PNG or JPEG picture");
-            let reader = image::ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-            let mut reader = reader.map_err(|error| fault(error.to_string()))?;
-            reader.limits(limits());
-            reader.decode().map_err(|error| fault(error.to_string()))
-        });
-        match decoded {
-            Ok(picture) => Some(picture.into_rgb8()),
-            Err(error) => {
-                self.notes.push(format!("{error}; the texture is left out"));
-                None
-            }
-        }
-    }
-
-    fn image_bytes(&self, place: &str, number: usize) -> Result<Vec<u8>, ReadError> {
-        let missing = || self.document.fault(place, "is missing", "a PNG or JPEG picture");
-        let image = self.document.root.images.get(number).ok_or_else(missing)?;
-        match (image.buffer_view, &image.uri) {
-            (Some(view), _) => self.document.view(view).map(|(bytes, _)| bytes.to_vec()),
-            (None, Some(uri)) => self.document.resource(place, uri).map(|bytes| bytes.into_owned()),
-            (None, None) => Err(missing()),
-        }
     }
 }
 

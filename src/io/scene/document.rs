@@ -3,8 +3,9 @@
 //! The model of the JSON is the crate's; every index and every byte is checked here, for nothing in a file is trusted.
 
 use std::borrow::Cow;
-use std::fs;
-use std::path::Path;
+use std::cell::RefCell;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, IndexComponentType, Type};
 use gltf_json::buffer::View;
@@ -12,13 +13,17 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use serde::Deserialize;
 
-use crate::io::ReadError;
+use super::budget::Budget;
+use super::extensions::Extensions;
+use super::reach::{REACH, beside};
+use crate::io::{ReadError, file};
 
-/// Most values of an accessor without data of its own (all 0, but for sparse ones): a small file can ask for any number.
-const MAX_ZEROS: usize = 1 << 24;
+/// What an object of the JSON takes in memory at most, in bytes, but for what is longer in the file as well.
+const OBJECT: u64 = 512;
 
 /// Extensions that a file may require: none of them changes where vertices are, or we obey it.
-const EXTENSIONS: [&str; 16] = [
+const EXTENSIONS: [&str; 17] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -41,7 +46,12 @@ const EXTENSIONS: [&str; 16] = [
 pub(super) struct Document<'a> {
     pub(super) path: &'a Path,
     pub(super) root: Root,
-    buffers: Vec<Vec<u8>>,
+    pub(super) extensions: Extensions,
+    pub(super) budget: Budget<'a>,
+    /// None where there is nothing to read.
+    buffers: Vec<Option<Vec<u8>>>,
+    /// Files that it names and that have been read.
+    files: RefCell<HashSet<PathBuf>>,
 }
 
 impl<'a> Document<'a> {
@@ -52,8 +62,13 @@ impl<'a> Document<'a> {
             false => (file, None),
         };
         check_required(path, json)?;
+        let budget = Budget::new(path, file.len());
+        let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
+        budget.keep("its JSON", &format!("{objects} objects"), objects * OBJECT)?;
         let root: Root = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
-        let mut document = Document { path, root, buffers: Vec::new() };
+        let extensions = Extensions::read(path, json)?;
+        let (buffers, files) = (Vec::new(), RefCell::default());
+        let mut document = Document { path, root, extensions, budget, buffers, files };
         for index in 0..document.root.buffers.len() {
             let bytes = document.buffer(index, binary)?;
             document.buffers.push(bytes);
@@ -61,39 +76,40 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// The bytes of a buffer: the binary chunk, a `data:` URI, or a file beside this one.
-    fn buffer(&self, index: usize, binary: Option<&[u8]>) -> Result<Vec<u8>, ReadError> {
+    /// The bytes of a buffer: the binary chunk, a `data:` URI, or a file beside this one; none where it has neither, as
+    /// those that stand for what is compressed.
+    fn buffer(&self, index: usize, binary: Option<&[u8]>) -> Result<Option<Vec<u8>>, ReadError> {
         let buffer = &self.root.buffers[index];
         let place = format!("buffer {index}");
-        let mut bytes = match &buffer.uri {
-            Some(uri) => self.resource(&place, uri)?.into_owned(),
-            None => match binary {
-                Some(binary) if index == 0 => binary.to_vec(),
-                _ => return Err(self.fault(place, "has neither a URI nor a binary chunk", "a .glb file, or a URI")),
-            },
+        let mut bytes = match (&buffer.uri, binary) {
+            (Some(uri), _) => self.resource(&place, uri, buffer.byte_length.0)?.into_owned(),
+            (None, Some(binary)) if index == 0 => binary.to_vec(),
+            (None, _) => return Ok(None),
         };
         if (bytes.len() as u64) < buffer.byte_length.0 {
             let expected = format!("{} bytes", buffer.byte_length.0);
             return Err(self.fault(place, format!("has {} bytes", bytes.len()), expected));
         }
         bytes.truncate(buffer.byte_length.0 as usize);
-        Ok(bytes)
+        Ok(Some(bytes))
     }
 
-    /// What a URI stands for: the data in it, or the bytes of a file relative to this one.
-    pub(super) fn resource(&self, place: &str, uri: &str) -> Result<Cow<'static, [u8]>, ReadError> {
+    /// What a URI stands for: the data in it, or the bytes of a file beside this one, of which at most `most` are read.
+    pub(super) fn resource(&self, place: &str, uri: &str, most: u64) -> Result<Cow<'static, [u8]>, ReadError> {
         if let Some(data) = uri.strip_prefix("data:") {
             let decoded = data.split_once(";base64,").and_then(|(_, text)| base64(text.as_bytes()));
             return decoded.map(Cow::Owned).ok_or_else(|| {
                 self.fault(place.to_owned(), "a data URI that cannot be decoded", "`data:TYPE;base64,` and base64")
             });
         }
-        if uri.contains("://") {
-            return Err(self.fault(place.to_owned(), format!("is at `{uri}`"), "data within the file or beside it"));
+        let path = beside(self.path, uri).map_err(|why| self.fault(place, why, REACH))?;
+        let fault = |error| self.fault(place, format!("{}: {error}", path.display()), "a file that can be read");
+        let size = file::open(&path).and_then(|file| file.metadata()).map_err(fault)?.len().min(most);
+        if self.files.borrow_mut().insert(path.clone()) {
+            self.budget.extend(size);
         }
-        let file = self.path.parent().unwrap_or(Path::new("")).join(percent_decoded(uri));
-        let read = fs::read(&file);
-        read.map(Cow::Owned).map_err(|e| self.fault(place.to_owned(), format!("{}: {e}", file.display()), "a file"))
+        self.budget.keep(place, &format!("{size} bytes of {}", path.display()), size)?;
+        file::read(&path, size).map(Cow::Owned).map_err(fault)
     }
 
     /// A fault at one place of the file.
@@ -113,15 +129,23 @@ impl<'a> Document<'a> {
     pub(super) fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), ReadError> {
         let view = self.entry(&self.root.buffer_views, index, "buffer view")?;
         self.entry(&self.root.buffers, view.buffer, "buffer")?;
-        let buffer = &self.buffers[view.buffer.value()];
-        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-        let range = offset.checked_add(length).filter(|&end| end <= buffer.len() as u64);
+        let place = format!("buffer view {}", index.value());
+        let range = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        Ok((self.part(&place, view.buffer.value(), range)?, view.byte_stride.map(|stride| stride.0)))
+    }
+
+    /// Bytes of a buffer, from an offset on.
+    fn part(&self, place: &str, buffer: usize, (offset, length): (u64, u64)) -> Result<&[u8], ReadError> {
+        let Some(Some(bytes)) = self.buffers.get(buffer) else {
+            let why = "has neither a URI nor a binary chunk";
+            return Err(self.fault(format!("buffer {buffer}"), why, "a .glb file, or a URI"));
+        };
+        let range = offset.checked_add(length).filter(|&end| end <= bytes.len() as u64);
         let Some(end) = range else {
             let why = format!("{length} bytes from byte {offset}");
-            let expected = format!("a part of its buffer of {} bytes", buffer.len());
-            return Err(self.fault(format!("buffer view {}", index.value()), why, expected));
+            return Err(self.fault(place, why, format!("a part of its buffer of {} bytes", bytes.len())));
         };
-        Ok((&buffer[offset as usize..end as usize], view.byte_stride.map(|stride| stride.0)))
+        Ok(&bytes[offset as usize..end as usize])
     }
 
     /// The values of an accessor of `N` components each, integers normalised where it says so. All are finite.
@@ -143,15 +167,15 @@ impl<'a> Document<'a> {
         if type_ != wanted {
             return Err(self.fault(place, format!("is of {type_:?}"), format!("{wanted:?}")));
         }
+        let count = accessor.count.0;
+        let without = if accessor.buffer_view.is_none() { " without data" } else { "" };
+        self.budget.work(&place, &format!("{count} values{without}"), bytes_of::<N>(count))?;
         let decode = |bytes: &[u8]| decoded(component, accessor.normalized, bytes);
         let offset = accessor.byte_offset.unwrap_or_default().0;
         let mut values = match accessor.buffer_view {
-            Some(view) => self.elements::<N, _>(&place, view, offset, accessor.count.0, component, decode)?,
-            None if accessor.count.0 > MAX_ZEROS as u64 => {
-                let why = format!("has {} values without data", accessor.count.0);
-                return Err(self.fault(place, why, format!("{MAX_ZEROS} at most")));
-            }
-            None => vec![[0.0; N]; accessor.count.0 as usize],
+            Some(view) => self.elements::<N, _>(&place, view, offset, count, component, decode)?,
+            // Within the budget, so within memory.
+            None => vec![[0.0; N]; count as usize],
         };
         if accessor.sparse.is_some() {
             self.replace_sparse(&place, accessor, component, &mut values)?;
@@ -178,6 +202,7 @@ impl<'a> Document<'a> {
         let whole = |bytes: &[u8]| decoded(kind, false, bytes);
         let number = |bytes: &[u8]| decoded(component, accessor.normalized, bytes);
         let count = sparse.count.0;
+        self.budget.work(place, &format!("{count} sparse values"), bytes_of::<N>(count))?;
         let rows = self.elements::<1, _>(place, indices.buffer_view, indices.byte_offset.0, count, kind, whole)?;
         let new = self.elements::<N, _>(place, new.buffer_view, new.byte_offset.0, count, component, number)?;
         for ([row], value) in rows.into_iter().zip(new) {
@@ -220,6 +245,12 @@ impl<'a> Document<'a> {
         Ok(rows.map(|row| std::array::from_fn(|i| decode(&row[i * component.size()..][..component.size()]))).collect())
     }
 
+    /// How many values an accessor has, if all of them are 0 because it has no data.
+    pub(super) fn zeros(&self, index: Index<Accessor>) -> Result<Option<u64>, ReadError> {
+        let accessor = self.entry(&self.root.accessors, index, "accessor")?;
+        Ok((accessor.buffer_view.is_none() && accessor.sparse.is_none()).then_some(accessor.count.0))
+    }
+
     /// The values of an accessor of whole numbers.
     pub(super) fn indices(&self, index: Index<Accessor>) -> Result<Vec<u32>, ReadError> {
         let accessor = self.entry(&self.root.accessors, index, "accessor")?;
@@ -232,8 +263,13 @@ impl<'a> Document<'a> {
     }
 }
 
-fn json_error(path: &Path, error: serde_json::Error) -> ReadError {
+pub(super) fn json_error(path: &Path, error: serde_json::Error) -> ReadError {
     ReadError::at(path, "its JSON", error, "glTF 2.0")
+}
+
+/// What so many values of `N` numbers take.
+fn bytes_of<const N: usize>(count: u64) -> u64 {
+    count.saturating_mul(8 * N as u64)
 }
 
 /// The JSON and the binary chunk of a `.glb` file.
@@ -243,6 +279,13 @@ fn glb_chunks<'f>(path: &Path, file: &'f [u8]) -> Result<(&'f [u8], Option<&'f [
     match word(4) {
         Some(2) => {}
         Some(version) => return Err(fault(4, format!("version {version}"))),
+        None => return Err(fault(file.len(), "the file ends".to_owned())),
+    }
+    match word(8) {
+        Some(length) if length as usize > file.len() => {
+            return Err(fault(8, format!("a length of {length} bytes, of which {} are there", file.len())));
+        }
+        Some(_) => {}
         None => return Err(fault(file.len(), "the file ends".to_owned())),
     }
     let chunk = |at: usize| -> Result<Option<(u32, &'f [u8])>, ReadError> {
@@ -338,23 +381,6 @@ fn base64(text: &[u8]) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// A URI with its `%XX` decoded.
-fn percent_decoded(uri: &str) -> String {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let [first, tail @ ..] = rest {
-        let hex = |c: &u8| char::from(*c).to_digit(16);
-        (rest, _) = match (first, tail) {
-            (b'%', [a, b, after @ ..]) if hex(a).is_some() && hex(b).is_some() => {
-                let byte = hex(a).zip(hex(b)).map_or(0, |(a, b)| a * 16 + b);
-                (after, bytes.push(byte as u8))
-            }
-            _ => (tail, bytes.push(*first)),
-        };
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -374,12 +400,6 @@ mod tests {
         }
         assert_eq!(base64(b"Z"), None);
         assert_eq!(base64(b"Zm9*"), None);
-    }
-
-    #[test]
-    fn uris_are_decoded() {
-        assert_eq!(percent_decoded("a%20b%2Fc%zz%4"), "a b/c%zz%4");
-        assert_eq!(percent_decoded("%C3%A4"), "ä");
     }
 
     #[test]
