@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, IndexComponentType, Type};
@@ -14,7 +14,8 @@ use gltf_json::{Index, Root};
 use serde::Deserialize;
 
 use super::budget::Budget;
-use super::extensions::Extensions;
+use super::extended::Extensions;
+use super::meshopt;
 use super::reach::{REACH, beside};
 use crate::io::{ReadError, file};
 
@@ -22,8 +23,9 @@ use crate::io::{ReadError, file};
 const OBJECT: u64 = 512;
 
 /// Extensions that a file may require: none of them changes where vertices are, or we obey it.
-const EXTENSIONS: [&str; 17] = [
+const EXTENSIONS: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -38,6 +40,7 @@ const EXTENSIONS: [&str; 17] = [
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",
 ];
@@ -50,6 +53,8 @@ pub(super) struct Document<'a> {
     pub(super) budget: Budget<'a>,
     /// None where there is nothing to read.
     buffers: Vec<Option<Vec<u8>>>,
+    /// What compressed buffer views become.
+    unpacked: HashMap<usize, Vec<u8>>,
     /// Files that it names and that have been read.
     files: RefCell<HashSet<PathBuf>>,
 }
@@ -67,20 +72,28 @@ impl<'a> Document<'a> {
         budget.keep("its JSON", &format!("{objects} objects"), objects * OBJECT)?;
         let root: Root = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
         let extensions = Extensions::read(path, json)?;
-        let (buffers, files) = (Vec::new(), RefCell::default());
-        let mut document = Document { path, root, extensions, budget, buffers, files };
+        let (buffers, unpacked, files) = (Vec::new(), HashMap::new(), RefCell::default());
+        let mut document = Document { path, root, extensions, budget, buffers, unpacked, files };
         for index in 0..document.root.buffers.len() {
             let bytes = document.buffer(index, binary)?;
             document.buffers.push(bytes);
         }
+        for (view, entry) in document.extensions.buffer_views.iter().enumerate() {
+            if let Some(compressed) = entry.extensions.compressed() {
+                document.unpacked.insert(view, meshopt::unpacked(&document, view, compressed)?);
+            }
+        }
         Ok(document)
     }
 
-    /// The bytes of a buffer: the binary chunk, a `data:` URI, or a file beside this one; none where it has neither, as
-    /// those that stand for what is compressed.
+    /// The bytes of a buffer: the binary chunk, a `data:` URI, or a file beside this one; none where it has neither,
+    /// and where it stands for what is compressed.
     fn buffer(&self, index: usize, binary: Option<&[u8]>) -> Result<Option<Vec<u8>>, ReadError> {
         let buffer = &self.root.buffers[index];
         let place = format!("buffer {index}");
+        if self.extensions.buffers.get(index).is_some_and(|entry| entry.extensions.is_fallback()) {
+            return Ok(None);
+        }
         let mut bytes = match (&buffer.uri, binary) {
             (Some(uri), _) => self.resource(&place, uri, buffer.byte_length.0)?.into_owned(),
             (None, Some(binary)) if index == 0 => binary.to_vec(),
@@ -130,15 +143,26 @@ impl<'a> Document<'a> {
         let view = self.entry(&self.root.buffer_views, index, "buffer view")?;
         self.entry(&self.root.buffers, view.buffer, "buffer")?;
         let place = format!("buffer view {}", index.value());
+        let stride = view.byte_stride.map(|stride| stride.0);
+        if let Some(bytes) = self.unpacked.get(&index.value()) {
+            return Ok((bytes, stride));
+        }
         let range = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-        Ok((self.part(&place, view.buffer.value(), range)?, view.byte_stride.map(|stride| stride.0)))
+        Ok((self.part(&place, view.buffer.value(), range)?, stride))
     }
 
     /// Bytes of a buffer, from an offset on.
-    fn part(&self, place: &str, buffer: usize, (offset, length): (u64, u64)) -> Result<&[u8], ReadError> {
-        let Some(Some(bytes)) = self.buffers.get(buffer) else {
-            let why = "has neither a URI nor a binary chunk";
-            return Err(self.fault(format!("buffer {buffer}"), why, "a .glb file, or a URI"));
+    pub(super) fn part(&self, place: &str, buffer: usize, (offset, length): (u64, u64)) -> Result<&[u8], ReadError> {
+        let bytes = match self.buffers.get(buffer) {
+            Some(Some(bytes)) => bytes,
+            Some(None) => {
+                let why = "has neither a URI nor a binary chunk";
+                return Err(self.fault(format!("buffer {buffer}"), why, "a .glb file, or a URI"));
+            }
+            None => {
+                let expected = format!("a number below {}, how many there are", self.buffers.len());
+                return Err(self.fault(place, format!("there is no buffer {buffer}"), expected));
+            }
         };
         let range = offset.checked_add(length).filter(|&end| end <= bytes.len() as u64);
         let Some(end) = range else {

@@ -8,11 +8,12 @@ use serde::Deserialize;
 use super::document::json_error;
 use crate::io::ReadError;
 
-/// Extensions of a file's nodes and buffer views, in the order of these.
+/// Extensions of a file's nodes, buffers and buffer views, in the order of these.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Extensions {
     pub(super) nodes: Vec<Entry<NodeExtensions>>,
+    pub(super) buffers: Vec<Entry<BufferExtensions>>,
     pub(super) buffer_views: Vec<Entry<ViewExtensions>>,
 }
 
@@ -33,6 +34,28 @@ pub(super) struct NodeExtensions {
 #[derive(Debug, Deserialize)]
 pub(super) struct Instancing {
     pub(super) attributes: BTreeMap<String, u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct BufferExtensions {
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr: Fallback,
+    #[serde(rename = "EXT_meshopt_compression")]
+    ext: Fallback,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Fallback {
+    fallback: bool,
+}
+
+impl BufferExtensions {
+    /// Whether the buffer is for readers that cannot decompress.
+    pub(super) fn is_fallback(&self) -> bool {
+        self.khr.fallback || self.ext.fallback
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
