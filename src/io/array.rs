@@ -11,7 +11,7 @@ use exr::prelude::f16;
 use npyz::WriterBuilder;
 use npyz::npz::NpzArchive;
 
-use super::{ReadError, WriteError, write_atomic};
+use super::{ReadError, WriteError, file, write_atomic};
 
 /// Header text longer than this is refused; that of a plain array has about 100 bytes.
 const MAX_HEADER: usize = 1 << 16;
@@ -144,8 +144,9 @@ impl Archive {
     /// Opens the file and reads the list of its arrays.
     pub fn open(path: &Path) -> Result<Archive, ReadError> {
         let whole = "a whole .npz file as numpy.savez writes it";
-        let file = File::open(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
-        let length = file.metadata().map_err(|error| ReadError::file(path, error, "a file that can be read"))?.len();
+        let unreadable = |error| ReadError::file(path, error, "a file that can be read");
+        let file = file::open(path).map_err(unreadable)?;
+        let length = file.metadata().map_err(unreadable)?.len();
         let zip = NpzArchive::new(BufReader::new(file)).map_err(|error| {
             ReadError::file(path, format!("no zip archive, or one that is cut short ({error})"), whole)
         })?;
@@ -369,7 +370,7 @@ fn each_number<T: Number>(header: &Header, bytes: &[u8], mut take: impl FnMut(T)
 /// Whether a `.npy` file is as long as its header says.
 pub fn is_whole_npy(path: &Path) -> bool {
     let is_whole = || {
-        let file = File::open(path).ok()?;
+        let file = file::open(path).ok()?;
         let length = file.metadata().ok()?.len();
         let (header, start) = read_header(&mut BufReader::new(file), &Fault { path, name: "" }).ok()?;
         Some(header.data_bytes()?.checked_add(start)? == length)

@@ -1,5 +1,6 @@
 //! Animated meshes: glTF 2.0 (`.glb`, `.gltf`), `.npz` caches of vertices, and those that the program makes itself.
 
+mod budget;
 mod cache;
 mod choice;
 mod colour;
@@ -7,9 +8,13 @@ mod data_uri;
 mod document;
 mod extensions;
 mod gltf;
+mod instances;
 mod json;
+mod meshopt;
+mod reach;
 mod references;
 mod rig;
+mod texels;
 mod track;
 mod weld;
 

@@ -24,19 +24,18 @@ mod texture;
 mod track;
 mod tree;
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::ReadError;
 use super::overlap::Files;
 use super::particles::ParticleSequence;
 use super::pattern::{Pattern, PatternError};
 use super::picture::{self, Format};
 use super::scene::{self, AnimatedMesh, Choice, Clock, Pick};
 use super::volume::{Grids, VolumeSequence};
+use super::{ReadError, file};
 use crate::blur;
 use crate::error::Error;
 use crate::flame::{self, settings::Colour};
@@ -290,8 +289,7 @@ impl Shot {
 /// Reads a shot's file; what is larger than any shot could be is refused.
 fn read(path: &Path) -> io::Result<Vec<u8>> {
     const LARGEST: u64 = 1 << 24;
-    let mut text = Vec::new();
-    File::open(path)?.take(LARGEST + 1).read_to_end(&mut text)?;
+    let text = file::read(path, LARGEST + 1)?;
     match text.len() as u64 > LARGEST {
         true => Err(io::Error::other("larger than 16 MiB; expected a TOML file")),
         false => Ok(text),

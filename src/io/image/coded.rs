@@ -1,6 +1,5 @@
 //! Reading PNG and JPEG pictures.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
 
@@ -9,7 +8,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::contained::contained;
 use super::{Fault, Fit, Picture, linear_from_srgb};
-use crate::io::ReadError;
+use crate::io::{ReadError, file};
 
 /// Bytes that a decoder may take besides the picture: for profiles, texts and the like.
 const MAX_BESIDE: u64 = 1 << 26;
@@ -24,7 +23,7 @@ pub fn read_png(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
 /// Reads a PNG or JPEG as sRGB (a profile in the file is not looked at) into linear premultiplied pixels.
 pub(in crate::io) fn read_coded(path: &Path, format: ImageFormat, fit: Fit) -> Result<Picture<[f32; 4]>, ReadError> {
     let unreadable = |error| ReadError::file(path, error, "a file that can be read");
-    let file = File::open(path).map_err(unreadable)?;
+    let file = file::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let decoded = decode(BufReader::new(file), format, length, fit);
     let picture = decoded.map_err(|(why, expected)| ReadError::file(path, why, expected))?.into_rgba16();

@@ -17,7 +17,7 @@ use exr::prelude::{Compression, SampleType, f16};
 
 use super::contained::contained;
 use super::{Fault, Fit, Picture};
-use crate::io::ReadError;
+use crate::io::{ReadError, file};
 
 /// Bytes that a block may unpack to besides four times those of the picture: 256 rows of many channels.
 const MAX_BLOCK: u64 = 1 << 27;
@@ -129,7 +129,7 @@ fn no_colours(headers: &[Header], layers: &[(usize, String)]) -> Fault {
 
 fn read(path: &Path, fit: Fit, pick: impl FnOnce(&[Header]) -> Result<Pick, Fault>) -> Result<Channels, ReadError> {
     let unreadable = |error| ReadError::file(path, error, "a file that can be read");
-    let file = File::open(path).map_err(unreadable)?;
+    let file = file::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let decoded = contained(|| {
         let reader = exr::block::read(BufReader::new(file), false).map_err(damaged)?;

@@ -1,34 +1,27 @@
 //! Linear base colours of a glTF primitive's vertices.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
-use std::io::Cursor;
-
-use image::ImageFormat;
 
 use super::Note;
 use super::document::Document;
 use super::json::{Index, Material, Primitive, TextureInfo, TextureTransform, Type, WrappingMode};
+use super::texels::Pictures;
 use crate::io::ReadError;
-use crate::io::image::{Fit, decode, linear_from_srgb};
+use crate::io::image::linear_from_srgb;
 use crate::view::BRIGHTEST;
-
-/// A decoded texture image, 8-bit sRGB.
-type Texels = image::RgbImage;
 
 /// Finds vertices' colours: base colour factor x vertex colour x base colour texture at the vertex.
 pub(super) struct Colours<'d> {
     document: &'d Document<'d>,
-    /// By image; none where it cannot be decoded.
-    images: HashMap<usize, Option<Texels>>,
+    pictures: Pictures,
     /// Textures whose pictures only an extension has.
     foreign: BTreeSet<usize>,
-    notes: Vec<Note>,
 }
 
 impl<'d> Colours<'d> {
     pub(super) fn new(document: &'d Document<'d>) -> Colours<'d> {
-        Colours { document, images: HashMap::new(), foreign: BTreeSet::new(), notes: Vec::new() }
+        Colours { document, pictures: Pictures::default(), foreign: BTreeSet::new() }
     }
 
     /// Images that could not be used.
@@ -36,7 +29,7 @@ impl<'d> Colours<'d> {
         let foreign = self.foreign.into_iter().map(|texture| {
             Note::of_looks(format!("texture {texture} has no PNG or JPEG picture; the texture is left out"))
         });
-        self.notes.into_iter().chain(foreign).collect()
+        self.pictures.notes.into_iter().chain(foreign).collect()
     }
 
     fn material(&self, primitive: &Primitive) -> Result<Option<&'d Material>, ReadError> {
@@ -100,11 +93,7 @@ impl<'d> Colours<'d> {
             self.foreign.insert(info.index.value());
             return Ok(None);
         };
-        if !self.images.contains_key(&image) {
-            let texels = self.image(image);
-            self.images.insert(image, texels);
-        }
-        let Some(Some(texels)) = self.images.get(&image) else { return Ok(None) };
+        let Some(texels) = self.pictures.get(self.document, image) else { return Ok(None) };
         let look_up = |uv: [f64; 2]| {
             let [u, v] = transform.map_or(uv, |transform| transformed(transform, uv));
             let [x, y] = [(u, texels.width(), wrap[0]), (v, texels.height(), wrap[1])].map(|(t, n, w)| texel(t, n, w));
@@ -112,41 +101,6 @@ impl<'d> Colours<'d> {
         };
         Ok(Some(coordinates.into_iter().map(look_up).collect()))
     }
-
-    /// Decodes an image; a note where that is not possible, for the mesh can be drawn without it.
-    fn image(&mut self, number: usize) -> Option<Texels> {
-        let place = format!("image {number}");
-        let decoded = self.image_bytes(&place, number).and_then(|bytes| {
-            let length = bytes.len() as u64;
-            let fault = |(why, expected): (String, String)| self.document.fault(&place[..], why, expected);
-            let format = image::guess_format(&bytes).ok().filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg));
-            let unknown = || self.document.fault(&place[..], "is of another kind", "a PNG or JPEG picture");
-            let format = format.ok_or_else(unknown)?;
-            decode(Cursor::new(bytes), format, length, texture_size(length)).map_err(fault)
-        });
-        match decoded {
-            Ok(picture) => Some(picture.into_rgb8()),
-            Err(error) => {
-                self.notes.push(Note::of_looks(format!("{error}; the texture is left out")));
-                None
-            }
-        }
-    }
-
-    fn image_bytes(&self, place: &str, number: usize) -> Result<Vec<u8>, ReadError> {
-        let missing = || self.document.fault(place, "is missing", "a PNG or JPEG picture");
-        let image = self.document.root.images.get(number).ok_or_else(missing)?;
-        match (image.buffer_view, &image.uri) {
-            (Some(view), _) => self.document.view(view).map(|(bytes, _)| bytes.to_vec()),
-            (None, Some(uri)) => self.document.resource(place, uri).map(|bytes| bytes.into_owned()),
-            (None, None) => Err(missing()),
-        }
-    }
-}
-
-/// How large a texture may be that a file of so many bytes holds: flat ones of the usual sizes have few bytes, others not.
-fn texture_size(length: u64) -> Fit {
-    Fit::AtMost(length.saturating_mul(256).clamp(1 << 24, 1 << 28))
 }
 
 fn multiply(colours: &mut [[f64; 3]], factors: Vec<[f64; 3]>) {

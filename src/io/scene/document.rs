@@ -3,17 +3,19 @@
 //! Every index and every byte is checked here, for nothing in a file is trusted.
 
 use std::borrow::Cow;
-use std::cell::OnceCell;
-use std::fs;
-use std::path::Path;
+use std::cell::{OnceCell, RefCell};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
-use super::data_uri::{self, percent_decoded};
-use super::json::{Accessor, BufferView, ComponentType, Head, Index, Root, Type};
-use super::{Note, extensions};
-use crate::io::ReadError;
+use super::budget::Budget;
+use super::data_uri;
+use super::json::{Accessor, Buffer, BufferView, ComponentType, Head, Index, Root, Type};
+use super::reach::{REACH, beside};
+use super::{Note, extensions, meshopt};
+use crate::io::{ReadError, file};
 
-/// Most values of an accessor without data of its own (all 0, but for sparse ones): a small file can ask for any number.
-const MAX_ZEROS: usize = 1 << 24;
+/// What an object of the JSON takes in memory at most, in bytes, but for what is longer in the file as well.
+const OBJECT: u64 = 512;
 
 /// A glTF file in memory.
 pub(super) struct Document<'a> {
@@ -21,10 +23,15 @@ pub(super) struct Document<'a> {
     pub(super) root: Root,
     /// What the file wants and cannot have.
     pub(super) notes: Vec<Note>,
+    pub(super) budget: Budget<'a>,
     /// The binary chunk.
     binary: Option<&'a [u8]>,
     /// Those that have been read.
     buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
+    /// What compressed buffer views become, of those that have been read.
+    unpacked: Vec<OnceCell<Vec<u8>>>,
+    /// Files that it names and that have been read.
+    files: RefCell<HashSet<PathBuf>>,
 }
 
 impl<'a> Document<'a> {
@@ -38,31 +45,35 @@ impl<'a> Document<'a> {
         let head: Head = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
         check_version(path, &head)?;
         extensions::check(path, &head)?;
+        let budget = Budget::new(path, file.len());
+        let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
+        budget.keep("its JSON", &format!("{objects} objects"), objects * OBJECT)?;
         let root: Root = serde_json::from_slice(json).map_err(|error| json_error(path, error))?;
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        Ok(Document { path, root, notes: extensions::notes(&head), binary, buffers })
+        let unpacked = root.buffer_views.iter().map(|_| OnceCell::new()).collect();
+        let (notes, files) = (extensions::notes(&head), RefCell::default());
+        Ok(Document { path, root, notes, budget, binary, buffers, unpacked, files })
     }
 
-    /// The bytes of a buffer, which there is.
-    fn buffer(&self, index: usize) -> Result<&[u8], ReadError> {
-        let read = &self.buffers[index];
+    /// The bytes of a buffer.
+    fn buffer(&self, index: Index<Buffer>) -> Result<&[u8], ReadError> {
+        let buffer = self.entry(&self.root.buffers, index, "buffer")?;
+        let read = &self.buffers[index.value()];
         if let Some(bytes) = read.get() {
             return Ok(bytes);
         }
-        let bytes = self.read_buffer(index)?;
+        let bytes = self.read_buffer(index.value(), buffer)?;
         Ok(read.get_or_init(|| bytes))
     }
 
     /// Reads a buffer: the binary chunk, a `data:` URI, or a file beside this one.
-    fn read_buffer(&self, index: usize) -> Result<Cow<'a, [u8]>, ReadError> {
-        let buffer = &self.root.buffers[index];
+    fn read_buffer(&self, index: usize, buffer: &Buffer) -> Result<Cow<'a, [u8]>, ReadError> {
         let place = format!("buffer {index}");
-        let mut bytes = match &buffer.uri {
-            Some(uri) => self.resource(&place, uri)?,
-            None => match self.binary {
-                Some(binary) if index == 0 => Cow::Borrowed(binary),
-                _ => return Err(self.fault(place, "has neither a URI nor a binary chunk", "a .glb file, or a URI")),
-            },
+        let is_fallback = buffer.extensions.is_fallback();
+        let mut bytes = match (&buffer.uri, self.binary) {
+            (Some(uri), _) => self.resource(&place, uri, buffer.byte_length.0)?,
+            (None, Some(binary)) if index == 0 && !is_fallback => Cow::Borrowed(binary),
+            _ => return Err(self.fault(place, "has neither a URI nor a binary chunk", "a .glb file, or a URI")),
         };
         if (bytes.len() as u64) < buffer.byte_length.0 {
             let expected = format!("{} bytes", buffer.byte_length.0);
@@ -76,21 +87,22 @@ impl<'a> Document<'a> {
         Ok(bytes)
     }
 
-    /// What a URI stands for: the data in it, or the bytes of a file relative to this one.
-    pub(super) fn resource(&self, place: &str, uri: &str) -> Result<Cow<'static, [u8]>, ReadError> {
+    /// What a URI stands for: the data in it, or the bytes of a file beside this one, of which at most `most` are read.
+    pub(super) fn resource(&self, place: &str, uri: &str, most: u64) -> Result<Cow<'static, [u8]>, ReadError> {
         if uri.starts_with("data:") {
             return data_uri::decoded(uri).map(Cow::Owned).ok_or_else(|| {
                 let expected = "`data:TYPE;base64,` and base64, or `data:TYPE,` and text";
                 self.fault(place.to_owned(), "a data URI that cannot be decoded", expected)
             });
         }
-        if uri.contains("://") {
-            return Err(self.fault(place.to_owned(), format!("is at `{uri}`"), "data within the file or beside it"));
+        let path = beside(self.path, uri).map_err(|why| self.fault(place, why, REACH))?;
+        let fault = |error| self.fault(place, format!("{}: {error}", path.display()), "a file that can be read");
+        let size = file::open(&path).and_then(|file| file.metadata()).map_err(fault)?.len().min(most);
+        if self.files.borrow_mut().insert(path.clone()) {
+            self.budget.extend(size);
         }
-        let name = String::from_utf8_lossy(&percent_decoded(uri)).into_owned();
-        let file = self.path.parent().unwrap_or(Path::new("")).join(name);
-        let read = fs::read(&file);
-        read.map(Cow::Owned).map_err(|e| self.fault(place.to_owned(), format!("{}: {e}", file.display()), "a file"))
+        self.budget.keep(place, &format!("{size} bytes of {}", path.display()), size)?;
+        file::read(&path, size).map(Cow::Owned).map_err(fault)
     }
 
     /// A fault at one place of the file.
@@ -109,16 +121,36 @@ impl<'a> Document<'a> {
     /// The bytes of a buffer view and their stride, if it has one.
     pub(super) fn view(&self, index: Index<BufferView>) -> Result<(&[u8], Option<usize>), ReadError> {
         let view = self.entry(&self.root.buffer_views, index, "buffer view")?;
-        self.entry(&self.root.buffers, view.buffer, "buffer")?;
-        let buffer = self.buffer(view.buffer.value())?;
-        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-        let range = offset.checked_add(length).filter(|&end| end <= buffer.len() as u64);
+        let place = format!("buffer view {}", index.value());
+        let range = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let bytes = match view.extensions.compressed() {
+            Some(compressed) => {
+                let unpacked = &self.unpacked[index.value()];
+                if unpacked.get().is_none() {
+                    // Nobody else fills it in between.
+                    let _ = unpacked.set(meshopt::unpacked(self, &place, compressed)?);
+                }
+                unpacked.get().map_or(&[][..], Vec::as_slice)
+            }
+            None => self.part(&place, view.buffer, range)?,
+        };
+        Ok((bytes, view.byte_stride.map(|stride| stride.0 as usize)))
+    }
+
+    /// Bytes of a buffer: so many from an offset on.
+    pub(super) fn part(
+        &self,
+        place: &str,
+        buffer: Index<Buffer>,
+        (offset, length): (u64, u64),
+    ) -> Result<&[u8], ReadError> {
+        let bytes = self.buffer(buffer)?;
+        let range = offset.checked_add(length).filter(|&end| end <= bytes.len() as u64);
         let Some(end) = range else {
             let why = format!("{length} bytes from byte {offset}");
-            let expected = format!("a part of its buffer of {} bytes", buffer.len());
-            return Err(self.fault(format!("buffer view {}", index.value()), why, expected));
+            return Err(self.fault(place, why, format!("a part of its buffer of {} bytes", bytes.len())));
         };
-        Ok((&buffer[offset as usize..end as usize], view.byte_stride.map(|stride| stride.0 as usize)))
+        Ok(&bytes[offset as usize..end as usize])
     }
 
     /// The values of an accessor of `N` components each, integers normalised where it says so. All are finite.
@@ -139,15 +171,15 @@ impl<'a> Document<'a> {
         if type_ != wanted {
             return Err(self.fault(place, format!("is of {type_:?}"), format!("{wanted:?}")));
         }
+        let count = accessor.count.0;
+        let without = if accessor.buffer_view.is_none() { " without data" } else { "" };
+        self.budget.work(&place, &format!("{count} values{without}"), bytes_of::<N>(count))?;
         let decode = |bytes: &[u8]| decoded(component, accessor.normalized, bytes);
         let offset = accessor.byte_offset.unwrap_or_default().0;
         let mut values = match accessor.buffer_view {
-            Some(view) => self.elements::<N, _>(&place, view, offset, accessor.count.0, component, decode)?,
-            None if accessor.count.0 > MAX_ZEROS as u64 => {
-                let why = format!("has {} values without data", accessor.count.0);
-                return Err(self.fault(place, why, format!("{MAX_ZEROS} at most")));
-            }
-            None => vec![[0.0; N]; accessor.count.0 as usize],
+            Some(view) => self.elements::<N, _>(&place, view, offset, count, component, decode)?,
+            // Within the budget, so within memory.
+            None => vec![[0.0; N]; count as usize],
         };
         if accessor.sparse.is_some() {
             self.replace_sparse(&place, accessor, component, &mut values)?;
@@ -175,6 +207,7 @@ impl<'a> Document<'a> {
         let whole = |bytes: &[u8]| decoded(kind, false, bytes);
         let number = |bytes: &[u8]| decoded(component, accessor.normalized, bytes);
         let count = sparse.count.0;
+        self.budget.work(place, &format!("{count} sparse values"), bytes_of::<N>(count))?;
         let rows = self.elements::<1, _>(place, indices.buffer_view, indices.byte_offset.0, count, kind, whole)?;
         let new = self.elements::<N, _>(place, new.buffer_view, new.byte_offset.0, count, component, number)?;
         for ([row], value) in rows.into_iter().zip(new) {
@@ -217,6 +250,12 @@ impl<'a> Document<'a> {
         Ok(rows.map(|row| std::array::from_fn(|i| decode(&row[i * component.size()..][..component.size()]))).collect())
     }
 
+    /// How many values an accessor has, if all of them are 0 because it has no data.
+    pub(super) fn zeros(&self, index: Index<Accessor>) -> Result<Option<u64>, ReadError> {
+        let accessor = self.entry(&self.root.accessors, index, "accessor")?;
+        Ok((accessor.buffer_view.is_none() && accessor.sparse.is_none()).then_some(accessor.count.0))
+    }
+
     /// The values of an accessor of whole numbers.
     pub(super) fn indices(&self, index: Index<Accessor>) -> Result<Vec<u32>, ReadError> {
         let accessor = self.entry(&self.root.accessors, index, "accessor")?;
@@ -229,8 +268,13 @@ impl<'a> Document<'a> {
     }
 }
 
-fn json_error(path: &Path, error: serde_json::Error) -> ReadError {
+pub(super) fn json_error(path: &Path, error: serde_json::Error) -> ReadError {
     ReadError::at(path, "its JSON", error, "glTF 2.0")
+}
+
+/// What so many values of `N` numbers take.
+fn bytes_of<const N: usize>(count: u64) -> u64 {
+    count.saturating_mul(8 * N as u64)
 }
 
 /// The JSON and the binary chunk of a `.glb` file.
@@ -240,6 +284,13 @@ fn glb_chunks<'f>(path: &Path, file: &'f [u8]) -> Result<(&'f [u8], Option<&'f [
     match word(4) {
         Some(2) => {}
         Some(version) => return Err(fault(4, format!("version {version}"))),
+        None => return Err(fault(file.len(), "the file ends".to_owned())),
+    }
+    match word(8) {
+        Some(length) if length as usize > file.len() => {
+            return Err(fault(8, format!("a length of {length} bytes, of which {} are there", file.len())));
+        }
+        Some(_) => {}
         None => return Err(fault(file.len(), "the file ends".to_owned())),
     }
     let chunk = |at: usize| -> Result<Option<(u32, &'f [u8])>, ReadError> {

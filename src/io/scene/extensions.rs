@@ -18,15 +18,18 @@ enum Kind {
 }
 
 /// Those that are obeyed, and those that only describe.
-const OBEYED: [&str; 11] = [
+const OBEYED: [&str; 14] = [
     "AGI_articulations",
     "AGI_stk_metadata",
     "EXT_feature_metadata",
     "EXT_instance_features",
     "EXT_mesh_features",
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_structural_metadata",
     "FB_geometry_metadata",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",

@@ -1,17 +1,21 @@
 //! Reading glTF 2.0: from a [`Document`] to a topology and a rig.
 
-use std::fs;
+use std::collections::HashMap;
 use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::choice::{self, Choice};
 use super::colour::Colours;
 use super::document::Document;
-use super::json::{KeyKind, Mode, Primitive, TargetPath};
+use super::instances;
+use super::json::{KeyKind, Mesh, Mode, Primitive, TargetPath};
 use super::rig::{Influences, Local, Node, Part, Rig, Skin};
 use super::track::{Interpolation, Property, Track};
 use super::{Animation, Contents, MAX_VERTICES, Note, Topology};
-use crate::io::ReadError;
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use crate::io::{ReadError, file};
 
 /// What a file holds.
 pub(super) struct Scene {
@@ -22,7 +26,7 @@ pub(super) struct Scene {
 
 /// Reads a `.glb` or `.gltf` file, of which that is played and looked through.
 pub(super) fn read(path: &Path, choice: &Choice) -> Result<Scene, ReadError> {
-    let file = fs::read(path).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
+    let file = file::read(path, u64::MAX).map_err(|error| ReadError::file(path, error, "a file that can be read"))?;
     parse(path, &file, choice)
 }
 
@@ -50,8 +54,8 @@ pub(super) fn parse(path: &Path, file: &[u8], choice: &Choice) -> Result<Scene, 
     rig.tracks = all_tracks(&document, &playing, &rig, &mut notes)?;
     let start = rig.skeleton(f64::NEG_INFINITY).global;
     let colours = Colours::new(&document);
-    let topology = Topology { faceted: true, ..Topology::default() };
-    let mut builder = Builder { document: &document, topology, rig, start, colours, notes };
+    let (topology, shapes) = (Topology { faceted: true, ..Topology::default() }, HashMap::new());
+    let mut builder = Builder { document: &document, topology, rig, start, colours, shapes, notes };
     for node in (0..shown.len()).filter(|&node| shown[node]) {
         builder.add_node(node)?;
     }
@@ -63,6 +67,8 @@ pub(super) fn parse(path: &Path, file: &[u8], choice: &Choice) -> Result<Scene, 
 
 fn nodes(document: &Document) -> Result<Vec<Node>, ReadError> {
     let root = &document.root;
+    let targets = |mesh: &Mesh| mesh.primitives.iter().filter_map(|p| Some(p.targets.as_ref()?.len())).max();
+    let targets: Vec<usize> = root.meshes.iter().map(|mesh| targets(mesh).unwrap_or(0)).collect();
     let mut nodes = Vec::with_capacity(root.nodes.len());
     for (number, node) in root.nodes.iter().enumerate() {
         let rest = match node.matrix {
@@ -78,12 +84,14 @@ fn nodes(document: &Document) -> Result<Vec<Node>, ReadError> {
             }
         };
         let weights = match node.mesh {
-            Some(mesh) => {
-                let mesh = document.entry(&root.meshes, mesh, "mesh")?;
-                let targets =
-                    mesh.primitives.iter().filter_map(|p| p.targets.as_ref().map(Vec::len)).max().unwrap_or(0);
-                let given = node.weights.as_ref().or(mesh.weights.as_ref());
-                let mut weights: Vec<f64> = given.into_iter().flatten().map(|&w| f64::from(w)).collect();
+            Some(index) => {
+                let mesh = document.entry(&root.meshes, index, "mesh")?;
+                let targets = targets[index.value()];
+                // Twice: they are copied for each pose.
+                let bytes = 2 * targets * size_of::<f64>();
+                document.budget.keep(&format!("node {number}"), &format!("{targets} weights"), bytes as u64)?;
+                let given = node.weights.as_ref().or(mesh.weights.as_ref()).into_iter().flatten();
+                let mut weights: Vec<f64> = given.take(targets).map(|&w| f64::from(w)).collect();
                 weights.resize(targets, 0.0);
                 weights
             }
@@ -153,6 +161,9 @@ fn shown(document: &Document, nodes: &[Node]) -> Result<Vec<bool>, ReadError> {
 fn skin(document: &Document, number: usize) -> Result<Skin, ReadError> {
     let skin = &document.root.skins[number];
     let mut joints = Vec::with_capacity(skin.joints.len());
+    // Its matrices are made for each pose.
+    let bytes = 2 * skin.joints.len() * size_of::<DAffine3>();
+    document.budget.keep(&format!("skin {number}"), &format!("{} joints", skin.joints.len()), bytes as u64)?;
     for joint in &skin.joints {
         document.entry(&document.root.nodes, *joint, "node")?;
         joints.push(joint.value());
@@ -169,7 +180,7 @@ fn skin(document: &Document, number: usize) -> Result<Skin, ReadError> {
                     format!("one for each of {} joints", joints.len()),
                 ));
             }
-            matrices.iter().map(|m| DAffine3::from_mat4(DMat4::from_cols_array(m))).collect()
+            matrices.iter().take(joints.len()).map(|m| DAffine3::from_mat4(DMat4::from_cols_array(m))).collect()
         }
     };
     Ok(Skin { joints, inverse_bind })
@@ -241,6 +252,8 @@ fn tracks(document: &Document, number: usize, rig: &Rig, notes: &mut Vec<Note>) 
             Property::Rotation => document.values::<4>(sampler.output)?.into_flattened(),
             Property::Weights => document.values::<1>(sampler.output)?.into_flattened(),
         };
+        let bytes = size_of::<f64>() * (times.len() + values.len());
+        document.budget.keep(&place, "its keys", bytes as u64)?;
         if values.len() != times.len() * rows * width {
             let why = format!("has {} numbers for {} keys", values.len(), times.len());
             return Err(document.fault(place, why, format!("{} for each key", rows * width)));
@@ -263,46 +276,59 @@ struct Builder<'d> {
     /// Where the nodes are before the first key.
     start: Vec<DAffine3>,
     colours: Colours<'d>,
+    /// What of meshes does not depend on the node, by mesh and skin.
+    shapes: HashMap<(usize, Option<usize>), Rc<[Shape]>>,
     notes: Vec<Note>,
 }
 
+/// A primitive of a mesh with a skin or without.
+struct Shape {
+    base: Arc<Vec<[f32; 3]>>,
+    morphs: Arc<Vec<Vec<[f32; 3]>>>,
+    influences: Option<Arc<Influences>>,
+    triangles: Vec<[u32; 3]>,
+    colours: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    is_double_sided: bool,
+}
+
 impl Builder<'_> {
-    /// Adds the object of a node, if it has a mesh.
+    /// Adds the object of a node, if it has a mesh; one for each instance if it has those.
     fn add_node(&mut self, number: usize) -> Result<(), ReadError> {
-        let root = &self.document.root;
+        let document = self.document;
+        let root = &document.root;
         let node = &root.nodes[number];
         let Some(index) = node.mesh else { return Ok(()) };
-        let mesh = self.document.entry(&root.meshes, index, "mesh")?;
+        let mesh = document.entry(&root.meshes, index, "mesh")?;
         if let Some(skin) = node.skin {
-            self.document.entry(&root.skins, skin, "skin")?;
+            document.entry(&root.skins, skin, "skin")?;
         }
-        let name = node.name.clone().or_else(|| mesh.name.clone()).filter(|name| !name.is_empty());
-        self.topology.objects.push(name.unwrap_or_else(|| format!("node {number}")));
-        self.topology.double_sided.push(false);
-        for (primitive, json) in mesh.primitives.iter().enumerate() {
-            let place = format!("mesh {}, primitive {primitive}", index.value());
-            self.add_primitive(number, &place, json)?;
+        let shapes = self.shapes(index.value(), node.skin.map(|skin| skin.value()))?;
+        let place = format!("node {number}");
+        let name = node.name.as_ref().or(mesh.name.as_ref()).filter(|name| !name.is_empty()).unwrap_or(&place);
+        let instances = match (instances::of_node(document, number)?, node.skin) {
+            (Some(instances), None) => instances.into_iter().map(Some).collect(),
+            (Some(_), Some(_)) => {
+                self.notes.push(Note::new(format!("{place} has instances and a skin: it is drawn once")));
+                vec![None]
+            }
+            (None, _) => vec![None],
+        };
+        for (i, instance) in instances.into_iter().enumerate() {
+            let name = instance.map_or_else(|| name.clone(), |_| format!("{name} {i}"));
+            document.budget.keep(&place, "its name", (name.len() + size_of::<String>()) as u64)?;
+            self.topology.objects.push(name);
+            self.topology.double_sided.push(false);
+            shapes.iter().try_for_each(|shape| self.add_part(number, instance, shape))?;
         }
         Ok(())
     }
 
-    fn add_primitive(&mut self, node: usize, place: &str, primitive: &Primitive) -> Result<(), ReadError> {
+    /// Adds a primitive in a node to the last object.
+    fn add_part(&mut self, node: usize, instance: Option<DAffine3>, shape: &Shape) -> Result<(), ReadError> {
         let document = self.document;
-        let mode = match primitive.mode {
-            mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => mode,
-            Mode::PointsOrLines => {
-                self.notes.push(Note::new(format!("{place} is of points or lines: it is not drawn")));
-                return Ok(());
-            }
-            Mode::Other => return Err(document.fault(place, "has an unknown mode", "0 to 6")),
-        };
-        let Some(positions) = primitive.attribute("POSITION") else {
-            self.notes.push(Note::new(format!("{place} has no positions: it is not drawn")));
-            return Ok(());
-        };
-        let base = narrow(document.values::<3>(positions)?);
-        let count = base.len();
-        let first = self.topology.object.len();
+        let (count, first) = (shape.base.len(), self.topology.object.len());
+        let place = format!("node {node}");
         if first + count > MAX_VERTICES {
             return Err(document.fault(
                 place,
@@ -310,41 +336,83 @@ impl Builder<'_> {
                 format!("{MAX_VERTICES} at most"),
             ));
         }
-        let mut triangles = triangles(document, place, primitive, mode, count, &mut self.notes)?;
-        let influences = self.influences(node, place, primitive, count)?;
-        if influences.is_none() && self.start[node].matrix3.determinant() < 0.0 {
-            // A mirror turns triangles over.
-            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        document.budget.keep(&place, &format!("{count} vertices"), shape.placed_bytes())?;
+        document.budget.work(&place, &format!("poses of {count} vertices"), shape.pose_bytes())?;
+        let start = instance.map_or(self.start[node], |instance| self.start[node] * instance);
+        let is_mirrored = shape.influences.is_none() && start.matrix3.determinant() < 0.0;
+        // A mirror turns triangles over.
+        let turned = |[a, b, c]: [u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
+        let topology = &mut self.topology;
+        // No more than MAX_VERTICES of all of these.
+        let object = topology.objects.len() as u32 - 1;
+        let triangles = shape.triangles.iter().map(|corners| turned(corners.map(|corner| corner + first as u32)));
+        topology.triangles.extend(triangles);
+        topology.object.resize(first + count, object);
+        topology.colour.extend(&shape.colours);
+        topology.normal.extend(&shape.normals);
+        topology.double_sided[object as usize] |= shape.is_double_sided;
+        let Shape { base, morphs, influences, .. } = shape;
+        let (base, morphs, influences) = (base.clone(), morphs.clone(), influences.clone());
+        self.rig.parts.push(Part { node, instance, base, morphs, influences });
+        Ok(())
+    }
+
+    /// The primitives of a mesh with a skin or without; read once, however many nodes have them.
+    fn shapes(&mut self, mesh: usize, skin: Option<usize>) -> Result<Rc<[Shape]>, ReadError> {
+        if let Some(shapes) = self.shapes.get(&(mesh, skin)) {
+            return Ok(shapes.clone());
         }
+        let mut shapes = Vec::new();
+        for (primitive, json) in self.document.root.meshes[mesh].primitives.iter().enumerate() {
+            shapes.extend(self.shape(skin, &format!("mesh {mesh}, primitive {primitive}"), json)?);
+        }
+        let shapes: Rc<[Shape]> = shapes.into();
+        self.shapes.insert((mesh, skin), shapes.clone());
+        Ok(shapes)
+    }
+
+    /// A primitive; none if it is not drawn.
+    fn shape(&mut self, skin: Option<usize>, place: &str, primitive: &Primitive) -> Result<Option<Shape>, ReadError> {
+        let document = self.document;
+        let mode = match primitive.mode {
+            mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => mode,
+            Mode::PointsOrLines => {
+                self.notes.push(Note::new(format!("{place} is of points or lines: it is not drawn")));
+                return Ok(None);
+            }
+            Mode::Other => return Err(document.fault(place, "has an unknown mode", "0 to 6")),
+        };
+        let Some(positions) = primitive.attribute("POSITION") else {
+            self.notes.push(Note::new(format!("{place} has no positions: it is not drawn")));
+            return Ok(None);
+        };
+        let base = narrow(document.values::<3>(positions)?);
+        let count = base.len();
+        let triangles = triangles(document, place, primitive, mode, count, &mut self.notes)?;
+        let influences = self.influences(skin, place, primitive, count)?;
         let morphs = morphs(document, place, primitive, count)?;
         let colours = self.colours.of_vertices(primitive, count)?;
         let normals = match primitive.attribute("NORMAL") {
             Some(accessor) => sized(document, place, "normals", narrow(document.values::<3>(accessor)?), count)?,
             None => vec![[0.0; 3]; count],
         };
-
-        let topology = &mut self.topology;
-        // No more than MAX_VERTICES of all of these.
-        let object = topology.objects.len() as u32 - 1;
-        topology.triangles.extend(triangles.into_iter().map(|corners| corners.map(|corner| corner + first as u32)));
-        topology.object.resize(first + count, object);
-        topology.colour.extend(colours);
-        topology.normal.extend(normals);
-        topology.double_sided[object as usize] |= self.colours.is_double_sided(primitive)?;
-        self.rig.parts.push(Part { node, base, morphs, influences });
-        Ok(())
+        let is_double_sided = self.colours.is_double_sided(primitive)?;
+        let (base, morphs, influences) = (Arc::new(base), Arc::new(morphs), influences.map(Arc::new));
+        let shape = Shape { base, morphs, influences, triangles, colours, normals, is_double_sided };
+        document.budget.keep(place, &format!("{count} vertices"), shape.bytes())?;
+        Ok(Some(shape))
     }
 
     /// What joints the vertices follow; none where they follow the node.
     fn influences(
         &mut self,
-        node: usize,
+        skin: Option<usize>,
         place: &str,
         primitive: &Primitive,
         count: usize,
     ) -> Result<Option<Influences>, ReadError> {
         let document = self.document;
-        let Some(skin) = document.root.nodes[node].skin.map(|skin| skin.value()) else { return Ok(None) };
+        let Some(skin) = skin else { return Ok(None) };
         let mut sets: Vec<(Vec<u32>, Vec<f64>)> = Vec::new();
         while let Some(joints) = primitive.attribute(&format!("JOINTS_{}", sets.len())) {
             let Some(weights) = primitive.attribute(&format!("WEIGHTS_{}", sets.len())) else {
@@ -392,6 +460,28 @@ impl Builder<'_> {
     }
 }
 
+impl Shape {
+    /// What it takes, but for its morph targets.
+    fn bytes(&self) -> u64 {
+        let vertex = 3 * size_of::<[f32; 3]>() + self.influences.as_ref().map_or(0, |i| i.per * Influences::BYTES);
+        size_of::<Shape>() as u64 + (self.base.len() * vertex) as u64 + size_of_val(&self.triangles[..]) as u64
+    }
+
+    /// What it takes again in each node.
+    fn placed_bytes(&self) -> u64 {
+        let vertex = size_of::<u32>() + 2 * size_of::<[f32; 3]>();
+        size_of::<Part>() as u64 + (self.base.len() * vertex) as u64 + size_of_val(&self.triangles[..]) as u64
+    }
+
+    /// What is looked at for a pose.
+    fn pose_bytes(&self) -> u64 {
+        let morphs = self.morphs.iter().filter(|morph| !morph.is_empty()).count();
+        let vertex = (1 + morphs) * size_of::<[f32; 3]>();
+        let vertex = vertex + self.influences.as_ref().map_or(0, |i| i.per * Influences::BYTES);
+        self.base.len() as u64 * vertex as u64
+    }
+}
+
 fn narrow(values: Vec<[f64; 3]>) -> Vec<[f32; 3]> {
     values.into_iter().map(|v| v.map(|x| x as f32)).collect()
 }
@@ -413,12 +503,17 @@ fn morphs(
 ) -> Result<Vec<Vec<[f32; 3]>>, ReadError> {
     let mut morphs = Vec::new();
     for target in primitive.targets.iter().flatten() {
-        let moved = match target.positions {
-            Some(accessor) => narrow(document.values::<3>(accessor)?),
-            None => Vec::new(),
+        let Some(accessor) = target.positions else {
+            morphs.push(Vec::new());
+            continue;
+        };
+        // Exporters write targets that move nothing without data.
+        let moved = match document.zeros(accessor)? {
+            Some(zeros) if zeros == count as u64 => Vec::new(),
+            _ => sized(document, place, "displacements", narrow(document.values::<3>(accessor)?), count)?,
         };
         let moves = moved.iter().any(|v| *v != [0.0; 3]);
-        let moved = if moved.is_empty() { moved } else { sized(document, place, "displacements", moved, count)? };
+        document.budget.keep(place, "a morph target", if moves { size_of_val(&moved[..]) as u64 } else { 0 })?;
         morphs.push(if moves { moved } else { Vec::new() });
     }
     Ok(morphs)

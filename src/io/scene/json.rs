@@ -115,6 +115,8 @@ pub(super) struct Asset {
 #[serde(rename_all = "camelCase")]
 pub(super) struct Buffer {
     pub(super) byte_length: Whole,
+    #[serde(default)]
+    pub(super) extensions: BufferExtensions,
     pub(super) uri: Option<String>,
 }
 
@@ -125,6 +127,60 @@ pub(super) struct BufferView {
     pub(super) byte_length: Whole,
     pub(super) byte_offset: Option<Whole>,
     pub(super) byte_stride: Option<Whole>,
+    #[serde(default)]
+    pub(super) extensions: ViewExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct BufferExtensions {
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr: Fallback,
+    #[serde(rename = "EXT_meshopt_compression")]
+    ext: Fallback,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Fallback {
+    fallback: bool,
+}
+
+impl BufferExtensions {
+    /// Whether the buffer is for readers that cannot decompress.
+    pub(super) fn is_fallback(&self) -> bool {
+        self.khr.fallback || self.ext.fallback
+    }
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr: Option<Compressed>,
+    #[serde(rename = "EXT_meshopt_compression")]
+    ext: Option<Compressed>,
+}
+
+impl ViewExtensions {
+    /// How the view is compressed, if it is; the extension has two names.
+    pub(super) fn compressed(&self) -> Option<&Compressed> {
+        self.khr.as_ref().or(self.ext.as_ref())
+    }
+}
+
+/// `EXT_meshopt_compression`: where the compressed bytes are, and what they become.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Compressed {
+    pub(super) buffer: Index<Buffer>,
+    #[serde(default)]
+    pub(super) byte_offset: Whole,
+    pub(super) byte_length: Whole,
+    pub(super) byte_stride: Whole,
+    pub(super) count: Whole,
+    pub(super) mode: String,
+    pub(super) filter: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -228,6 +284,8 @@ pub(super) struct Scene {
 pub(super) struct Node {
     pub(super) camera: Option<Index<Camera>>,
     pub(super) children: Option<Vec<Index<Node>>>,
+    #[serde(default)]
+    pub(super) extensions: NodeExtensions,
     /// Column by column.
     pub(super) matrix: Option<[f32; 16]>,
     pub(super) mesh: Option<Index<Mesh>>,
@@ -238,6 +296,19 @@ pub(super) struct Node {
     pub(super) skin: Option<Index<Skin>>,
     pub(super) translation: Option<[f32; 3]>,
     pub(super) weights: Option<Vec<f32>>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub(super) instancing: Option<Instancing>,
+}
+
+/// `EXT_mesh_gpu_instancing`: accessors by name, of one value an instance.
+#[derive(Deserialize)]
+pub(super) struct Instancing {
+    pub(super) attributes: BTreeMap<String, Index<Accessor>>,
 }
 
 #[derive(Deserialize)]

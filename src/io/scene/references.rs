@@ -1,12 +1,12 @@
 //! The files that a glTF file refers to, found without reading them.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::data_uri::percent_decoded;
+use super::reach::beside;
+use crate::io::file;
 
 /// What of a glTF file may be elsewhere.
 #[derive(Default, Deserialize)]
@@ -26,20 +26,17 @@ struct Resource {
 /// understood, which reading it says.
 pub fn references(path: &Path) -> Vec<PathBuf> {
     let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"));
-    let root = if is_gltf { json(path).and_then(|json| Ok(serde_json::from_slice(&json)?)) } else { Ok(Root::default()) };
+    let root =
+        if is_gltf { json(path).and_then(|json| Ok(serde_json::from_slice(&json)?)) } else { Ok(Root::default()) };
     let Root { buffers, images } = root.unwrap_or_default();
     let uris = buffers.into_iter().chain(images).filter_map(|resource| resource.uri);
-    let files = uris.filter(|uri| !uri.starts_with("data:") && !uri.contains("://"));
-    let folder = path.parent().unwrap_or(Path::new(""));
-    files.map(|uri| folder.join(String::from_utf8_lossy(&percent_decoded(&uri)).into_owned())).collect()
+    let files = uris.filter(|uri| !uri.starts_with("data:"));
+    files.filter_map(|uri| beside(path, &uri).ok()).collect()
 }
 
 /// The JSON of a `.gltf` or `.glb` file.
 fn json(path: &Path) -> io::Result<Vec<u8>> {
-    let mut file = File::open(path)?;
-    if !file.metadata()?.is_file() {
-        return Err(io::ErrorKind::InvalidInput.into());
-    }
+    let mut file = file::open(path)?;
     let mut json = Vec::new();
     file.by_ref().take(20).read_to_end(&mut json)?;
     match json[..] {

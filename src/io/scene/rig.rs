@@ -2,6 +2,8 @@
 //!
 //! All arithmetic is in f64 and a vertex is rounded once.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::track::{Property, Track};
@@ -67,15 +69,17 @@ pub(super) struct Influences {
     pub(super) weights: Vec<f64>,
 }
 
-/// Vertices of one primitive in one node.
+/// Vertices of one primitive in one node. Nodes and instances of one mesh share what does not depend on them.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub(super) node: usize,
-    pub(super) base: Vec<[f32; 3]>,
+    /// Where it is in relation to the node, if it is an instance.
+    pub(super) instance: Option<DAffine3>,
+    pub(super) base: Arc<Vec<[f32; 3]>>,
     /// Displacements at a weight of 1, one list per morph target; empty where a target moves nothing.
-    pub(super) morphs: Vec<Vec<[f32; 3]>>,
+    pub(super) morphs: Arc<Vec<Vec<[f32; 3]>>>,
     /// None: the vertices follow the node.
-    pub(super) influences: Option<Influences>,
+    pub(super) influences: Option<Arc<Influences>>,
 }
 
 /// A perspective camera in a node.
@@ -211,7 +215,7 @@ impl Part {
         let weights = &skeleton.weights[self.node];
         let active: Vec<(f64, &[[f32; 3]])> = weights
             .iter()
-            .zip(&self.morphs)
+            .zip(&self.morphs[..])
             .filter(|(weight, morph)| **weight != 0.0 && !morph.is_empty())
             .map(|(weight, morph)| (*weight, &morph[..]))
             .collect();
@@ -220,6 +224,7 @@ impl Part {
             active.iter().fold(base, |sum, (weight, morph)| sum + *weight * wide(morph[vertex]))
         };
         let node = skeleton.global[self.node];
+        let node = self.instance.map_or(node, |instance| node * instance);
         for (vertex, out) in out.iter_mut().enumerate() {
             let transform = match &self.influences {
                 None => node,
@@ -231,6 +236,9 @@ impl Part {
 }
 
 impl Influences {
+    /// What a joint of a vertex takes.
+    pub(super) const BYTES: usize = size_of::<u32>() + size_of::<f64>();
+
     /// Tells vertices apart that do not follow the same joints by the same shares. In whatever order the file has them.
     fn key(&self, vertex: usize) -> (usize, Vec<(u32, u64)>) {
         let range = vertex * self.per..(vertex + 1) * self.per;
