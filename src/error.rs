@@ -55,6 +55,12 @@ pub enum Error {
         /// What Vulkan returned.
         result: vk::Result,
     },
+    /// The caller of a host without a window asked to stop while it waited.
+    #[error("interrupted at {what}")]
+    Interrupted {
+        /// What was waited for, or would have been next.
+        what: String,
+    },
     /// Device memory could not be had.
     #[error("no memory for {name} ({bytes} bytes): {source}")]
     Allocation {
@@ -72,6 +78,11 @@ impl Error {
     pub(crate) fn vulkan(call: &'static str, object: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
         let object = object.into();
         move |result| Error::Vulkan { call, object: Some(object).filter(|o| !o.is_empty()), result }
+    }
+
+    /// Whether the device is lost, and so done with all that it was given.
+    pub(crate) fn is_lost(&self) -> bool {
+        matches!(self, Error::Vulkan { result: vk::Result::ERROR_DEVICE_LOST, .. })
     }
 
     /// A setting outside of what is allowed.

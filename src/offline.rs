@@ -7,6 +7,9 @@ mod depth;
 mod effect;
 mod frames;
 mod input;
+mod slices;
+
+use std::time::Duration;
 
 use ash::vk;
 
@@ -16,6 +19,7 @@ use crate::flame::{self, Flame};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::profiler::{Profiler, Timing};
+use crate::gpu::recorder::Stream;
 use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
 use crate::host::{Background, HostImage, ImageState};
 use crate::io::particles::Particles;
@@ -29,6 +33,7 @@ pub(crate) use effect::Effect;
 pub use effect::{EffectBuffer, Effects};
 use input::BlurUpload;
 pub(crate) use input::{ParticleUpload, VolumeUpload};
+use slices::{Pace, Slice, Slicer};
 
 /// Format of the target.
 pub const TARGET_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -84,6 +89,7 @@ pub struct Offline {
     layers: Vec<EffectBuffer>,
     timed: bool,
     times: Option<FrameTimes>,
+    pace: Pace,
     /// Whether what was read back is a whole frame.
     is_read: bool,
 }
@@ -158,6 +164,7 @@ impl Offline {
             layers: Vec::new(),
             timed: true,
             times: None,
+            pace: Pace::default(),
             is_read: false,
         };
         offline.create(effects)?;
@@ -236,52 +243,77 @@ impl Offline {
         self.timed = timed;
     }
 
+    /// The longest that one submission should take: a frame is cut into several between its steps, by what they took in the
+    /// frames before, and steps that have not run yet are submitted alone. Half a second at first; none: a frame is never
+    /// cut. What frames show does not depend on it.
+    pub fn set_longest_submission(&mut self, longest: Option<Duration>) {
+        self.pace.set_longest(longest);
+    }
+
     /// Renders a frame and waits for it.
     ///
     /// # Errors
-    /// As [`Smoke::record`], [`Flame::record`] and [`Blur::record`]; a lost device; a device that does not answer.
+    /// As [`Smoke::record`], [`Flame::record`] and [`Blur::record`]; a lost device; a device that does not answer; an
+    /// interruption.
     pub fn frame(&mut self, scene: &Scene) -> Result<()> {
         self.check_free()?;
         self.times = None;
         self.is_read &= !scene.rendered;
         let frames = self.frames(scene)?;
+        let mut slices = Vec::new();
+        if let Err(error) = self.record(scene, &frames, &mut slices) {
+            slices::discard(&mut self.device, slices);
+            return Err(error);
+        }
+        let name = format!("frame {}", scene.number);
+        let done = slices::run(&mut self.device, slices, &mut self.pace, &name);
+        let profiler = self.parts.profiler.as_mut().filter(|_| self.timed);
+        let host = self.device.host();
+        if let Err(error) = done {
+            // SAFETY: the frame is recorded, and the device is lost.
+            let running = || unsafe { profiler?.running(&host, 0) };
+            let step = if error.is_lost() { running() } else { None };
+            return Err(slices::at_step(error, &name, step));
+        }
+        // SAFETY: the frame has been waited for.
+        self.times = profiler.and_then(|profiler| unsafe { profiler.collect(&host, 0) });
+        self.is_read |= scene.rendered;
+        if let Some(frame) = &frames.blur {
+            self.parts.blur_input.recorded(frame.mesh.is_some(), frame.poses);
+        }
+        Ok(())
+    }
+
+    /// Records a frame into slices, and what is read back after it into the last one.
+    fn record(&mut self, scene: &Scene, frames: &Frames, slices: &mut Vec<Slice>) -> Result<()> {
         let mut layers = self.layer_copies();
         layers.retain(|copy| copy.from.2 > 0);
         let target = self.target(ImageState::default()).filter(|_| scene.rendered);
-        let brought = frames.blur.as_ref().map(|frame| (frame.mesh.is_some(), frame.poses));
-        let Parts { smoke, flame, blur, blur_input, depth, profiler, frame: download, .. } = &mut self.parts;
-        let mut profiler = profiler.as_mut().filter(|_| self.timed);
-        self.device.one_time(&format!("frame {}", scene.number), |host, commands| {
-            let mut timing = Timing::None;
-            // SAFETY: everything is this host's own, in the declared states, and the frame is waited for.
-            unsafe {
-                if let Some(profiler) = profiler.as_deref_mut() {
-                    profiler.begin_frame(host, commands, 0, scene.number)?;
-                    timing = Timing::Profiler(profiler);
-                }
-                depth.iter().filter(|_| scene.rendered).for_each(|depth| depth.clear(host, commands));
-                if let (Some(blur), Some(frame)) = (blur, &frames.blur) {
-                    blur.record(host, commands, frame, &mut timing)?;
-                }
-                if let (Some(smoke), Some(frame)) = (smoke, &frames.smoke) {
-                    smoke.record(host, commands, frame, &mut timing)?;
-                }
-                if let (Some(flame), Some(frame)) = (flame, &frames.flame) {
-                    flame.record(host, commands, frame, &mut timing)?;
-                }
-                if let (Some(target), Some(download)) = (target, download.buffer()) {
-                    let images = [Copy { from: (target.image, target.extent), to: 0 }];
-                    record_readback(host, commands, &images, &layers, download);
-                }
+        let Parts { smoke, flame, blur, depth, profiler, frame: download, .. } = &mut self.parts;
+        let (host, source) = self.device.recording();
+        let stream = &mut Slicer::new(source, &self.pace, slices)?;
+        let mut timing = Timing::None;
+        // SAFETY: everything is this host's own, in the declared states, and the frame is waited for.
+        unsafe {
+            if let Some(profiler) = profiler.as_mut().filter(|_| self.timed) {
+                profiler.begin_frame(&host, stream.current(), 0, scene.number)?;
+                timing = Timing::Profiler(profiler);
             }
-            Ok(())
-        })?;
-        self.is_read |= scene.rendered;
-        if let Some((mesh, poses)) = brought {
-            blur_input.recorded(mesh, poses);
+            depth.iter().filter(|_| scene.rendered).for_each(|depth| depth.clear(&host, stream.current()));
+            if let (Some(blur), Some(frame)) = (blur, &frames.blur) {
+                blur.record_into(&host, stream, frame, &mut timing)?;
+            }
+            if let (Some(smoke), Some(frame)) = (smoke, &frames.smoke) {
+                smoke.record_into(&host, stream, frame, &mut timing)?;
+            }
+            if let (Some(flame), Some(frame)) = (flame, &frames.flame) {
+                flame.record_into(&host, stream, frame, &mut timing)?;
+            }
+            if let (Some(target), Some(download)) = (target, download.buffer()) {
+                let images = [Copy { from: (target.image, target.extent), to: 0 }];
+                record_readback(&host, stream.current(), &images, &layers, download);
+            }
         }
-        // SAFETY: the frame has been waited for.
-        self.times = profiler.and_then(|profiler| unsafe { profiler.collect(&self.device.host(), 0) });
         Ok(())
     }
 

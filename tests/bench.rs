@@ -7,7 +7,6 @@ mod common;
 use std::path::Path;
 
 use celfx::bench::{Request, Watch, What, run};
-use celfx::gpu::headless::Options;
 
 struct Silent;
 
@@ -30,8 +29,7 @@ impl Watch for Impatient {
 }
 
 fn request(what: What, only: &str) -> Request {
-    let device = Options { validate: true, device: std::env::var("CELFX_DEVICE").ok(), ..Options::default() };
-    Request { what, quick: true, only: Some(only.into()), device }
+    Request { what, quick: true, only: Some(only.into()), device: common::options() }
 }
 
 /// Rows of `bench.json` after a benchmark under validation; a message of it is an error.

@@ -501,3 +501,40 @@ fn inspect_shows_what_files_hold() {
     fails(&folder, &["inspect", "none.toml"], 3, &["none.toml"]);
     fails(&folder, &["inspect"], 2, &["<FILE>"]);
 }
+
+/// What the device works on takes hours; nobody waits for it.
+#[cfg(unix)]
+#[test]
+fn an_interruption_is_answered_while_a_frame_is_rendered() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    let long = ["--set", "flame.repetitions=1048576", "--set", "flame.count=32768", "--frames", "1"];
+    let arguments = [&["render", "builtin:flame", "-v", "--set", "size=[2048, 2048]"][..], &long].concat();
+    let mut child = celfx(&folder, &arguments).stderr(Stdio::piped()).spawn().expect("the program runs");
+    let mut error = std::io::BufReader::new(child.stderr.take().expect("a pipe"));
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut error, &mut line).expect("what it says first");
+    assert!(line.contains("device"), "{line}");
+    // Now it renders, or soon will.
+    std::thread::sleep(Duration::from_secs(3));
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("there is kill").success());
+    let begin = Instant::now();
+    let status = loop {
+        match child.try_wait().expect("the program's state") {
+            Some(status) => break status,
+            None if begin.elapsed() > Duration::from_secs(60) => {
+                child.kill().expect("it still runs");
+                panic!("it waits");
+            }
+            None => std::thread::sleep(Duration::from_millis(50)),
+        }
+    };
+    let mut rest = String::new();
+    std::io::Read::read_to_string(&mut error, &mut rest).expect("UTF-8");
+    assert_eq!(status.code(), Some(130), "{rest}");
+    assert!(rest.contains("interrupted") && !folder.0.join("out/0001.png").exists(), "{rest}");
+    assert_eq!(folder.parts(), Vec::<String>::new());
+}

@@ -356,6 +356,33 @@ fn profiled_steps_are_in_order_merged_and_cover_the_work() {
     destroy(&mut device, [buffer]);
 }
 
+/// The step that a device was lost in is the one that has begun and not ended.
+#[test]
+fn the_step_that_runs_is_known() {
+    let Some(mut device) = device() else { return };
+    let family = device.queue_family();
+    // SAFETY: the device's own handles.
+    let mut profiler = unsafe { Profiler::new(&device.host(), family, 1, 4) }.expect("a profiler");
+    let recorded = device.one_time("steps", |host, commands| {
+        // SAFETY: valid handles; nothing of the slot is in flight.
+        unsafe {
+            profiler.begin_frame(host, commands, 0, 1)?;
+            let mut timing = Timing::Profiler(&mut profiler);
+            timing.begin_scope(host, commands, "test.before");
+            timing.end_scope(host, commands);
+            timing.begin_scope(host, commands, "test.lost");
+        }
+        Ok(())
+    });
+    recorded.expect("it runs");
+    // SAFETY: the queries have been reset on the device.
+    unsafe {
+        assert_eq!(profiler.running(&device.host(), 0), Some("test.lost"));
+        assert_eq!(profiler.collect(&device.host(), 0), None, "it has not ended");
+        profiler.destroy(&device.host());
+    }
+}
+
 #[test]
 fn the_hosts_own_queries_are_filled_two_a_step() {
     let Some(mut device) = device() else { return };
@@ -393,8 +420,8 @@ fn a_hang_is_an_error_that_names_the_work_and_leaves_it_alone() {
     let index = device.info().index.to_string();
     drop(device);
     // The work waits for an event that nobody sets in time, so it hangs however fast or busy the machine is.
-    let timeout = Duration::from_millis(20);
-    let options = Options { validate: true, device: Some(index), timeout };
+    let timeout = Some(Duration::from_millis(20));
+    let options = Options { validate: true, device: Some(index), timeout, ..Options::default() };
     let mut headless = Headless::new(&options).expect("the same device");
     let messages = headless.messages();
     let raw = headless.host().device.clone();

@@ -59,7 +59,7 @@ pub enum BenchError {
     NoDevice(#[from] NoDevice),
     /// The device failed.
     #[error(transparent)]
-    Device(#[from] Error),
+    Device(Error),
     /// Validation has said something.
     #[error("validation: {0}")]
     Validation(String),
@@ -69,6 +69,15 @@ pub enum BenchError {
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<Error> for BenchError {
+    fn from(error: Error) -> BenchError {
+        match error {
+            Error::Interrupted { .. } => BenchError::Interrupted,
+            error => BenchError::Device(error),
+        }
+    }
 }
 
 /// What the caller is told while it runs, and asked: whether to go on.

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use ash::vk;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::headless::{Headless, Messages};
 use crate::gpu::image::{Image, ImageDesc};
@@ -84,8 +84,6 @@ pub(super) struct Rig {
     profiler: Option<Profiler>,
     effects: Vec<Slot>,
     kernels: Vec<Kernels>,
-    /// Something may still be running: nothing can be destroyed.
-    stuck: bool,
 }
 
 impl Rig {
@@ -94,7 +92,7 @@ impl Rig {
         let (host, _) = headless.parts();
         // SAFETY: the device's own handles; it is destroyed in `drop`.
         let profiler = unsafe { Profiler::new(&host, family, 1, 1)? };
-        Ok(Rig { headless, profiler: Some(profiler), effects: Vec::new(), kernels: Vec::new(), stuck: false })
+        Ok(Rig { headless, profiler: Some(profiler), effects: Vec::new(), kernels: Vec::new() })
     }
 
     /// Name and driver of the device.
@@ -153,11 +151,10 @@ impl Rig {
             state_in: ImageState::default(),
             state_out: COPIED_FROM,
         };
-        let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
+        measure(&mut self.headless, &mut self.profiler, |host, commands| {
             // SAFETY: the device's own handles; every frame is submitted in order and waited for.
             unsafe { made.record(host, commands, shot, target) }
-        });
-        self.note(done)
+        })
     }
 
     fn made(&self, id: EffectId) -> Option<&dyn Effect> {
@@ -178,11 +175,10 @@ impl Rig {
     /// Runs steps of the frame recorded last again.
     pub(super) fn replay(&mut self, id: EffectId, plan: &Plan) -> Result<Measured> {
         let Slot { made: Some(made), .. } = &mut self.effects[id.0] else { return Ok(NOTHING) };
-        let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
+        measure(&mut self.headless, &mut self.profiler, |host, commands| {
             // SAFETY: the device's own handles; the plan is of this effect, and the frame before is over.
             unsafe { made.effect_mut().replay(host, commands, plan) }
-        });
-        self.note(done)
+        })
     }
 
     /// Makes kernels of the benchmark's own; buffers get their ids in the given order.
@@ -231,25 +227,24 @@ impl Rig {
         let resources = &self.kernels[id.0].resources;
         let own = buffers.iter().enumerate().filter(|(_, buffer)| matches!(buffer, KernelBuffer::Own(_)));
         let own: Vec<_> = own.map(|(index, _)| resources.buffer(BufferId(index as u16))).collect();
-        let done = self.headless.one_time("zeroes", |host, commands| {
+        self.headless.one_time("zeroes", |host, commands| {
             for (buffer, offset, size) in own {
                 // SAFETY: the device's own handles; nothing else uses the buffers yet.
                 unsafe { record_zeroes(host, commands, buffer, offset, size) };
             }
             Ok(())
-        });
-        self.note(done)
+        })
     }
 
     /// Runs a plan of such kernels.
     pub(super) fn run(&mut self, id: KernelsId, plan: &Plan) -> Result<Measured> {
         let Kernels { passes, resources, pipelines, recorder } = &mut self.kernels[id.0];
-        let done = measure(&mut self.headless, &mut self.profiler, |host, commands| {
-            let mut recording = Recording { host, commands, passes, pipelines, resources };
+        measure(&mut self.headless, &mut self.profiler, |host, commands| {
+            let mut commands = commands;
+            let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
             // SAFETY: the device's own handles; the plan is of these passes, and everything before is over.
             unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
-        });
-        self.note(done)
+        })
     }
 
     /// Runs a plan with no work in it: drivers that compile a kernel at its first dispatch do so now.
@@ -319,22 +314,17 @@ impl Rig {
             Ok(())
         });
         let result = staging.mapped().and_then(|memory| memory.get(..bytes as usize)).unwrap_or_default().to_vec();
-        self.note(done)?;
-        let (host, allocator) = self.headless.parts();
-        // SAFETY: the copy is over.
-        unsafe { staging.destroy(&host, allocator) };
-        Ok(result)
-    }
-
-    /// Remembers a wait that did not end.
-    fn note<T>(&mut self, result: Result<T>) -> Result<T> {
-        self.stuck |= matches!(&result, Err(Error::Vulkan { result: vk::Result::TIMEOUT, .. }));
-        result
+        if !self.headless.is_stuck() {
+            let (host, allocator) = self.headless.parts();
+            // SAFETY: the copy is over.
+            unsafe { staging.destroy(&host, allocator) };
+        }
+        done.map(|()| result)
     }
 
     /// Destroys all effects and kernels.
     pub(super) fn clear(&mut self) {
-        if self.stuck {
+        if self.headless.is_stuck() {
             return;
         }
         let (host, allocator) = self.headless.parts();
@@ -355,7 +345,7 @@ impl Rig {
 impl Drop for Rig {
     fn drop(&mut self) {
         self.clear();
-        if self.stuck {
+        if self.headless.is_stuck() {
             return;
         }
         if let Some(mut profiler) = self.profiler.take() {

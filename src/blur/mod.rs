@@ -30,6 +30,7 @@ pub use settings::Settings;
 use crate::error::{Error, Result};
 use crate::gpu::effect::{Inventory, OnDevice, effect_methods};
 use crate::gpu::profiler::Timing;
+use crate::gpu::recorder::Stream;
 use crate::host::{Host, HostBuffer, Memory, check_sides};
 use crate::plan::Plan;
 use layout::Layout;
@@ -109,7 +110,25 @@ impl Blur {
     pub unsafe fn record(
         &mut self,
         host: &Host,
-        commands: vk::CommandBuffer,
+        mut commands: vk::CommandBuffer,
+        frame: &Frame,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe { self.record_into(host, &mut commands, frame, timing) }
+    }
+
+    /// [`Self::record`] into the command buffers of a stream.
+    ///
+    /// # Errors
+    /// As there, and what the stream says: the frame is recorded in part then.
+    ///
+    /// # Safety
+    /// As there, for each command buffer.
+    pub(crate) unsafe fn record_into(
+        &mut self,
+        host: &Host,
+        stream: &mut dyn Stream,
         frame: &Frame,
         timing: &mut Timing,
     ) -> Result<()> {
@@ -118,7 +137,7 @@ impl Blur {
         Steps { plan, passes, desc, layout, drawn }.fill(frame);
         self.hand_over(frame);
         // SAFETY: the caller's.
-        unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
+        unsafe { self.on_device.record(host, stream, &self.plan, timing)? };
         self.has_mesh = true;
         self.drawn.iter_mut().for_each(|place| *place = place.filter(|drawn| !frame.brings(drawn.frame())));
         steps::drawn(&self.desc, frame)

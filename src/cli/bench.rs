@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
@@ -50,8 +51,16 @@ enum What {
     All,
 }
 
-/// Longest wait for one run: the paper's loop over a million particles takes minutes on two cores.
-const TIMEOUT: Duration = Duration::from_secs(1800);
+/// What waits for a run asks whether to go on, and says each half minute that it still does.
+fn go_on(waited: Duration) -> bool {
+    static SAID: AtomicU64 = AtomicU64::new(0);
+    let halves = waited.as_secs() / 30;
+    if SAID.swap(halves, Ordering::Relaxed) < halves {
+        // Nothing is left to tell where standard error is closed.
+        let _ = writeln!(io::stderr(), "{:7}  still running, for {} s", "", 30 * halves);
+    }
+    interrupt::go_on(waited)
+}
 
 /// Progress on standard error.
 struct Terminal {
@@ -95,7 +104,9 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         What::Limits => bench::What::Limits,
         What::All => bench::What::All,
     };
-    let device = headless::Options { validate: common.validate, device: common.device.clone(), timeout: TIMEOUT };
+    let (validate, device) = (common.validate, common.device.clone());
+    let go_on = if common.quiet { interrupt::go_on } else { go_on };
+    let device = headless::Options { validate, device, go_on, ..headless::Options::default() };
     let request = Request { what, quick: options.quick, only: options.only.clone(), device };
     let watch = Terminal { begin: Instant::now(), quiet: common.quiet };
     print(&bench::run(&request, &options.output, &watch)?)

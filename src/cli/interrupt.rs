@@ -1,6 +1,7 @@
-//! Ctrl-C: the frames that were begun are finished, then the program ends.
+//! Ctrl-C: frames that are rendered are written, the one that the device works on is not waited for, and the program ends.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use super::Failure;
 
@@ -18,13 +19,18 @@ pub(super) fn install() {
 
 /// Items until the program is asked to stop; [`check`] says whether these are all.
 pub(super) fn until<T>(items: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
-    items.into_iter().take_while(|_| !INTERRUPTED.load(Ordering::SeqCst))
+    items.into_iter().take_while(|_| go_on(Duration::ZERO))
+}
+
+/// Whether to go on: what waits for the device asks for it ([`crate::gpu::headless::Options::go_on`]).
+pub(super) fn go_on(_: Duration) -> bool {
+    !INTERRUPTED.load(Ordering::SeqCst)
 }
 
 /// Fails once the program was asked to stop.
 pub(super) fn check() -> Result<(), Failure> {
     match INTERRUPTED.load(Ordering::SeqCst) {
-        true => Err(Failure::new(Failure::INTERRUPTED, "interrupted; the frames that were begun are whole")),
+        true => Err(Failure::new(Failure::INTERRUPTED, "interrupted; the frames that were written are whole")),
         false => Ok(()),
     }
 }

@@ -147,6 +147,7 @@ impl From<Error> for Failure {
         let code = match error {
             Error::Setting { .. } => Failure::USAGE,
             Error::Device { .. } => Failure::NO_DEVICE,
+            Error::Interrupted { .. } => Failure::INTERRUPTED,
             _ => Failure::DEVICE,
         };
         Failure::new(code, error.to_string())

@@ -11,6 +11,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
+use std::time::Duration;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -220,8 +221,10 @@ impl Job<'_> {
             // Draws only where standard error is a terminal.
             false => ProgressDrawTarget::stderr(),
         };
-        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {per_sec}, {eta} left");
+        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {elapsed}, {per_sec}, {eta} left");
         let bar = ProgressBar::with_draw_target(Some(frames), target);
+        // A frame may take long.
+        bar.enable_steady_tick(Duration::from_secs(1));
         match style {
             Ok(style) => bar.with_style(style),
             Err(_) => bar,

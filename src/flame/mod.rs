@@ -28,6 +28,7 @@ pub use spacing::mean_spacing;
 use crate::error::{Error, Result};
 use crate::gpu::effect::{Inventory, OnDevice, effect_methods};
 use crate::gpu::profiler::Timing;
+use crate::gpu::recorder::Stream;
 use crate::host::{Host, Memory, check_sides};
 use crate::plan::Plan;
 use crate::view::Camera;
@@ -122,7 +123,25 @@ impl Flame {
     pub unsafe fn record(
         &mut self,
         host: &Host,
-        commands: vk::CommandBuffer,
+        mut commands: vk::CommandBuffer,
+        frame: &Frame,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe { self.record_into(host, &mut commands, frame, timing) }
+    }
+
+    /// [`Self::record`] into the command buffers of a stream.
+    ///
+    /// # Errors
+    /// As there, and what the stream says: the frame is recorded in part then.
+    ///
+    /// # Safety
+    /// As there, for each command buffer.
+    pub(crate) unsafe fn record_into(
+        &mut self,
+        host: &Host,
+        stream: &mut dyn Stream,
         frame: &Frame,
         timing: &mut Timing,
     ) -> Result<()> {
@@ -133,7 +152,7 @@ impl Flame {
         Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, table);
         self.hand_over(frame);
         // SAFETY: the caller's.
-        unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
+        unsafe { self.on_device.record(host, stream, &self.plan, timing)? };
         self.state = state;
         Ok(())
     }

@@ -8,7 +8,7 @@ use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::gpu::kernel::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
-use crate::gpu::recorder::{Recorder, Recording};
+use crate::gpu::recorder::{Recorder, Recording, Stream};
 use crate::gpu::resources::Resources;
 use crate::host::Host;
 use crate::plan::{BufferId, Pass, Plan};
@@ -73,17 +73,17 @@ impl OnDevice {
     /// A step does not fit the resources.
     ///
     /// # Safety
-    /// `host` is the one that everything was made with; `commands` is in recording state, outside of a render pass; what
-    /// the host has handed over is in the states that it declared.
+    /// `host` is the one that everything was made with; the command buffers of `stream` are in recording state, outside of
+    /// a render pass; what the host has handed over is in the states that it declared.
     pub unsafe fn record(
         &mut self,
         host: &Host,
-        commands: vk::CommandBuffer,
+        stream: &mut dyn Stream,
         plan: &Plan,
         timing: &mut Timing,
     ) -> Result<()> {
         let OnDevice { passes, resources, pipelines, recorder } = self;
-        let mut recording = Recording { host, commands, passes, pipelines, resources };
+        let mut recording = Recording { host, stream, passes, pipelines, resources };
         // SAFETY: the caller's.
         unsafe { recorder.record(plan, &mut recording, timing) }
     }
@@ -99,13 +99,13 @@ impl OnDevice {
     pub unsafe fn replay(
         &mut self,
         host: &Host,
-        commands: vk::CommandBuffer,
+        mut commands: vk::CommandBuffer,
         plan: &Plan,
         host_images: &[crate::plan::ImageId],
     ) -> Result<()> {
         host_images.iter().for_each(|image| self.resources.set_host_image(*image, None));
         // SAFETY: the caller's.
-        unsafe { self.record(host, commands, plan, &mut Timing::None) }
+        unsafe { self.record(host, &mut commands, plan, &mut Timing::None) }
     }
 
     /// A buffer: handle, offset and size in bytes.

@@ -1,21 +1,24 @@
 //! A device without a window, for the program and the tests. Hosts bring their own.
 
+mod commands;
 mod devices;
 mod instance;
 
 use std::mem::ManuallyDrop;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
+pub use commands::{CommandSource, Commands, Submission};
 pub use devices::{DeviceInfo, Report, report};
 pub use instance::{Messages, VALIDATION_LAYER};
 
 use crate::error::{Error, Result};
 use crate::gpu::debug;
 use crate::host::{Host, requirements};
+use commands::Pool;
 use devices::Candidate;
 use instance::Instance;
 
@@ -26,16 +29,27 @@ pub struct Options {
     pub validate: bool,
     /// Index of a device, or part of its name in any case; none: the best that can run celfx.
     pub device: Option<String>,
-    /// Longest wait for one submission. Finite, so that a hang is an error; long, because a software driver compiles
-    /// shaders while it runs them and may share its cores.
-    pub timeout: Duration,
+    /// Longest wait for one submission, then the result is `TIMEOUT`; none: as long as the device lives. What a frame
+    /// takes is not known: software drivers compile shaders while they run them, and may share their cores.
+    pub timeout: Option<Duration>,
+    /// Asked before each submission and every tenth of a second while one is waited for, with how long that has been:
+    /// whether to go on. Once it says no, nothing is submitted any more, and what runs gets a second to end.
+    pub go_on: fn(Duration) -> bool,
+    /// What all calls of the device then go through. For tests, which let calls fail.
+    #[doc(hidden)]
+    pub table: fn(ash::Device) -> ash::Device,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { validate: false, device: None, timeout: Duration::from_secs(300) }
+        Options { validate: false, device: None, timeout: None, go_on: |_| true, table: |device| device }
     }
 }
+
+/// How long is waited before it is asked whether to go on.
+const WAIT: Duration = Duration::from_millis(100);
+/// How long what runs may take to end once the answer was no.
+const GRACE: Duration = Duration::from_secs(1);
 
 /// What helps wherever there is no device.
 const INSTALL: &str = "install a Vulkan driver; on Debian and Ubuntu: apt install libvulkan1 mesa-vulkan-drivers \
@@ -96,44 +110,17 @@ pub enum NoDevice {
     },
 }
 
-/// Commands in recording state, from [`Headless::begin`].
-#[derive(Debug)]
-#[must_use = "commands that are not submitted do nothing"]
-pub struct Commands(Slot);
-
-impl Commands {
-    /// The command buffer.
-    pub fn raw(&self) -> vk::CommandBuffer {
-        self.0.commands
-    }
-}
-
-/// Commands on their way, to be waited for with [`Headless::wait`].
-#[derive(Debug)]
-#[must_use = "its commands are reused once it has been waited for"]
-pub struct Submission {
-    slot: Slot,
-    what: String,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    commands: vk::CommandBuffer,
-    fence: vk::Fence,
-}
-
 /// Instance, device, queue, allocator and command buffers, all owned and destroyed here.
 pub struct Headless {
     /// Dropped by hand, before the device whose memory it holds.
     allocator: ManuallyDrop<Allocator>,
     opened: Opened,
     queue: vk::Queue,
-    pool: vk::CommandPool,
-    /// Every slot there is.
-    slots: Vec<Slot>,
-    /// Those that wait for work.
-    free: Vec<Slot>,
-    timeout: Duration,
+    pool: Pool,
+    timeout: Option<Duration>,
+    go_on: fn(Duration) -> bool,
+    /// Nothing is submitted any more.
+    interrupted: bool,
     /// Something is still running that nobody can wait for.
     stuck: bool,
 }
@@ -168,10 +155,10 @@ impl Headless {
         let mut candidates = candidates;
         let candidate = candidates.swap_remove(index);
         let name = candidate.info.name.clone();
-        Self::open(instance, candidate, options.timeout).map_err(|why| NoDevice::NotOpened { device: name, why })
+        Self::open(instance, candidate, options).map_err(|why| NoDevice::NotOpened { device: name, why })
     }
 
-    fn open(instance: Instance, candidate: Candidate, timeout: Duration) -> std::result::Result<Headless, String> {
+    fn open(instance: Instance, candidate: Candidate, options: &Options) -> std::result::Result<Headless, String> {
         let family = candidate.queue_family;
         let mut features = vk::PhysicalDeviceVulkan13Features::default();
         requirements().features.enable(&mut features);
@@ -180,6 +167,7 @@ impl Headless {
         // SAFETY: a physical device of this instance, which supports these features and has this queue family.
         let device = unsafe { instance.raw.create_device(candidate.physical_device, &info, None) }
             .map_err(|e| format!("vkCreateDevice returned {e:?}"))?;
+        let device = (options.table)(device);
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
             device: device.clone(),
@@ -189,20 +177,18 @@ impl Headless {
             // Small blocks: an effect takes some tens of MiB, and what is larger than a block gets one of its own.
             allocation_sizes: AllocationSizes::new(8 << 20, 8 << 20),
         });
-        let pool_info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER | vk::CommandPoolCreateFlags::TRANSIENT);
         // SAFETY: the device was made with this family; if one of the two is missing, the device has no other child.
         let (allocator, pool) = unsafe {
-            let pool = device.create_command_pool(&pool_info, None);
+            let pool = Pool::new(&device, family);
             match (allocator, pool) {
                 (Ok(allocator), Ok(pool)) => (allocator, pool),
                 (allocator, pool) => {
                     let why = match (&allocator, &pool) {
                         (Err(e), _) => e.to_string(),
-                        (_, error) => format!("vkCreateCommandPool returned {error:?}"),
+                        (_, Err(e)) => e.to_string(),
+                        _ => String::new(),
                     };
-                    device.destroy_command_pool(pool.unwrap_or_default(), None);
+                    pool.iter().for_each(|pool| pool.destroy(&device));
                     drop(allocator);
                     device.destroy_device(None);
                     return Err(why);
@@ -220,9 +206,9 @@ impl Headless {
             opened,
             queue,
             pool,
-            slots: Vec::new(),
-            free: Vec::new(),
-            timeout,
+            timeout: options.timeout,
+            go_on: options.go_on,
+            interrupted: false,
             stuck: false,
         })
     }
@@ -259,82 +245,69 @@ impl Headless {
         self.stuck
     }
 
-    /// Begins commands.
-    pub fn begin(&mut self) -> Result<Commands> {
-        let slot = match self.free.pop() {
-            Some(slot) => slot,
-            None => self.make_slot()?,
-        };
-        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: a free slot is not on the device; beginning resets it.
-        match unsafe { self.opened.device.begin_command_buffer(slot.commands, &info) } {
-            Ok(()) => Ok(Commands(slot)),
-            Err(result) => {
-                self.free.push(slot);
-                Err(Error::vulkan("vkBeginCommandBuffer", "")(result))
-            }
-        }
+    /// [`Headless::host`] and where commands for it come from together, for recording into several.
+    pub fn recording(&mut self) -> (Host<'_>, CommandSource<'_>) {
+        (self.opened.host(), CommandSource { device: &self.opened.device, pool: &mut self.pool })
     }
 
-    fn make_slot(&mut self) -> Result<Slot> {
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
-        // SAFETY: the pool and the device are valid; the fence is destroyed when `self` is.
-        let slot = unsafe {
-            let fence = self.opened.device.create_fence(&vk::FenceCreateInfo::default(), None);
-            let fence = fence.map_err(Error::vulkan("vkCreateFence", ""))?;
-            match self.opened.device.allocate_command_buffers(&info) {
-                Ok(commands) => Slot { commands: commands.first().copied().unwrap_or_default(), fence },
-                Err(result) => {
-                    self.opened.device.destroy_fence(fence, None);
-                    return Err(Error::vulkan("vkAllocateCommandBuffers", "")(result));
-                }
-            }
-        };
-        self.slots.push(slot);
-        Ok(slot)
+    /// Begins commands.
+    pub fn begin(&mut self) -> Result<Commands> {
+        self.recording().1.begin()
+    }
+
+    /// Takes commands back that will not be submitted.
+    pub fn discard(&mut self, commands: Commands) {
+        self.pool.discard(&self.opened.device, commands);
     }
 
     /// Submits commands and does not wait. `what` names them in errors.
     pub fn start(&mut self, commands: Commands, what: &str) -> Result<Submission> {
-        let Commands(slot) = commands;
-        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(slot.commands)];
-        let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
-        // SAFETY: the commands are in recording state, the fence is unsignalled, and the queue is used by `self` alone.
-        let submitted = unsafe {
-            self.opened
-                .device
-                .end_command_buffer(slot.commands)
-                .map_err(Error::vulkan("vkEndCommandBuffer", what))
-                .and_then(|()| {
-                    let result = self.opened.device.queue_submit2(self.queue, &submits, slot.fence);
-                    result.map_err(Error::vulkan("vkQueueSubmit2", what))
-                })
-        };
-        match submitted {
-            Ok(()) => Ok(Submission { slot, what: what.into() }),
-            Err(error) => {
-                self.free.push(slot);
-                Err(error)
-            }
+        self.interrupted = self.interrupted || !(self.go_on)(Duration::ZERO);
+        if self.interrupted {
+            self.discard(commands);
+            return Err(Error::Interrupted { what: what.into() });
         }
+        // SAFETY: the queue is the device's, and used by `self` alone.
+        unsafe { self.pool.submit(&self.opened.device, self.queue, commands, what) }
     }
 
-    /// Waits for a submission, at most [`Options::timeout`]: then the result is `TIMEOUT`, and what runs is left alone
-    /// (see [`Headless::is_stuck`]).
+    /// Waits for a submission, however long it takes. What still runs after [`Options::timeout`], or a second after
+    /// [`Options::go_on`] has said no, is left alone (see [`Headless::is_stuck`]).
+    ///
+    /// # Errors
+    /// The result `TIMEOUT`; an interruption; a lost device.
     pub fn wait(&mut self, submission: Submission) -> Result<()> {
-        let Submission { slot, what } = submission;
-        let nanoseconds = u64::try_from(self.timeout.as_nanos()).unwrap_or(u64::MAX - 1);
-        // SAFETY: the fence was submitted and belongs to the device.
-        let waited = unsafe { self.opened.device.wait_for_fences(&[slot.fence], true, nanoseconds) };
-        if let Err(result) = waited {
+        let fence = submission.fence();
+        if let Err(error) = self.wait_for(fence, submission.what()) {
             // Only a lost device is known to be done.
-            self.stuck |= result != vk::Result::ERROR_DEVICE_LOST;
-            return Err(Error::vulkan("vkWaitForFences", what)(result));
+            self.stuck |= !error.is_lost();
+            return Err(error);
         }
-        // SAFETY: the fence has signalled.
-        unsafe { self.opened.device.reset_fences(&[slot.fence]) }.map_err(Error::vulkan("vkResetFences", what))?;
-        self.free.push(slot);
-        Ok(())
+        self.pool.ended(&self.opened.device, submission)
+    }
+
+    fn wait_for(&mut self, fence: vk::Fence, what: &str) -> Result<()> {
+        let begin = Instant::now();
+        let mut limit = self.timeout;
+        loop {
+            let left = limit.map_or(WAIT, |limit| limit.saturating_sub(begin.elapsed()).min(WAIT));
+            // SAFETY: the fence was submitted and belongs to the device.
+            match unsafe { self.opened.device.wait_for_fences(&[fence], true, left.as_nanos() as u64) } {
+                Err(vk::Result::TIMEOUT) => {}
+                result => return result.map_err(Error::vulkan("vkWaitForFences", what)),
+            }
+            let waited = begin.elapsed();
+            if !self.interrupted && !(self.go_on)(waited) {
+                self.interrupted = true;
+                limit = Some(limit.map_or(waited + GRACE, |limit| limit.min(waited + GRACE)));
+            }
+            if limit.is_some_and(|limit| waited >= limit) {
+                return Err(match self.interrupted {
+                    true => Error::Interrupted { what: what.into() },
+                    false => Error::vulkan("vkWaitForFences", what)(vk::Result::TIMEOUT),
+                });
+            }
+        }
     }
 
     /// Submits commands and waits for them.
@@ -349,14 +322,7 @@ impl Headless {
         match record(&self.host(), commands.raw()) {
             Ok(value) => self.submit(commands, what).map(|()| value),
             Err(error) => {
-                // SAFETY: the commands are in recording state and were not submitted; the pool allows the reset.
-                let reset = unsafe {
-                    let flags = vk::CommandBufferResetFlags::empty();
-                    self.opened.device.reset_command_buffer(commands.raw(), flags)
-                };
-                if reset.is_ok() {
-                    self.free.push(commands.0);
-                }
+                self.discard(commands);
                 Err(error)
             }
         }
@@ -374,10 +340,7 @@ impl Drop for Headless {
         unsafe {
             let _ = self.opened.device.device_wait_idle();
             ManuallyDrop::drop(&mut self.allocator);
-            for slot in &self.slots {
-                self.opened.device.destroy_fence(slot.fence, None);
-            }
-            self.opened.device.destroy_command_pool(self.pool, None);
+            self.pool.destroy(&self.opened.device);
             self.opened.device.destroy_device(None);
             ManuallyDrop::drop(&mut self.opened.instance);
         }

@@ -286,6 +286,28 @@ impl Profiler {
         Some(times)
     }
 
+    /// The step of the frame in `slot` that has begun and not ended, as far as the device has written times: where it
+    /// stands, or was lost. None where no step is, where there are no times, or where they can't be read.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Profiler::collect`], but that the commands may be running.
+    pub unsafe fn running(&self, host: &Host, slot: usize) -> Option<&'static str> {
+        let slot = self.slots.get(slot).filter(|slot| slot.pending)?;
+        let mut results = vec![[0_u64; 2]; queries(slot.names.len() as u32) as usize];
+        if results.is_empty() {
+            return None;
+        }
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WITH_AVAILABILITY;
+        // SAFETY: the caller's; each of the queries has been recorded.
+        match unsafe { host.device.get_query_pool_results(slot.pool, 0, &mut results, flags) } {
+            Ok(()) | Err(vk::Result::NOT_READY) => {}
+            Err(_) => return None,
+        }
+        let is_running = |pair: &[[u64; 2]]| pair[0][1] != 0 && pair[1][1] == 0;
+        results.chunks_exact(2).position(is_running).and_then(|step| slot.names.get(step).copied())
+    }
+
     /// Destroys the query pools.
     ///
     /// # Safety

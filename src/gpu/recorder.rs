@@ -19,12 +19,31 @@ pub struct Recorder {
     mode: Mode,
 }
 
+/// The command buffers that steps go to: one, or several that are submitted one after the other, to the same queue.
+pub trait Stream {
+    /// That of a step that comes now, which is named so.
+    fn next(&mut self, step: &'static str) -> Result<vk::CommandBuffer>;
+    /// That of what was recorded last.
+    fn current(&self) -> vk::CommandBuffer;
+}
+
+/// All go to this one.
+impl Stream for vk::CommandBuffer {
+    fn next(&mut self, _: &'static str) -> Result<vk::CommandBuffer> {
+        Ok(*self)
+    }
+
+    fn current(&self) -> vk::CommandBuffer {
+        *self
+    }
+}
+
 /// What a plan is recorded with.
 pub struct Recording<'a> {
     /// The host's handles.
     pub host: &'a Host<'a>,
-    /// In recording state, outside of a render pass.
-    pub commands: vk::CommandBuffer,
+    /// Whose command buffers are in recording state, outside of a render pass.
+    pub stream: &'a mut dyn Stream,
     /// The effect's passes.
     pub passes: &'a [Pass],
     /// Their Vulkan side.
@@ -51,13 +70,13 @@ impl Recorder {
     /// All handles in `recording` are valid, the pipelines and resources were made for its passes, and host resources
     /// that the plan names have been handed over and are in the states that they declare.
     pub unsafe fn record(&mut self, plan: &Plan, recording: &mut Recording, timing: &mut Timing) -> Result<()> {
-        let Recording { host, commands, passes, .. } = *recording;
-        // SAFETY: the caller's, for all of it.
+        // SAFETY: the caller's, for all of it. Barriers reach over the ends of command buffers.
         unsafe {
             self.open(plan, recording);
-            let Recording { pipelines, resources, .. } = recording;
+            let Recording { host, stream, passes, pipelines, resources } = recording;
             for step in &plan.steps {
                 let pass = &passes[usize::from(step.pass.0)];
+                let commands = stream.next(pass.name)?;
                 let isolated = Barrier {
                     src_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
                     src_access: vk::AccessFlags2::MEMORY_WRITE,
@@ -77,17 +96,18 @@ impl Recorder {
             for (name, reason) in &plan.skipped {
                 timing.skip(name, reason);
             }
-            close(host, commands, resources);
+            close(host, stream.current(), resources);
         }
         Ok(())
     }
 
     /// Orders the frame after the one before it, and takes the host's buffers over.
     unsafe fn open(&mut self, plan: &Plan, recording: &mut Recording) {
-        let Recording { host, commands, passes, resources, .. } = recording;
+        let Recording { host, stream, passes, resources, .. } = recording;
+        let commands = stream.current();
         let opening = self.tracker.begin(plan, passes);
         // SAFETY: the caller's.
-        unsafe { barrier(host, *commands, &opening) };
+        unsafe { barrier(host, commands, &opening) };
         for (index, slot) in resources.buffers.iter().enumerate() {
             if let BufferSlot::Host(Some(buffer)) = slot {
                 let id = BufferId(index as u16);
@@ -103,7 +123,7 @@ impl Recorder {
                     layout: vk::ImageLayout::GENERAL,
                 };
                 // SAFETY: the caller's.
-                unsafe { transition(host, *commands, image.handle, image.aspect, ImageState::default(), to) };
+                unsafe { transition(host, commands, image.handle, image.aspect, ImageState::default(), to) };
             }
         }
         resources.initialised = true;

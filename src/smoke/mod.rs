@@ -23,6 +23,7 @@ pub use settings::Settings;
 use crate::error::{Error, Result};
 use crate::gpu::effect::{Inventory, OnDevice, effect_methods};
 use crate::gpu::profiler::Timing;
+use crate::gpu::recorder::Stream;
 use crate::host::{Host, Memory, check_sides};
 use crate::plan::Plan;
 use crate::view::Light;
@@ -114,7 +115,25 @@ impl Smoke {
     pub unsafe fn record(
         &mut self,
         host: &Host,
-        commands: vk::CommandBuffer,
+        mut commands: vk::CommandBuffer,
+        frame: &Frame,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe { self.record_into(host, &mut commands, frame, timing) }
+    }
+
+    /// [`Self::record`] into the command buffers of a stream.
+    ///
+    /// # Errors
+    /// As there, and what the stream says: the frame is recorded in part then.
+    ///
+    /// # Safety
+    /// As there, for each command buffer.
+    pub(crate) unsafe fn record_into(
+        &mut self,
+        host: &Host,
+        stream: &mut dyn Stream,
         frame: &Frame,
         timing: &mut Timing,
     ) -> Result<()> {
@@ -138,7 +157,7 @@ impl Smoke {
         let edges = frame.edges.filter(|_| frame.target.is_some());
         self.on_device.resources.set_host_buffer(layout::HOST_EDGES, edges);
         // SAFETY: the caller's.
-        unsafe { self.on_device.record(host, commands, &self.plan, timing)? };
+        unsafe { self.on_device.record(host, stream, &self.plan, timing)? };
         self.state = state;
         Ok(())
     }

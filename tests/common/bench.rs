@@ -242,7 +242,8 @@ impl Bench {
         let pipelines = pipelines.as_ref().expect("pipelines");
         device.one_time("bench frame", |host, commands| {
             let passes = &passes.list;
-            let mut recording = Recording { host, commands, passes, pipelines, resources };
+            let mut commands = commands;
+            let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
             // SAFETY: everything was made for these passes, and what the plan names has been handed over.
             unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
         })

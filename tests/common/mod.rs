@@ -9,6 +9,7 @@
 pub mod allocations;
 pub mod bench;
 pub mod blur;
+pub mod faults;
 pub mod flame;
 pub mod picture;
 pub mod rig;
@@ -16,6 +17,7 @@ pub mod scenes;
 
 use std::ops::{Deref, DerefMut};
 use std::sync::PoisonError;
+use std::time::Duration;
 
 use celfx::gpu::headless::{Headless, Messages, Options};
 
@@ -29,10 +31,21 @@ pub struct TestDevice {
 /// What validation says; fails the test when it is dropped after saying anything.
 pub struct Verdict(Messages);
 
+/// What tests open: under validation, and with an end to every wait, so that a hang is a failure. Long, because a software
+/// driver compiles shaders while it runs them and may share its cores.
+pub fn options() -> Options {
+    let timeout = Some(Duration::from_secs(300));
+    Options { validate: true, device: std::env::var("CELFX_DEVICE").ok(), timeout, ..Options::default() }
+}
+
 /// A device under validation; none if there is none and the tests may do without.
 pub fn device() -> Option<TestDevice> {
-    let options = Options { validate: true, device: std::env::var("CELFX_DEVICE").ok(), ..Options::default() };
-    match Headless::new(&options) {
+    device_of(&options())
+}
+
+/// The same, opened so.
+pub fn device_of(options: &Options) -> Option<TestDevice> {
+    match Headless::new(options) {
         Ok(headless) => {
             let verdict = Verdict(headless.messages());
             Some(TestDevice { headless, verdict })

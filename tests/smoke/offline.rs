@@ -88,7 +88,7 @@ fn after_a_wait_that_did_not_end_nothing_is_touched() {
     let index = found.info().index.to_string();
     drop(found);
     // No device renders a frame in no time.
-    let options = Options { validate: true, device: Some(index), timeout: Duration::ZERO };
+    let options = Options { validate: true, device: Some(index), timeout: Some(Duration::ZERO), ..Options::default() };
     let headless = Headless::new(&options).expect("the same device");
     let messages = headless.messages();
     let mut offline = Offline::new(headless, desc([512, 512], [32; 3], settings())).expect("the effect");

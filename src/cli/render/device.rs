@@ -5,7 +5,7 @@ use super::layers;
 use super::outputs::Frame;
 use crate::blur;
 use crate::blur::params::Control;
-use crate::cli::{Common, Failure};
+use crate::cli::{Common, Failure, interrupt};
 use crate::gpu::headless::{Headless, Messages, Options};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
@@ -37,7 +37,8 @@ impl<'a> Renderer<'a> {
         timed: bool,
         background: Option<&Picture<[f32; 4]>>,
     ) -> Result<Renderer<'a>, Failure> {
-        let options = Options { validate: common.validate, device: common.device.clone(), ..Options::default() };
+        let (validate, device) = (common.validate, common.device.clone());
+        let options = Options { validate, device, go_on: interrupt::go_on, ..Options::default() };
         let headless = Headless::new(&options)?;
         let messages = headless.messages();
         let mut offline = Offline::new(headless, effects.clone())?;

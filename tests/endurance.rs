@@ -1,0 +1,87 @@
+//! Memory over many frames: what a driver or the program keeps of each shows only here. The long lanes are run by
+//! `make test-all`.
+#![cfg(all(feature = "cli", target_os = "linux"))]
+
+#[allow(dead_code, reason = "each test file uses its part")]
+#[path = "cli/run.rs"]
+mod run;
+
+use std::fs;
+use std::process::Child;
+use std::time::Duration;
+
+use run::{Folder, celfx, has_device};
+
+/// Bytes that a frame may leave. What may stay is a frame's poses, up to a fixed share of the device's memory: about
+/// 120 KiB of the mesh that is drawn here. A shader that was compiled once more takes 1.5 MiB and more.
+const MOST: u64 = 256 << 10;
+
+/// Resident memory of a process, in bytes; none once it has ended.
+fn resident(child: &Child) -> Option<u64> {
+    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kibibytes| kibibytes << 10)
+}
+
+/// Renders so many frames and fails if memory grows from frame `begin` to the last.
+fn endures(folder: &Folder, shot: &str, size: u32, frames: u32, begin: u32, more: &[&str]) {
+    let name = format!("out{}", folder.names().len());
+    let (pattern, size, range) =
+        (format!("{name}/####.png"), format!("size=[{size}, {size}]"), format!("frames=[1, {frames}]"));
+    let mut arguments = vec!["render", shot, "-q", "--threads", "1", "-o", &pattern, "--set", &size, "--set", &range];
+    arguments.extend(more.iter().flat_map(|set| ["--set", set]));
+    let mut child = celfx(folder, &arguments).spawn().expect("the program runs");
+    let last = folder.0.join(&name).join(format!("{frames:04}.png"));
+    let first = folder.0.join(&name).join(format!("{begin:04}.png"));
+    let (mut early, mut late) = (None, None);
+    while child.try_wait().expect("its state").is_none() {
+        if !last.exists() && first.exists() {
+            let memory = resident(&child);
+            early = early.or(memory);
+            late = memory.or(late);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(child.wait().expect("its state").success(), "{arguments:?}");
+    let (early, late) = early.zip(late).expect("frames take some time");
+    let grown = late.saturating_sub(early) / u64::from(frames - begin);
+    eprintln!("{shot} {more:?}: {} MiB, and {} KiB a frame", early >> 20, grown >> 10);
+    assert!(grown <= MOST, "{shot} {more:?}: {grown} bytes a frame, {MOST} may be");
+}
+
+#[test]
+fn memory_does_not_grow_in_few_frames() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    endures(&folder, "builtin:smoke", 32, 60, 20, &[]);
+    endures(&folder, "builtin:blur", 32, 40, 15, &["blur.scene=builtin:crossing", "camera.file=builtin:crossing"]);
+}
+
+#[test]
+#[ignore = "takes minutes; make test-all runs it"]
+fn memory_does_not_grow_in_500_frames_of_smoke_and_fire() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    for shot in ["builtin:smoke", "builtin:flame", "builtin:campfire"] {
+        endures(&folder, shot, 64, 500, 100, &[]);
+    }
+    let mapped = ["smoke.shadow=map", "light.position=[2.0, 3.0, 2.0]"];
+    endures(&folder, "builtin:smoke", 64, 500, 100, &mapped);
+}
+
+#[test]
+#[ignore = "takes minutes; make test-all runs it"]
+fn memory_does_not_grow_in_500_frames_of_blur() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    endures(&folder, "builtin:blur", 64, 500, 100, &[]);
+    // What the first one has drawn.
+    endures(&folder, "builtin:blur", 64, 500, 100, &["blur.images=out0/####.png"]);
+    endures(&folder, "builtin:blur", 64, 500, 100, &["blur.lines.count=8", "blur.ghosts.count=3"]);
+}
