@@ -49,8 +49,10 @@ fn plain() -> GltfFile {
     file
 }
 
-/// What a file is read as: everything but its notes.
-fn read(file: &GltfFile) -> (Topology, Vec<Vec<[f32; 3]>>, Option<Camera>, Vec<Animation>) {
+/// Everything of a file but its notes: what does not change, poses, its camera and its animations.
+type Read = (Topology, Vec<Vec<[f32; 3]>>, Option<Camera>, Vec<Animation>);
+
+fn read(file: &GltfFile) -> Read {
     let mesh = open(file).unwrap();
     let poses = [-1.0, 0.0, 0.3, 0.7, 2.0].map(|seconds| pose(&mesh, seconds));
     (mesh.topology().clone(), poses.to_vec(), mesh.camera(0.5), mesh.animations().to_vec())
