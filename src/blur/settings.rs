@@ -302,6 +302,11 @@ mod tests {
         assert!(refused(&|s| s.skirt = 17.0).starts_with("blur.skirt"));
         assert!(refused(&|s| s.lines.length = 9.0).starts_with("blur.lines.length"));
         assert!(refused(&|s| s.lines.colour[1] = -1.0).starts_with("blur.lines.colour"));
+        for bad in [1.1e6, 1e38, f32::INFINITY, f32::NAN] {
+            assert!(refused(&|s| s.lines.colour[1] = bad).contains("0 to 1e6"));
+            assert!(refused(&|s| s.toon.outline.colour[1] = bad).contains("0 to 1e6"));
+            assert!(refused(&|s| s.toon.tones[1].colour[1] = bad).contains("0 to 1e6"));
+        }
         assert!(refused(&|s| (s.ghosts.count, s.ghosts.step) = (16, 1.0)).contains("8 frames"));
         assert!(refused(&|s| s.toon.tones.clear()).starts_with("blur.toon.tones"));
         assert!(refused(&|s| s.toon.outline.width = 0.0).starts_with("blur.toon.outline.width"));

@@ -305,3 +305,90 @@ impl Display for Report {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::array::tests::{npy, write_archive};
+    use crate::io::tests::Folder;
+
+    fn floats(shape: &str, values: &[f32]) -> Vec<u8> {
+        npy("'<f4'", false, shape, &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
+    }
+
+    /// What is told of a file of these arrays.
+    fn inspected(arrays: &[(&str, Vec<u8>)]) -> serde_json::Value {
+        let folder = Folder::new();
+        let path = folder.0.join("a.npz");
+        write_archive(&path, arrays);
+        let report = report(path.to_str().expect("UTF-8")).expect("a known kind of file");
+        assert!(!report.to_string().is_empty());
+        serde_json::to_value(report).expect("JSON")
+    }
+
+    fn volume(density: &[f32]) -> Vec<(&'static str, Vec<u8>)> {
+        vec![("density", floats("(1, 2, 2)", density)), ("voxel_size", floats("()", &[0.5]))]
+    }
+
+    fn mesh() -> Vec<(&'static str, Vec<u8>)> {
+        vec![("position", floats("(2, 3, 3)", &[0.0; 18])), ("triangle", npy("'|u1'", false, "(1, 3)", &[0, 1, 2]))]
+    }
+
+    fn particles(temperature: &[f32]) -> Vec<(&'static str, Vec<u8>)> {
+        vec![
+            ("position", floats("(2, 3)", &[0.0, 1.0, 2.0, 3.0, 4.0, -5.0])),
+            ("temperature", floats("(2,)", temperature)),
+        ]
+    }
+
+    /// Each kind of file holds all arrays that tell another one.
+    #[test]
+    fn a_file_is_what_all_of_its_arrays_say() {
+        let other = |name, shape: &str, count: usize| (name, floats(shape, &vec![1.0; count]));
+        let mut smoke = volume(&[1.0; 4]);
+        smoke.extend([other("temperature", "(1, 2, 2)", 4), other("triangle", "(1, 3)", 3), other("other", "(3,)", 3)]);
+        smoke.extend([other("position", "(2, 3)", 6), other("view_projection", "(1, 4, 4)", 16)]);
+        let grids = inspected(&smoke)["grids"].as_array().expect("grids").clone();
+        let names: Vec<_> = grids.iter().map(|grid| grid["name"].as_str().expect("a name")).collect();
+        assert_eq!(names, ["density", "temperature"]);
+        let mut run = mesh();
+        run.extend([other("density", "(3,)", 3), other("temperature", "(3,)", 3), other("view_projection", "(1,)", 1)]);
+        assert_eq!(inspected(&run)["triangles"], 1);
+        let mut fire = particles(&[900.0, 1000.0]);
+        fire.extend([other("triangle", "(1, 3)", 3), other("density", "(2,)", 2), other("view_projection", "(1,)", 1)]);
+        assert_eq!(inspected(&fire)["count"], 2);
+        let pinhole = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, -1.0, 0.0];
+        let mut cameras = vec![("view_projection", floats("(2, 4, 4)", &pinhole.repeat(2)))];
+        cameras.push(other("position", "(2, 3)", 6));
+        assert_eq!(inspected(&cameras)["cameras"], 2);
+    }
+
+    #[test]
+    fn what_is_missing_is_told_of_what_a_file_would_be() {
+        let folder = Folder::new();
+        let path = folder.0.join("a.npz");
+        for (arrays, needle) in [
+            (&volume(&[1.0; 4])[..1], "`voxel_size`: is missing"),
+            (&mesh()[1..], "`position`: is missing"),
+            (&particles(&[1.0; 2])[1..], "`position`: is missing"),
+            (&mesh()[..1], "`density` and `voxel_size` (a volume)"),
+            (&[("view_projection", floats("(4, 4)", &[0.0; 16]))], "`view_projection`: has shape [4, 4]"),
+        ] {
+            write_archive(&path, arrays);
+            let failure = report(path.to_str().expect("UTF-8")).expect_err("incomplete");
+            assert!(failure.code == Failure::INPUT && failure.message.contains(needle), "{}", failure.message);
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_counted_and_passed_over() {
+        let grid = &inspected(&volume(&[f32::NAN, 1.0, -0.5, f32::INFINITY]))["grids"][0];
+        assert_eq!([&grid["min"], &grid["max"], &grid["sum"]], [-0.5, 1.0, 0.5]);
+        assert_eq!([&grid["not_finite"], &grid["active"]], [2, 4]);
+        assert_eq!(inspected(&volume(&[f32::NAN; 4]))["grids"][0]["not_finite"], 4);
+        let fire = inspected(&particles(&[f32::NAN, 900.0]));
+        assert_eq!(fire["temperature"], serde_json::json!({"min": 900.0, "max": 900.0}));
+        assert_eq!((&fire["not_finite"], &fire["count"]), (&1.into(), &2.into()));
+        assert_eq!(fire["bounds"], serde_json::json!([[0.0, 1.0, -5.0], [3.0, 4.0, 2.0]]));
+    }
+}
