@@ -1,6 +1,7 @@
 //! The settings of the flame effect: one field per key of `[flame]`, with unit, range and default.
 
 use crate::error::{Error, Result, within};
+use crate::view::BRIGHTEST;
 
 /// What a pixel's colour is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -136,6 +137,8 @@ impl Default for Settings {
     }
 }
 
+/// The highest temperature that is taken, of particles as of settings, in kelvin.
+pub const HOTTEST: f32 = 1e6;
 /// The most render particles that one particle can have in a repetition.
 pub const MOST_COUNT: f32 = 32_768.0;
 /// The most repetitions.
@@ -171,7 +174,7 @@ impl Settings {
         number("flame.alpha_scale", self.alpha_scale, 0.0, 1e6, "0 to 1e6")?;
         number("flame.threshold", self.threshold, f32::MIN, f32::MAX, "a finite number")?;
         whole("flame.variants", self.variants, 1, 64, "1 to 64")?;
-        number("flame.hottest", self.hottest, 700.0, 1e6, "kelvin, 700 to 1e6")?;
+        number("flame.hottest", self.hottest, 700.0, HOTTEST, "kelvin, 700 to 1e6")?;
         self.validate_ramp()?;
         number("flame.falloff", self.falloff, 0.0, 16.0, "0 to 16")?;
         number("flame.adaptation", self.adaptation, 0.0, 1.0, "0 to 1")?;
@@ -188,8 +191,8 @@ impl Settings {
         if colours.is_empty() || colours.len() > 4096 {
             return Err(Error::setting("flame.colour", format!("{} colours", colours.len()), "1 to 4096 colours"));
         }
-        match colours.iter().flatten().find(|c| !(0.0..=f32::MAX).contains(*c)) {
-            Some(colour) => Err(Error::setting("flame.colour", colour, "linear RGB, finite, 0 or above")),
+        match colours.iter().flatten().find(|c| !(0.0..=BRIGHTEST).contains(*c)) {
+            Some(colour) => Err(Error::setting("flame.colour", colour, "linear RGB, 0 to 1e6")),
             None => Ok(()),
         }
     }
