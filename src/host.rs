@@ -12,6 +12,7 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 pub use crate::gpu::capabilities::check_device;
+use crate::view::BRIGHTEST;
 
 /// The host's Vulkan objects, borrowed for the length of a call.
 #[derive(Clone, Copy)]
@@ -78,7 +79,7 @@ pub enum Background {
     /// What the target holds.
     #[default]
     Keep,
-    /// Linear RGBA, premultiplied.
+    /// Linear RGBA, premultiplied; none beyond [`BRIGHTEST`].
     Clear([f32; 4]),
     /// An image of the target's size and format. Usage: `TRANSFER_SRC`; target: `TRANSFER_DST`.
     Copy(HostImage),
@@ -119,6 +120,17 @@ pub(crate) fn check_image(name: &'static str, image: &HostImage, size: [u32; 2],
     }
     let why = format!("{:?} pixels of {:?}; expected {size:?} of {format:?}", image.extent, image.format);
     Err(Error::HostResource { name, why })
+}
+
+/// Refuses a background that does not fit a target of this size and format, or that is too bright.
+pub(crate) fn check_background(background: &Background, size: [u32; 2], format: vk::Format) -> Result<()> {
+    match background {
+        Background::Copy(image) => check_image("background", image, size, format),
+        Background::Clear(colour) if !colour.iter().all(|c| c.abs() <= BRIGHTEST) => {
+            Err(Error::setting("frame.background", format!("{colour:?}"), "linear RGBA, none beyond 1e6"))
+        }
+        Background::Clear(_) | Background::Keep => Ok(()),
+    }
 }
 
 /// Refuses depth that an effect was not made for; none is expected exactly if it was made for none.

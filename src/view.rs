@@ -8,6 +8,13 @@ use crate::error::{Error, Result};
 /// hold, and so far below what single floats hold that products of several are finite.
 pub const BRIGHTEST: f32 = 1e6;
 
+/// Narrowest field of view that is taken, in degrees: a metre is some 6e10 m away where it fills the picture, and a picture's
+/// pixels times [`FARTHEST`] are finite as single floats.
+pub const NARROWEST: f64 = 1e-9;
+
+/// The widest, as far below half a turn.
+pub const WIDEST: f64 = 180.0 - 1e-9;
+
 /// Largest coordinate that is taken, in metres: its square and cube are finite as single floats.
 pub const FARTHEST: f32 = 1e12;
 
@@ -20,9 +27,9 @@ pub struct Camera {
     pub target: DVec3,
     /// Any direction that is up in the picture; must not be parallel to the view direction.
     pub up: DVec3,
-    /// Vertical field of view in degrees, in (0, 180).
+    /// Vertical field of view in degrees, [`NARROWEST`] to [`WIDEST`].
     pub vertical_fov: f64,
-    /// Nearest depth seen, > 0.
+    /// Nearest depth seen, 1e-9 to 1e12.
     pub near: f64,
     /// Farthest depth seen, > `near`; may be infinite.
     pub far: f64,
@@ -58,11 +65,12 @@ impl Camera {
         if across.length() < 1e-9 {
             return Err(Error::setting("camera.up", self.up, "must not be parallel to the view direction"));
         }
-        if !(self.vertical_fov > 0.0 && self.vertical_fov < 180.0) {
-            return Err(Error::setting("camera.vertical_fov", self.vertical_fov, "degrees, above 0 and below 180"));
+        if !(NARROWEST..=WIDEST).contains(&self.vertical_fov) {
+            let allowed = "degrees, above 0 and below 180, by 1e-9 at least";
+            return Err(Error::setting("camera.vertical_fov", self.vertical_fov, allowed));
         }
-        if !(self.near > 0.0 && self.near.is_finite()) {
-            return Err(Error::setting("camera.near", self.near, "metres, above 0"));
+        if !(1e-9..=f64::from(FARTHEST)).contains(&self.near) {
+            return Err(Error::setting("camera.near", self.near, "metres, above 0: 1e-9 to 1e12"));
         }
         if self.far.is_nan() || self.far <= self.near {
             return Err(Error::setting("camera.far", self.far, "metres, above camera.near; may be inf"));
@@ -145,8 +153,12 @@ impl Light {
     /// Checks every value; the error names the key.
     pub fn validate(&self) -> Result<()> {
         match self.source {
-            LightSource::Direction(d) if !(d.is_finite() && d.length() > 0.0) => {
-                return Err(Error::setting("light.direction", d, "three finite numbers, not all 0"));
+            LightSource::Direction(d) if !(d.length() > 0.0 && d.length().is_finite()) => {
+                return Err(Error::setting(
+                    "light.direction",
+                    d,
+                    "three finite numbers, not all 0, of a finite length",
+                ));
             }
             LightSource::Position(p) if !is_near(p) => {
                 return Err(Error::setting("light.position", p, "three finite numbers, in metres, none beyond 1e12"));
@@ -157,5 +169,32 @@ impl Light {
             return Err(Error::setting("light.ambient", self.ambient, "0 to 1"));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_and_lights_beyond_what_floats_hold_are_refused_by_name() {
+        let usual = Camera::default();
+        let refused = |camera: Camera| camera.validate().expect_err("it is refused").to_string();
+        for fov in [1e-30, 1e-10, 0.0, -1.0, 180.0, 180.0 - 1e-10, f64::NAN] {
+            assert!(refused(Camera { vertical_fov: fov, ..usual }).contains("camera.vertical_fov"));
+        }
+        for near in [0.0, 1e-30, 1e13, f64::INFINITY, f64::NAN] {
+            assert!(refused(Camera { near, far: f64::INFINITY, ..usual }).contains("camera.near"));
+        }
+        assert!(refused(Camera { eye: DVec3::splat(1e300), ..usual }).contains("camera.eye"));
+        let ends = [(NARROWEST, 1e-9), (WIDEST, 1e12)];
+        for (vertical_fov, near) in ends {
+            assert!(Camera { vertical_fov, near, far: f64::INFINITY, ..usual }.validate().is_ok());
+        }
+        let light = |source| Light { source, ambient: 0.0 };
+        for way in [DVec3::ZERO, DVec3::splat(1e200), DVec3::splat(1e-200), DVec3::NAN] {
+            assert!(light(LightSource::Direction(way)).validate().is_err(), "{way}");
+        }
+        assert!(light(LightSource::Position(DVec3::splat(1e20))).validate().is_err());
     }
 }

@@ -11,6 +11,8 @@ mod accuracy;
 mod cases;
 #[path = "flame_expected/colour.rs"]
 mod colour;
+#[path = "flame_expected/distance.rs"]
+mod distance;
 #[path = "flame_expected/extremes.rs"]
 mod extremes;
 #[path = "flame_expected/frames.rs"]

@@ -12,11 +12,14 @@ shared vec4 colours[256];  // sum of colours; brightness times squared distance
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
+    // Brightness times a squared distance is to be finite.
+    float brightest_of_all = uintBitsToFloat(control.brightest);
+    float scale = brightest_of_all > 1e6 ? 1.0 / brightest_of_all : 1.0;
     vec4 place = vec4(0.0);
     vec4 colour = vec4(0.0);
     for (uint row = lane; row < params.counts.x; row += 256u) {
         float count = particles[row].draw.z == 0u ? 0.0 : float(particles[row].draw.z);
-        vec3 own = count * particles[row].colour.rgb;
+        vec3 own = count * scale * particles[row].colour.rgb;
         float brightness = max(own.r, max(own.g, own.b));
         vec3 view = particles[row].view.xyz;
         place += brightness > 0.0 ? brightness * vec4(view, 1.0) : vec4(0.0);

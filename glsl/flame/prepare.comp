@@ -19,6 +19,8 @@ const uint RAMP = 2u;
 shared uint common_values[6];
 
 const uint MOST_COUNT = 32768u;
+const float MOST_LIGHT = 1e15;  // of a particle: squares of sums of it are finite
+const float FARTHEST = 1e12;    // coordinate of a particle in metres: squares of it are finite
 
 // As `flame::colour::Table` says.
 vec3 colour_of(float t) {
@@ -32,7 +34,7 @@ vec3 colour_of(float t) {
         float largest = max(max(colour.r, max(colour.g, colour.b)), 1e-30);
         colour *= pow(min(t / params.model.w, 1.0), params.colour.w) / largest;
     }
-    return t < 700.0 ? vec3(0.0) : colour;
+    return t < 700.0 ? vec3(0.0) : min(colour, MOST_LIGHT);
 }
 
 void main() {
@@ -44,7 +46,8 @@ void main() {
     uint row = gl_GlobalInvocationID.x;
     if (row < params.counts.x) {
         vec4 position = positions[row];
-        bool valid = is_finite(position.x) && is_finite(position.y) && is_finite(position.z) && is_finite(position.w) && position.w > 0.0;
+        bool is_near = all(lessThanEqual(abs(position.xyz), vec3(FARTHEST)));
+        bool valid = is_finite(position.x) && is_finite(position.y) && is_finite(position.z) && is_finite(position.w) && position.w > 0.0 && is_near;
         float t = valid ? min(position.w, params.space.w) : 1.0;
         vec4 view_and_rest = valid ? to_view_and_rest(position.xyz) : vec4(0.0);
         vec3 view = view_and_rest.xyz;

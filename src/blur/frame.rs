@@ -8,7 +8,9 @@ use crate::blur::motion::{Cluster, FRONTS_A_WORD, Interval, Segment};
 use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
-use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_depth, check_image};
+use crate::host::{
+    Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image,
+};
 use crate::view::{Camera, Light};
 
 /// Triangles that refinement may make, unless a host says otherwise.
@@ -453,10 +455,7 @@ impl Frame<'_> {
                 }
             }
         }
-        match &self.background {
-            Background::Copy(background) => check_image("background", background, desc.size, desc.target_format),
-            _ => Ok(()),
-        }
+        check_background(&self.background, desc.size, desc.target_format)
     }
 
     /// Whether this output brings the pose of a frame.

@@ -4,7 +4,9 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::flame::Settings;
-use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_image};
+#[cfg(doc)]
+use crate::flame::settings::HOTTEST;
+use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_background, check_image};
 use crate::view::Camera;
 
 /// What a flame effect is made for. All of it is fixed until `resize`.
@@ -18,7 +20,7 @@ pub struct Desc {
     pub scene: Option<SceneFormat>,
     /// The most particles of a frame.
     pub particles: u32,
-    /// The highest temperature of a frame in kelvin, above 0: hotter particles count as this hot.
+    /// The highest temperature of a frame in kelvin, above 0, at most [`HOTTEST`]: hotter particles count as this hot.
     pub hottest: f32,
     /// Same seed, same render particles.
     pub seed: u32,
@@ -56,8 +58,8 @@ pub struct ParticleInput {
     /// The highest temperature among them in kelvin, or any bound above it: lets a frame be skipped in which none can be
     /// seen. Infinity if nothing is known.
     pub hottest: f32,
-    /// Four `f32` a particle: position in metres (x, y, z), temperature in kelvin. A particle that is not finite, or not
-    /// above 0 K, is left out. Usage: `TRANSFER_SRC`.
+    /// Four `f32` a particle: position in metres (x, y, z), temperature in kelvin. A particle that is not finite, or
+    /// beyond [`crate::view::FARTHEST`], or not above 0 K, is left out. Usage: `TRANSFER_SRC`.
     pub position_temperature: HostBuffer,
     /// A `u32` a particle that keeps its random draws over frames; none: its row. Usage: `TRANSFER_SRC`.
     pub ids: Option<HostBuffer>,
@@ -117,9 +119,7 @@ impl Frame {
             return Err(Error::setting("frame.accumulate", true, "not with flame.adaptive"));
         }
         check_image("target", &self.target, desc.size, desc.target_format)?;
-        if let Background::Copy(background) = &self.background {
-            check_image("background", background, desc.size, desc.target_format)?;
-        }
+        check_background(&self.background, desc.size, desc.target_format)?;
         match (&self.scene, desc.scene) {
             (None, None) => Ok(()),
             (Some(SceneDepth::Image(depth)), Some(SceneFormat::Image(made))) => {

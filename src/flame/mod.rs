@@ -37,7 +37,7 @@ use layout::Layout;
 use params::{FlameParams, Given};
 use passes::Passes;
 use reference::mask::Mask;
-use settings::{Colour, MOST_REPETITIONS};
+use settings::{Colour, HOTTEST, MOST_REPETITIONS};
 use steps::{Moment, Steps};
 
 /// The flame effect: pipelines, and the buffers and images of one picture size.
@@ -254,8 +254,8 @@ fn validate(desc: &Desc) -> Result<()> {
     if desc.size.contains(&0) {
         return Err(Error::setting("size", format!("{:?}", desc.size), "at least 1 pixel a side"));
     }
-    if !(desc.hottest > 0.0 && desc.hottest.is_finite()) {
-        return Err(Error::setting("flame's hottest particle", desc.hottest, "kelvin, above 0, finite"));
+    if !(desc.hottest > 0.0 && desc.hottest <= HOTTEST) {
+        return Err(Error::setting("flame's hottest particle", desc.hottest, "kelvin, above 0, at most 1e6"));
     }
     Ok(())
 }

@@ -3,9 +3,11 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_depth, check_image};
+use crate::host::{
+    Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image,
+};
 use crate::smoke::Settings;
-use crate::view::{Camera, Light};
+use crate::view::{Camera, FARTHEST, Light};
 
 /// What a smoke effect is made for. All of it is fixed until `resize`.
 #[derive(Clone, Debug)]
@@ -51,9 +53,9 @@ pub enum Sequence {
 pub struct VolumeInput {
     /// Voxels along x, y, z; at least 1 and at most what the effect was made for.
     pub dimensions: [u32; 3],
-    /// Sides of a voxel in metres, above 0.
+    /// Sides of a voxel in metres, at least 1e-12; along no axis all of them together above [`FARTHEST`].
     pub voxel_size: [f32; 3],
-    /// World position of the corner of voxel (0, 0, 0), in metres.
+    /// World position of the corner of voxel (0, 0, 0), in metres, none beyond [`FARTHEST`].
     pub origin: [f32; 3],
     /// `f32` a voxel. Usage: `TRANSFER_SRC`.
     pub density: HostBuffer,
@@ -66,7 +68,7 @@ pub struct VolumeInput {
 pub struct Frame {
     /// How it follows the one before.
     pub sequence: Sequence,
-    /// Seconds until the next frame, above 0.
+    /// Seconds until the next frame, above 0, at most 1e6.
     pub dt: f32,
     /// What sees it.
     pub camera: Camera,
@@ -121,9 +123,10 @@ impl VolumeInput {
         if (0..3).any(|a| dimensions[a] == 0 || dimensions[a] > desc.dimensions[a]) {
             return refuse(format!("{dimensions:?} voxels; the effect was made for 1 to {:?}", desc.dimensions));
         }
-        if !voxel_size.iter().all(|h| h.is_normal() && *h > 0.0) || !origin.iter().all(|o| o.is_finite()) {
+        let is_near = |a: usize| origin[a].abs().max(voxel_size[a] * dimensions[a] as f32) <= FARTHEST;
+        if !voxel_size.iter().all(|h| *h >= 1e-12) || !(0..3).all(is_near) {
             return refuse(format!(
-                "voxel size {voxel_size:?} m, origin {origin:?} m; sizes must be above 0, all finite"
+                "voxel size {voxel_size:?} m, origin {origin:?} m; sizes must be at least 1e-12, nothing beyond 1e12"
             ));
         }
         if self.velocity.is_some() != desc.velocity {
@@ -147,8 +150,8 @@ impl Frame {
             let why = "the effect was made for the other kind of light".to_owned();
             return Err(Error::HostResource { name: "light", why });
         }
-        if !(self.dt > 0.0 && self.dt.is_finite()) {
-            return Err(Error::setting("frame.dt", self.dt, "seconds, above 0"));
+        if !(self.dt > 0.0 && self.dt <= 1e6) {
+            return Err(Error::setting("frame.dt", self.dt, "seconds, above 0, at most 1e6"));
         }
         match &self.volume {
             Some(volume) => volume.validate(desc)?,
@@ -171,9 +174,7 @@ impl Frame {
         if let Some(target) = &self.target {
             check_image("target", target, desc.size, desc.target_format)?;
         }
-        if let Background::Copy(background) = &self.background {
-            check_image("background", background, desc.size, desc.target_format)?;
-        }
+        check_background(&self.background, desc.size, desc.target_format)?;
         Ok(())
     }
 }

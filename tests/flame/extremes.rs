@@ -1,9 +1,9 @@
 //! What is at the ends of what is allowed: everything stays finite, and agrees with the reference or with what can only be.
 
-use celfx::flame::settings::{Colour, Sampling};
+use celfx::flame::settings::{Colour, Mode, Sampling};
 use celfx::flame::{Desc, Settings};
 use celfx::io::particles::Particles;
-use celfx::view::Camera;
+use celfx::view::{Camera, FARTHEST, NARROWEST, WIDEST};
 use glam::DVec3;
 
 use crate::common::flame::{FlameRig, ball, desc, particles};
@@ -187,6 +187,32 @@ fn cameras_anywhere() {
         total.add(tally);
     }
     total.assert_few("cameras", SHARE);
+}
+
+/// Whatever is allowed of cameras and particles: nothing but what is empty is infinite.
+#[test]
+fn cameras_and_particles_at_the_ends_of_what_is_allowed() {
+    let far = FARTHEST;
+    let mut rows: Vec<[f32; 4]> = vec![[0.0, 0.0, 0.0, 3e3], [far, 0.0, 0.0, 3e3], [0.0, -far, far, f32::MAX]];
+    rows.extend([[f32::MAX, 0.0, 0.0, 3e3], [1e-38, 1e-45, 0.0, 1e6], [0.1, 0.0, 0.1, f32::MIN_POSITIVE]]);
+    let given = particles(&rows);
+    for colour in [Colour::Physical, Colour::Displayable, Colour::Ramp(vec![[1e6; 3], [0.0, 1e6, 1e6]])] {
+        let settings = Settings { colour, hottest: 700.0, intensity: 1e6, light: 1e6, ..base() };
+        for mode in [Mode::Stochastic, Mode::Expected] {
+            let hottest = 1e6;
+            let desc = Desc { hottest, ..desc([24, 18], 6, Settings { mode, ..settings.clone() }) };
+            let Some(mut rig) = FlameRig::new(desc) else { return };
+            for (eye, fov) in [(4.0, NARROWEST), (4.0, 1e-3), (1e3, WIDEST), (1e12, NARROWEST), (1e-6, 90.0)] {
+                for near in [1e-9, 1.0] {
+                    let (eye, far) = (DVec3::new(0.0, 0.0, eye), f64::INFINITY);
+                    let camera = Camera { eye, target: DVec3::ZERO, vertical_fov: fov, near, far, ..camera(0.0) };
+                    rig.frame(&given, camera);
+                    assert_finite(&format!("{mode:?}, {camera:?}"), &mut rig);
+                    assert!(rig.effect().as_flattened().iter().all(|c| c.is_finite()), "{mode:?}, {camera:?}");
+                }
+            }
+        }
+    }
 }
 
 /// A sprite that covers the picture and always passes.

@@ -52,6 +52,27 @@ impl Case {
         case
     }
 
+    /// The same from so many times as far away, as large in the picture.
+    pub fn away(&self, times: f64) -> Case {
+        let fov = 2.0 * ((self.camera.vertical_fov.to_radians() / 2.0).tan() / times).atan().to_degrees();
+        let camera = Camera { eye: self.camera.eye * times, vertical_fov: fov, far: f64::INFINITY, ..self.camera };
+        Case { camera, ..self.clone() }
+    }
+
+    /// The same, all lengths of it so many times as long.
+    pub fn scaled(&self, times: f32) -> Case {
+        let mut case = self.clone();
+        case.particles.position.iter_mut().flatten().for_each(|x| *x *= times);
+        let settings = &mut case.desc.settings;
+        for length in [&mut settings.spread, &mut settings.size].into_iter().flatten() {
+            *length *= times;
+        }
+        let Camera { eye, near, far, .. } = self.camera;
+        let times = f64::from(times);
+        case.camera = Camera { eye: eye * times, near: near * times, far: far * times, ..self.camera };
+        case
+    }
+
     /// Rendered by an effect of its own.
     pub fn render(&self) -> Option<FlameRig> {
         let mut rig = FlameRig::new(self.desc.clone())?;
@@ -93,11 +114,7 @@ pub fn usual() -> Case {
 
 /// The same from so far away that rays are parallel: what the tables' bounds were measured on.
 pub fn parallel() -> Case {
-    let case = usual();
-    let away = 30.0;
-    let fov = 2.0 * ((case.camera.vertical_fov.to_radians() / 2.0).tan() / away).atan().to_degrees();
-    let camera = Camera { eye: case.camera.eye * away, vertical_fov: fov, far: 1e4, ..case.camera };
-    Case { name: "parallel", camera, ..case }
+    Case { name: "parallel", ..usual().away(30.0) }
 }
 
 /// What the device has decided.
@@ -114,7 +131,11 @@ pub fn from_ordered(word: u32) -> f32 {
 /// The bins of the device's frame.
 pub fn bins(rig: &mut FlameRig) -> Bins {
     let control = control(rig);
-    let [near, far] = [control.range_low, control.range_high].map(|word| f64::from(from_ordered(word)));
+    let base = f64::from(f32::from_bits(control.base));
+    let is_far = base > 0.0;
+    let low = if is_far { control.depth_low } else { control.range_low };
+    let high = if is_far { control.depth_high } else { control.range_high };
+    let [near, far] = [low, high].map(|word| base + f64::from(from_ordered(word)));
     Bins { near, far, count: rig.desc().settings.bins as usize }
 }
 

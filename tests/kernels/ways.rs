@@ -74,7 +74,7 @@ pub fn most_steps(words: &[u32]) -> usize {
 
 #[test]
 fn a_walk_doubles_with_each_branch() {
-    // A loop's head, so many branches one after the other, each to the next or past a block, and the end.
+    // A loop's head, so many branches one after the other, each with two blocks that meet in the next, and the end.
     let doubled = |branches: u32| {
         let mut words = vec![0; 5];
         let mut add = |opcode: u32, operands: &[u32]| {
@@ -87,11 +87,13 @@ fn a_walk_doubles_with_each_branch() {
         for branch in 0..branches {
             let at = 10 * (branch + 1);
             add(LABEL, &[at]);
-            add(BRANCH_CONDITIONAL, &[0, at + 1, at + 10]);
-            add(LABEL, &[at + 1]);
-            add(BRANCH, &[at + 10]);
+            add(BRANCH_CONDITIONAL, &[0, at + 1, at + 2]);
+            for side in [at + 1, at + 2] {
+                add(LABEL, &[side]);
+                add(BRANCH, &[at + 10]);
+            }
         }
         most_steps(&words)
     };
-    assert!(doubled(4) < 64 && doubled(8) > 200 && doubled(24) == MOST_STEPS);
+    assert!(doubled(5) > 2 * doubled(4) && doubled(8) < 1024 && doubled(24) == MOST_STEPS);
 }

@@ -3,7 +3,7 @@
 use celfx::io::volume::Volume;
 use celfx::smoke::settings::{Emitter, Shadow};
 use celfx::smoke::{Desc, Sequence, Settings, layout};
-use celfx::view::{Camera, Light, LightSource};
+use celfx::view::{Camera, Light, LightSource, NARROWEST, WIDEST};
 use glam::DVec3;
 
 use crate::common::apart;
@@ -109,6 +109,40 @@ fn volumes_of_any_content() {
     assert!(check("full", &mut rig, camera(0.0), sun(), &make([24; 3], &|_, _, _| 2.0)) > 1000);
     let flat = volume([20, 20, 8], [0.1, 0.1, 0.25], [-1.0; 3], |x, y, z| if (x + y + z) % 7 == 0 { 0.0 } else { 1.0 });
     assert!(check("flat voxels", &mut rig, camera(0.0), sun(), &flat) > 1000);
+}
+
+/// Whatever is allowed of cameras: nothing but what is empty is infinite, of volumes of infinities neither.
+#[test]
+fn cameras_at_the_ends_of_what_is_allowed() {
+    let infinite = volume([12; 3], [0.15; 3], [-0.9; 3], |_, _, _| f32::INFINITY);
+    let settings = Settings { particles: 60, sigma: 1.0, ..Settings::default() };
+    for shadow in [Shadow::Exact, Shadow::Map] {
+        let Some(mut rig) = Rig::new(desc([40, 30], [20; 3], Settings { shadow, ..settings.clone() })) else { return };
+        for given in [&infinite, &puffs(20, 0.0)] {
+            for (eye, fov) in
+                [(4.0, NARROWEST), (4.0, 1e-6), (4.0, 1e-3), (1.5, WIDEST), (1e12, NARROWEST), (1e7, 1e-5)]
+            {
+                for near in [1e-9, 0.1] {
+                    let (eye, far) = (DVec3::new(0.0, 0.0, eye), f64::INFINITY);
+                    let camera = Camera { eye, target: DVec3::ZERO, vertical_fov: fov, near, far, ..camera(0.0) };
+                    rig.frame(&scene(Sequence::Restart, camera, sun(), Some(given)));
+                    assert_finite(&format!("{shadow:?}, {camera:?}"), &mut rig);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn backgrounds_that_are_too_bright_are_refused() {
+    let settings = Settings { particles: 10, ..Settings::default() };
+    let Some(mut rig) = Rig::new(desc([8, 8], [20; 3], settings)) else { return };
+    for bad in [1e38, -1.1e6, f32::NAN, f32::INFINITY] {
+        rig.offline().set_background([0.0, bad, 0.0, 1.0]);
+        let refused = rig.offline().frame(&scene(Sequence::Restart, camera(0.0), sun(), Some(&puffs(20, 0.0))));
+        let said = refused.expect_err("it is refused").to_string();
+        assert!(said.contains("frame.background") && said.contains("1e6"), "{said}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::mask;
 use crate::flame::colour;
 use crate::flame::settings::{Colour, Settings};
 use crate::reference::random::{hash, unit};
-use crate::view::Camera;
+use crate::view::{Camera, FARTHEST};
 
 /// The most render particles of a particle in a repetition.
 const MOST_COUNT: f64 = 32_768.0;
@@ -33,7 +33,7 @@ pub struct Particle {
 /// A frame's particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prepared {
-    /// The valid ones: finite, and above 0 K.
+    /// The valid ones: finite, none beyond [`FARTHEST`], and above 0 K.
     pub particles: Vec<Particle>,
     /// Largest component of any of their colours.
     pub brightest: f64,
@@ -53,7 +53,7 @@ pub fn prepare(
 ) -> Prepared {
     let mut particles = Vec::new();
     for (row, &[x, y, z, kelvin]) in positions.iter().enumerate() {
-        let valid = [x, y, z, kelvin].iter().all(|c| c.is_finite()) && kelvin > 0.0;
+        let valid = [x, y, z].iter().all(|c| c.abs() <= FARTHEST) && kelvin.is_finite() && kelvin > 0.0;
         if valid {
             let id = ids.map_or(row as u32, |ids| ids[row]);
             let kelvin = f64::from(kelvin.min(hottest));
