@@ -1,9 +1,13 @@
 //! glTF files made here, whose poses are known in closed form.
 
+mod bombs;
+mod compressed;
 mod faults;
 mod gltf_file;
+mod instances;
 mod looks;
 mod poses;
+mod reach;
 
 use std::path::Path;
 
