@@ -7,6 +7,8 @@
 mod blur;
 #[path = "cli/flame.rs"]
 mod flame;
+#[path = "cli/hostile.rs"]
+mod hostile;
 #[path = "cli/mixed.rs"]
 mod mixed;
 #[path = "cli/run.rs"]

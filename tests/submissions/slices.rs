@@ -93,7 +93,7 @@ fn blur_in_one_submission_and_in_many_is_the_same() {
         let of_shot = shot.clone();
         let camera = move |frame: f64| of_shot.camera(frame);
         let mut input = BlurInput::new(scene, camera, shot.frames, settings, shot.size, 2).expect("motion");
-        let effects = Effects::from(input.desc(shot.size, shot.seed, true, false));
+        let effects = Effects::from(input.desc(shot.size, shot.frames, shot.seed, true, false));
         let Some((mut offline, _verdict)) = offline(effects, way) else { return };
         let mut frames = Frames::new();
         for number in [1, 2, 3, 10] {

@@ -1,11 +1,15 @@
 //! glTF files made here, whose poses are known in closed form.
 
+mod bombs;
 mod choices;
+mod compressed;
 mod faults;
 mod gltf_file;
+mod instances;
 mod legal;
 mod looks;
 mod poses;
+mod reach;
 mod welding;
 
 use std::path::Path;

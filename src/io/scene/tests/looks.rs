@@ -48,7 +48,7 @@ fn points_and_lines_are_passed_over_with_a_note() {
 }
 
 /// A picture of 2 x 2 texels: red, green; blue, white.
-fn picture(format: image::ImageFormat) -> Vec<u8> {
+pub(super) fn picture(format: image::ImageFormat) -> Vec<u8> {
     let texels = image::RgbImage::from_raw(2, 2, vec![255, 0, 0, 0, 188, 0, 0, 0, 255, 255, 255, 255]).unwrap();
     let mut bytes = Cursor::new(Vec::new());
     texels.write_to(&mut bytes, format).unwrap();
@@ -56,7 +56,7 @@ fn picture(format: image::ImageFormat) -> Vec<u8> {
 }
 
 /// [`one_node`] in a material of a factor, and three texture coordinates.
-fn textured(image: Vec<u8>) -> GltfFile {
+pub(super) fn textured(image: Vec<u8>) -> GltfFile {
     let mut file = one_node(json!({}));
     let coordinates = file.floats("VEC2", &[0.75, 0.25, 1.2, 0.9, 0.9, 0.6]);
     file.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = coordinates.into();
