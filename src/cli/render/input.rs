@@ -195,7 +195,8 @@ impl Images {
         let missing: Vec<u32> = (first..=last).filter(is_missing).collect();
         if let Some(frame) = missing.first() {
             let (all, missing) = (last - first + 1, missing.len());
-            let why = format!("no such file; {missing} of the shot's {all} frames have no image");
+            let what = if pattern.path(*frame).exists() { "is not a file" } else { "no such file" };
+            let why = format!("{what}; {missing} of the shot's {all} frames have no image");
             let expected = format!("one for each of the frames {first} to {last}");
             return Err(ReadError::file(&pattern.path(*frame), why, expected));
         }
