@@ -249,9 +249,10 @@ impl Images {
                 needed if needed == all => format!("{missing} of the shot's {all} frames have no image"),
                 needed => format!("{missing} of the {needed} frames that are needed of the shot's {all} have no image"),
             };
+            let what = if pattern.path(*frame).exists() { "is not a file" } else { "no such file" };
             let [from, to] = [needed.first(), needed.last()].map(|frame| *frame.unwrap_or(&first));
             let expected = format!("one for each of the frames {from} to {to}");
-            return Err(ReadError::file(&pattern.path(*frame), format!("no such file; {of_needed}"), expected).into());
+            return Err(ReadError::file(&pattern.path(*frame), format!("{what}; {of_needed}"), expected).into());
         }
         Ok(Images { pattern, size: shot.size, last: Vec::new() })
     }
