@@ -81,6 +81,7 @@ impl Error {
     }
 
     /// Whether the device is lost, and so done with all that it was given.
+    #[cfg(feature = "cli")]
     pub(crate) fn is_lost(&self) -> bool {
         matches!(self, Error::Vulkan { result: vk::Result::ERROR_DEVICE_LOST, .. })
     }
