@@ -13,6 +13,8 @@ mod hostile;
 mod mixed;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/winding.rs"]
+mod winding;
 
 use std::fs;
 use std::path::Path;
@@ -357,6 +359,38 @@ fn an_interrupted_run_is_130_and_leaves_whole_frames() {
         picture::read(&folder.0.join("out").join(&name)).expect("whole");
     }
     assert!(!folder.0.join("s.png").exists(), "no sheet of half a sequence");
+}
+
+/// Looking at all of a shot's frames before the first is rendered is no reason not to answer.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_run_that_has_not_begun_to_render_can_be_interrupted() {
+    let folder = Folder::new();
+    // Each frame has the only file, which is far back.
+    folder
+        .write("shot.toml", "size = [32, 32]\nframes = [1, 99999]\n[flame]\nparticles = \"p.####.npz\"\nhold = true\n");
+    let mut archive = run::archive(&folder.0.join("p.0001.npz"));
+    run::add_array(&mut archive, "position", &[1, 3], [0.0_f32; 3]);
+    run::add_array(&mut archive, "temperature", &[1], [1500.0_f32]);
+    drop(archive);
+    let mut command = celfx(&folder, &["render", "shot.toml", "-q", "--frames", "1-1", "-o", "f.png"]);
+    let child = command.stderr(Stdio::piped()).spawn().expect("the program runs");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    let answers = || {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        caught.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & 2 != 0))
+    };
+    while !answers() {
+        assert!(Instant::now() < deadline, "interrupts are not answered within a minute");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("kill runs").success());
+    let output = child.wait_with_output().expect("it ends");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{error}");
+    assert!(error.starts_with("celfx: interrupted") && folder.names().len() == 2, "{error}");
 }
 
 #[test]

@@ -1,13 +1,14 @@
-// The mesh's triangles, as the refinement begins: those that can't be divided are finished at once.
+// The mesh's triangles, as the refinement begins: those that can't be divided are finished at once. Which side of them is
+// outside is noted.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "fronts.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) readonly buffer Triangles { uvec4 triangles[]; };  // corners, object
+layout(std430, binding = 1) buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 2) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 3) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 4) writeonly buffer Active { uvec4 active_triangles[]; };
+layout(std430, binding = 5) readonly buffer Fronts { uint fronts[]; };  // eight triangles a word
 
 // Whether a triangle's outside is turned away in frame i (0) or i + 1 (1), as clip coordinates have it: clockwise on a screen
 // whose y is down is towards, unless the frame has it inside out.
@@ -27,7 +28,8 @@ void main() {
     }
     uvec4 triangle = triangles[index];
     bool is_moved = vertices[triangle.x].place.x + vertices[triangle.y].place.x + vertices[triangle.z].place.x > 0u;
-    uint front = front_of(index);
+    uint front = fronts[index / 8u] >> (4u * (index % 8u)) & FRONT_MASK;
+    triangles[index].w = triangle.w & ~FRONT_MASK | front;
     bool is_hidden = (front & CLOSED) != 0u && is_away(triangle.xyz, front, 0u) && is_away(triangle.xyz, front, 1u);
     uint state = is_hidden ? CULLED : is_moved ? 7u << OPEN_SHIFT : 0u;
     active_triangles[index] = uvec4(triangle.xyz, index | state);

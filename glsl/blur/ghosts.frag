@@ -25,9 +25,9 @@ void main() {
     ivec2 before;
     ivec2 after;
     uint seen = find(previous, before) ? texelFetch(seen_previous, before, 0).x : 0u;
-    bool has_previous = seen != 0u && triangles[max(seen, 1u) - 1u].w == object;
+    bool has_previous = seen != 0u && triangles[max(seen, 1u) - 1u].w >> OBJECT_SHIFT == object;
     seen = find(next, after) ? texelFetch(seen_next, after, 0).x : 0u;
-    bool has_next = seen != 0u && triangles[max(seen, 1u) - 1u].w == object;
+    bool has_next = seen != 0u && triangles[max(seen, 1u) - 1u].w >> OBJECT_SHIFT == object;
     if (!has_previous && !has_next) {
         discard;
     }

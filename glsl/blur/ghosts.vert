@@ -34,7 +34,7 @@ void main() {
     previous = place_of(1u, base, shares);
     next = place_of(2u, base, shares);
     moved = vertex.drawn.w;
-    object = base.w;
+    object = base.w >> OBJECT_SHIFT;
     // What stays where it is leaves no image.
     bool is_still = max(max(vertices[base.x].place.x, vertices[base.y].place.x), vertices[base.z].place.x) == 0u;
     if (is_still || (triangle.w & CULLED) != 0u) {

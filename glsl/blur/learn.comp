@@ -30,7 +30,7 @@ void main() {
     uint frame = gl_GlobalInvocationID.z;
     uint lane = gl_LocalInvocationIndex;
     Lesson lesson = lesson_of(1u + frame, at);
-    uint object = lesson.base.w;
+    uint object = lesson.base.w >> OBJECT_SHIFT;
     bool is_told = lesson.is_there && object < params.completion.x;
     uint bin = is_told ? bin_of(normal_at(frame, lesson.place, lesson.base, lesson.shares)) : NO_BIN;
     if (lane < 5u) {

@@ -12,7 +12,7 @@ bool is_same(uint frame, ivec2 at, uint object) {
         return true;
     }
     uint seen = seen_at(frame, at);
-    return seen > 0u && triangles[seen - 1u].w == object;
+    return seen > 0u && triangles[seen - 1u].w >> OBJECT_SHIFT == object;
 }
 
 // `frame`: 1 or 2, of frames i and i + 1.
@@ -23,7 +23,7 @@ Lesson lesson_of(uint frame, ivec2 at) {
         return lesson;
     }
     uvec4 base = triangles[seen - 1u];
-    uint object = base.w;
+    uint object = base.w >> OBJECT_SHIFT;
     bool is_inner = is_same(frame, at - ivec2(1, 0), object) && is_same(frame, at + ivec2(1, 0), object)
         && is_same(frame, at - ivec2(0, 1), object) && is_same(frame, at + ivec2(0, 1), object);
     // What may be an outline says nothing of a surface.

@@ -49,7 +49,7 @@ void main() {
     if (!(weight > LEAST_WEIGHT)) {
         return;
     }
-    site.normals[0].w = float(lesson.base.w);
+    site.normals[0].w = float(lesson.base.w >> OBJECT_SHIFT);
     for (uint i = 0u; i < 3u; ++i) {
         site.change[i] = change_of(colours[0][i], colours[1][i]);
     }

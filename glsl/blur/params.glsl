@@ -13,6 +13,10 @@ const float UNIT = 262144.0;        // 1 - k' is a multiple of 2^-18 while it is
 const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
 const uint OPEN_SHIFT = 29u;       // which may be split in this round or later; where none may:
+const uint CLOSED = 1u;            // of a triangle's last word: only its outside can be seen
+const uint TURNED = 2u;            // its outside is where its corners follow each other clockwise, in frame i; next: i + 1
+const uint FRONT_MASK = 7u;        // all of these
+const uint OBJECT_SHIFT = 3u;      // its object is above them
 const uint CULLED = 1u << 26u;     // never seen, because the object is closed
 const uint BETWEEN = 0xffffffffu;  // the cluster of what is between clusters
 

@@ -71,7 +71,7 @@ vec3 corner_of(uint frame, uint point) {
 
 bool is_seen(uint frame, ivec2 at, uint object) {
     uint seen = seen_at(frame, at);
-    return seen > 0u && triangles[seen - 1u].w == object;
+    return seen > 0u && triangles[seen - 1u].w >> OBJECT_SHIFT == object;
 }
 
 // The colour of an object's surface in a pixel that sees it. A pixel at its border is covered in part; the surface is as
@@ -113,7 +113,7 @@ void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float we
             continue;
         }
         bool is_outline = (frame == 1u || frame == 2u) && (cover_at(tap) & OUTLINE << frame) != 0u;
-        if (is_outline || !is_seen(frame, tap, triangle.w)) {
+        if (is_outline || !is_seen(frame, tap, triangle.w >> OBJECT_SHIFT)) {
             continue;
         }
         // The triangle's plane goes on beyond it, which is the surface's slope. The same as depths that differ by a share
@@ -127,7 +127,7 @@ void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float we
         }
         vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));
         float share = both.x * both.y;
-        colour += share * surface_at(frame, tap, triangle.w);
+        colour += share * surface_at(frame, tap, triangle.w >> OBJECT_SHIFT);
         weight += share;
     }
     colour = weight > 0.0 ? colour / weight : colour;

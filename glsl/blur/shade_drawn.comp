@@ -22,7 +22,7 @@ vec4 typical(Fragment fragment, uint frame) {
     vec3 normal = fragment.shares.x * unit(normals[first + groups.x].xyz)
         + fragment.shares.y * unit(normals[first + groups.y].xyz)
         + fragment.shares.z * unit(normals[first + groups.z].xyz);
-    normal = is_turned(frame, fragment.place, fragment.base) ? -normal : normal;
+    normal = is_turned(frame, fragment.base) ? -normal : normal;
     return vec4(toned(1u + frame, fragment.place, fragment.base, fragment.shares, unit(normal)), 1.0);
 }
 

@@ -1,7 +1,5 @@
 // Colours by world normal: what is typical of each object in each of frames i (0) and i + 1 (1).
 
-#include "fronts.glsl"
-
 const uint SIDE = 32u;
 const uint BINS = SIDE * SIDE;
 const uint NO_BIN = 0xffffffffu;
@@ -35,10 +33,9 @@ uint bin_of(vec3 normal) {
 
 // Whether the normal of a triangle's corners points away from what is seen of it in a frame: to the inside of what is closed,
 // else away from the eye.
-bool is_turned(uint frame, uint place, uvec4 base) {
-    uint front = front_of(place);
-    if ((front & CLOSED) != 0u) {
-        return (front & TURNED << frame) != 0u;
+bool is_turned(uint frame, uvec4 base) {
+    if ((base.w & CLOSED) != 0u) {
+        return (base.w & TURNED << frame) != 0u;
     }
     vec3 a = corner_of(frame + 1u, base.x);
     vec3 b = corner_of(frame + 1u, base.y);
@@ -52,7 +49,7 @@ vec3 normal_at(uint frame, uint place, uvec4 base, vec3 shares) {
     uint first = frame * GROUPS;
     vec3 normal = shares.x * normals[first + groups.x].xyz + shares.y * normals[first + groups.y].xyz
         + shares.z * normals[first + groups.z].xyz;
-    return is_turned(frame, place, base) ? -normal : normal;
+    return is_turned(frame, base) ? -normal : normal;
 }
 
 // The least power of two that no channel of either image is above, 1 to 16.

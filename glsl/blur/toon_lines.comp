@@ -30,7 +30,7 @@ float line_at(ivec2 at) {
     for (int i = 0; i < 4; ++i) {
         ivec2 there = inside(at + ivec2(i == 1 || i == 3 ? 1 : -1, i == 0 || i == 3 ? 1 : -1));
         uint other = texelFetch(sampled, there, 0).x;
-        if (other == 0u || triangles[other - 1u].w != triangles[own - 1u].w) {
+        if (other == 0u || triangles[other - 1u].w >> OBJECT_SHIFT != triangles[own - 1u].w >> OBJECT_SHIFT) {
             return 1.0;
         }
         beside[i] = depth_at(there);

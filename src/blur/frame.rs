@@ -5,7 +5,7 @@ use ash::vk;
 use crate::blur::layout::TOON;
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Cluster, FRONTS_A_WORD, Interval, Segment};
-use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, PIECE_SEGMENTS};
+use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
 use crate::host::{
@@ -95,7 +95,7 @@ impl Desc {
 /// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
 pub struct TopologyInput {
-    /// Four `u32` a triangle: its points, and the place of its object.
+    /// Four `u32` a triangle: its points, and eight times the place of its object.
     pub triangles: HostBuffer,
     /// A `u32` a point and one more: where its list of neighbours begins, and the end of the last.
     pub neighbour_starts: HostBuffer,
@@ -142,7 +142,7 @@ impl TopologyInput {
     pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
         let place = |id: &u32| mesh.objects().partition_point(|object| object < id) as u32;
         let rows = mesh.triangles().iter().zip(mesh.triangle_objects());
-        rows.map(|([a, b, c], id)| [*a, *b, *c, place(id)]).collect()
+        rows.map(|([a, b, c], id)| [*a, *b, *c, place(id) << OBJECT_SHIFT]).collect()
     }
 }
 

@@ -19,6 +19,8 @@ pub const BLOCK: u32 = 128;
 pub const ROUNDS: u32 = 16;
 /// A finished triangle's last word: its base triangle.
 pub const BASE_MASK: u32 = 0x03ff_ffff;
+/// Where in a triangle's last word its object begins; below, which side of it is outside ([`crate::blur::Interval::fronts`]).
+pub const OBJECT_SHIFT: u32 = 3;
 /// A finished triangle's last word: it is never seen.
 pub const CULLED: u32 = 1 << 26;
 /// The most segments of a trajectory.

@@ -103,10 +103,8 @@ impl Shells {
 impl Solid {
     fn add(&mut self, corners: [[f32; 3]; 3]) {
         for corner in corners {
-            for axis in 0..3 {
-                self.low[axis] = self.low[axis].min(corner[axis]);
-                self.high[axis] = self.high[axis].max(corner[axis]);
-            }
+            self.low = [0, 1, 2].map(|axis| self.low[axis].min(corner[axis]));
+            self.high = [0, 1, 2].map(|axis| self.high[axis].max(corner[axis]));
         }
         let [a, b, c] = corners.map(|corner| corner.map(f64::from));
         if self.origin[0].is_nan() {

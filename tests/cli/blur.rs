@@ -143,6 +143,41 @@ fn images_that_do_not_fit_are_3_and_named() {
     says(&["0005.png", "48 x 72", "72 x 48, as the shot's size"]);
 }
 
+/// What is not needed for the frames that are rendered is not looked at: neither images, nor poses.
+#[test]
+fn work_follows_what_is_rendered() {
+    let folder = with_images("");
+    fs::remove_file(folder.0.join("in/0007.png")).expect("written");
+    let render = ["render", "shot.toml", "-q", "-o", "out/####.png", "--frames"];
+    let needles = ["0007.png", "no such file", "1 of the 4 frames that are needed of the shot's 5", "frames 4 to 7"];
+    fails(&folder, &[&render[..], &["6"]].concat(), 3, &needles);
+    if !has_device() {
+        return;
+    }
+    succeeds(&folder, &[&render[..], &["3-5"]].concat());
+    // In the last of a million frames the mesh is nowhere.
+    let floats = |values: &[f32]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+    let corners = floats(&[10.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 10.0]);
+    let keys = floats(&[0.0, 999_999.0, 1.0, 1.0, 1.0, 3e38, 1.0, 1.0]);
+    fs::write(folder.0.join("far.bin"), [corners, keys].concat()).expect("temporary folder");
+    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "scale"}}],
+            "samplers": [{"input": 1, "output": 2, "interpolation": "STEP"}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [10, 10, 10]},
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [999999]},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+            {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+        "buffers": [{"uri": "far.bin", "byteLength": 68}]}"#;
+    folder.write("far.gltf", gltf);
+    folder.write("far.toml", "size = [72, 48]\nframes = [0, 999999]\nfps = 1\n[blur]\nscene = \"far.gltf\"\n");
+    let render = ["render", "far.toml", "-q", "-o", "far/####.png", "--frames"];
+    succeeds(&folder, &[&render[..], &["1-2"]].concat());
+    fails(&folder, &[&render[..], &["999999"]].concat(), 3, &["far.gltf", "vertex 0, frame 999999", "finite"]);
+}
+
 #[test]
 fn meshes_that_cannot_be_blurred_are_3_and_named() {
     let folder = with_images("");
