@@ -9,6 +9,10 @@ mod blur;
 mod flame;
 #[path = "cli/mixed.rs"]
 mod mixed;
+#[path = "cli/outputs.rs"]
+mod outputs;
+#[path = "cli/resume.rs"]
+mod resume;
 #[path = "cli/run.rs"]
 mod run;
 

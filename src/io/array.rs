@@ -336,7 +336,7 @@ pub(super) fn check_count(shape: &[u64], count: usize) -> io::Result<()> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::io::tests::Folder;
     use npyz::npz::NpzWriter;
@@ -344,7 +344,7 @@ pub(super) mod tests {
     use std::io::Write;
 
     /// The bytes of a `.npy` file.
-    pub(in crate::io) fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
+    pub(crate) fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
         let fortran = if fortran { "True" } else { "False" };
         with_header(&format!("{{'descr': {descr}, 'fortran_order': {fortran}, 'shape': {shape}, }}\n"), data)
     }
@@ -358,7 +358,7 @@ pub(super) mod tests {
     }
 
     /// Writes an `.npz` of such arrays.
-    pub(in crate::io) fn write_archive(path: &Path, arrays: &[(&str, Vec<u8>)]) {
+    pub(crate) fn write_archive(path: &Path, arrays: &[(&str, Vec<u8>)]) {
         let mut npz = NpzWriter::new(File::create(path).unwrap());
         for (name, bytes) in arrays {
             npz.zip_writer().start_file(format!("{name}.npy"), Default::default()).unwrap();

@@ -88,11 +88,7 @@ pub fn check(inputs: &[Files], outputs: &[Files], read: [u32; 2], written: [u32;
 fn folder_of(a: &Pattern, b: &Pattern) -> Option<PathBuf> {
     let [one, other] = [a, b].map(|pattern| pattern.path(0));
     let is_within = |path: &Path, folder: &Path| path != folder && path.starts_with(folder);
-    if is_within(&one, &other) {
-        Some(other)
-    } else {
-        is_within(&other, &one).then_some(one)
-    }
+    if is_within(&one, &other) { Some(other) } else { is_within(&other, &one).then_some(one) }
 }
 
 /// The files of these frames that are there.
@@ -170,6 +166,9 @@ mod tests {
         // A background that is a link into the output's folder.
         symlink("out/0040.png", path("sky.png")).unwrap();
         fs::write(path("out/0040.png"), "x").unwrap();
-        assert_eq!(overlap(&folder, &["sky.png"], &["out/####.png"]), Some(["out/####.png", "sky.png"].map(str::to_owned)));
+        assert_eq!(
+            overlap(&folder, &["sky.png"], &["out/####.png"]),
+            Some(["out/####.png", "sky.png"].map(str::to_owned))
+        );
     }
 }

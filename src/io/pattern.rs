@@ -130,7 +130,8 @@ impl Pattern {
         let mut places = bytes(self.before.join(before).as_os_str());
         places.extend((LAST_DIGITS..width).map(|_| Place::Byte(b'0')));
         // A number that is longer than its place does not begin with 0.
-        places.extend((0..width.min(LAST_DIGITS)).map(|at| Place::Digit { least: u8::from(at == 0 && width > *digits) }));
+        places
+            .extend((0..width.min(LAST_DIGITS)).map(|at| Place::Digit { least: u8::from(at == 0 && width > *digits) }));
         places.extend(bytes(after));
         places
     }

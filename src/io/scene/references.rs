@@ -26,7 +26,8 @@ struct Resource {
 /// understood, which reading it says.
 pub fn references(path: &Path) -> Vec<PathBuf> {
     let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"));
-    let root = if is_gltf { json(path).and_then(|json| Ok(serde_json::from_slice(&json)?)) } else { Ok(Root::default()) };
+    let root =
+        if is_gltf { json(path).and_then(|json| Ok(serde_json::from_slice(&json)?)) } else { Ok(Root::default()) };
     let Root { buffers, images } = root.unwrap_or_default();
     let uris = buffers.into_iter().chain(images).filter_map(|resource| resource.uri);
     let files = uris.filter(|uri| !uri.starts_with("data:") && !uri.contains("://"));
