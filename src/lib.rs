@@ -14,6 +14,7 @@ pub mod profile;
 pub mod reference;
 pub mod shaders;
 pub mod smoke;
+mod threads;
 pub mod view;
 
 #[cfg(feature = "cli")]

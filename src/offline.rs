@@ -427,6 +427,11 @@ impl Offline {
         self.times.take()
     }
 
+    /// Whether the device can time passes: its queue has timestamps.
+    pub fn has_clock(&self) -> bool {
+        self.parts.profiler.as_ref().is_some_and(Profiler::is_supported)
+    }
+
     /// Device memory that the effects take, in bytes before alignment.
     pub fn memory(&self) -> u64 {
         let Parts { smoke, flame, blur, .. } = &self.parts;

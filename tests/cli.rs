@@ -11,6 +11,10 @@ mod flame;
 mod hostile;
 #[path = "cli/mixed.rs"]
 mod mixed;
+#[path = "cli/outputs.rs"]
+mod outputs;
+#[path = "cli/resume.rs"]
+mod resume;
 #[path = "cli/run.rs"]
 mod run;
 #[path = "cli/winding.rs"]

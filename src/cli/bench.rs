@@ -109,5 +109,6 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let device = headless::Options { validate, device, go_on, ..headless::Options::default() };
     let request = Request { what, quick: options.quick, only: options.only.clone(), device };
     let watch = Terminal { begin: Instant::now(), quiet: common.quiet };
-    print(&bench::run(&request, &options.output, &watch)?)
+    let table = bench::run(&request, &options.output, &watch)?;
+    if common.quiet { Ok(()) } else { print(&table) }
 }

@@ -4,6 +4,7 @@ mod bench;
 mod info;
 mod inspect;
 mod interrupt;
+pub mod memory;
 mod render;
 mod shot;
 
@@ -17,6 +18,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::error::Error;
 use crate::gpu::headless::NoDevice;
+use crate::io::overlap::Overlap;
 use crate::io::pattern::PatternError;
 use crate::io::shot::ShotError;
 use crate::io::{ReadError, WriteError};
@@ -124,6 +126,12 @@ impl From<PatternError> for Failure {
     }
 }
 
+impl From<Overlap> for Failure {
+    fn from(error: Overlap) -> Failure {
+        Failure::usage(error.to_string())
+    }
+}
+
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Failure {
         Failure::new(Failure::INPUT, error.to_string())
@@ -156,6 +164,7 @@ impl From<Error> for Failure {
 
 /// Runs the program with the arguments of the process; returns its exit code.
 pub fn main() -> ExitCode {
+    ignore_file_size_limit();
     match run(std::env::args_os()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure { code, message }) => {
@@ -165,6 +174,15 @@ pub fn main() -> ExitCode {
             }
             ExitCode::from(code)
         }
+    }
+}
+
+/// Makes a write beyond `ulimit -f` an error as any other, where it would end the program.
+fn ignore_file_size_limit() {
+    #[cfg(unix)]
+    // SAFETY: no thread but this one, and no handler of this signal, is there yet.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
     }
 }
 

@@ -4,6 +4,7 @@ mod device;
 mod encode;
 mod input;
 mod layers;
+mod origin;
 mod outputs;
 mod strip;
 
@@ -13,25 +14,27 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Common, Failure, interrupt, print, visible};
+use super::{Common, Failure, interrupt, memory, print, visible};
 use crate::io::image::Picture;
+use crate::io::overlap::{self, Files};
+use crate::io::pattern::Pattern;
 use crate::io::shot::{Background, Shot};
 use crate::io::{picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
 use device::Renderer;
-use encode::{Pool, Shared};
-use input::{Inputs, Read};
-use layers::LayerName;
-use outputs::{Frame, Outputs};
+use encode::{Pool, Shared, no_thread};
+use input::{Fire, Inputs, Read};
+use origin::Origins;
+use outputs::{Found, Frame, Outputs};
 use strip::Strip;
 
 const EXAMPLES: &str = "\
 Examples:
   celfx render builtin:smoke                               48 frames into ./out
-  celfx render my.toml -o out/%04d.png --resume            only what is missing
+  celfx render my.toml -o out/%04d.png --resume            only what is missing, or made from something else
   celfx render my.toml --frames 12 -o frame.exr            one frame, the same as in the sequence
   celfx render builtin:flame --set flame.mode=expected     fire without grain
   celfx render my.toml --set smoke.sigma=8 --set smoke.shadow=map
@@ -67,9 +70,29 @@ pub(super) struct Options {
     /// Write the frames as an animation
     #[arg(long, value_name = "FILE.gif", value_parser = |name: &str| named(name, &["gif"]))]
     animation: Option<PathBuf>,
-    /// Keep frames that are complete and render only the others
-    #[arg(long)]
-    resume: bool,
+    /// Keep frames that are complete and made from the same settings and input; of those that are not: `again`
+    /// renders them again, `strict` refuses to begin
+    #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "again")]
+    resume: Option<Resume>,
+}
+
+/// What becomes of frames that were made from something else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Resume {
+    Again,
+    Strict,
+}
+
+impl Options {
+    /// The files of all frames together, each with its option.
+    fn others(&self) -> Vec<Files> {
+        let others =
+            [("--profile", &self.profile), ("--sheet", &self.sheet), ("--animation", &self.animation)].into_iter();
+        let file = |(option, path): (&str, &Option<PathBuf>)| {
+            path.as_ref().map(|path| Files::new(format!("{option} {}", path.display()), Pattern::single(path)))
+        };
+        others.filter_map(file).collect()
+    }
 }
 
 fn frame_range(text: &str) -> Result<[u32; 2], String> {
@@ -95,6 +118,7 @@ fn named(name: &str, extensions: &[&str]) -> Result<PathBuf, String> {
 }
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    memory::doing("reading the shot", None);
     let shot = Shot::load(&options.shot, &options.set)?;
     let frames = options.frames.unwrap_or(shot.frames);
     check_light(&shot)?;
@@ -104,10 +128,11 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         let [a, b] = shot.frames;
         return Err(Failure::usage(format!("--frames {first}-{last}: the shot has frames {a} to {b}")));
     }
-    let outputs = Outputs::new(&options.output, options.layers.as_deref(), shot.size, frames)?;
-    let others: Vec<&Path> =
-        [&options.profile, &options.sheet, &options.animation].into_iter().flatten().map(PathBuf::as_path).collect();
-    outputs.probe(first, &others)?;
+    let names = layers::names(shot.smoke.is_some(), shot.flame.is_some(), shot.blur.is_some());
+    let layers = options.layers.as_deref().map(|folder| (folder, &names[..]));
+    let outputs = Outputs::new(&options.output, layers, options.others(), shot.size, frames)?;
+    overlap::check(&shot.inputs(), &outputs.all(), shot.frames, frames)?;
+    outputs.probe(frames)?;
     interrupt::install();
 
     let count = (last - first) as usize + 1;
@@ -119,25 +144,32 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     .flatten()
     .collect();
     let timed = options.profile.is_some() || !common.quiet;
-    let layers = layers::names(shot.smoke.is_some(), shot.flame.is_some(), shot.blur.is_some());
-    let job = Job { shot, first, outputs, layers, strips, timed, common };
-    let missing = job.missing(last, options.resume)?;
+    let job = Job { shot: &shot, first, outputs, strips, timed, common };
+    memory::doing("reading the shot's input", None);
+    let fire = Fire::of(&shot)?;
+    let mut origins = Origins::new(&shot, fire.as_ref())?;
+    let missing = job.missing(last, options.resume, &mut origins)?;
     // Only what this run will write itself: another one may be at the other frames.
-    let files = missing.iter().flat_map(|frame| job.outputs.files(*frame, &job.layers));
-    remove_stale_parts(files.chain(others.iter().map(|path| path.to_path_buf())));
-    let times = if missing.is_empty() { Vec::new() } else { job.render(&missing)? };
+    remove_stale_parts(missing.iter().flat_map(|frame| job.outputs.files(*frame)).chain(job.outputs.others()));
+    let times = if missing.is_empty() { Times::default() } else { job.render(&missing, fire, origins)? };
     job.strips.iter().try_for_each(Strip::write)?;
     job.report(&times, missing.len(), count, options.profile.as_deref())
 }
 
+/// What rendering has cost.
+#[derive(Default)]
+struct Times {
+    frames: Vec<FrameTimes>,
+    /// Whether the device has no clock.
+    has_none: bool,
+}
+
 /// What is rendered and where it goes.
 struct Job<'a> {
-    shot: Shot,
+    shot: &'a Shot,
     /// First frame that is rendered.
     first: u32,
     outputs: Outputs,
-    /// The layers of the shot's effects.
-    layers: Vec<LayerName>,
     strips: Vec<Strip>,
     /// Whether passes are timed.
     timed: bool,
@@ -145,31 +177,53 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// The frames that are to be rendered: all, or with `resume` those whose files are not all there and whole.
-    fn missing(&self, last: u32, resume: bool) -> Result<Vec<u32>, Failure> {
-        let mut missing = Vec::new();
+    /// The frames that are to be rendered: all, or with `resume` those whose files are not all there and whole, or were
+    /// made from something else.
+    fn missing(&self, last: u32, resume: Option<Resume>, origins: &mut Origins) -> Result<Vec<u32>, Failure> {
+        let Some(resume) = resume else { return Ok((self.first..=last).collect()) };
+        let (mut missing, mut others) = (Vec::new(), Vec::new());
         for frame in self.first..=last {
             interrupt::check()?;
-            let finished = if resume { self.outputs.finished(frame, &self.layers) } else { None };
-            match finished {
-                Some(pixels) => self.collect(frame, &pixels),
-                None => missing.push(frame),
+            match self.outputs.find(frame, origins.of(frame)?) {
+                Found::Finished(pixels) => self.collect(frame, &pixels),
+                Found::Nothing => missing.push(frame),
+                Found::Other => {
+                    missing.push(frame);
+                    others.push(frame);
+                }
             }
         }
-        Ok(missing)
+        origins.check()?;
+        let Some(first) = others.first() else { return Ok(missing) };
+        let first = self.outputs.picture(*first);
+        let (first, count) = (first.display(), others.len());
+        match resume {
+            Resume::Again => {
+                let (frames, are) = if count == 1 { ("frame", "is") } else { ("frames", "are") };
+                let why = "not made from these settings and this input, or of an older version";
+                self.say(&format!("{count} {frames} {are} rendered again: {why} (the first is {first})"));
+                Ok(missing)
+            }
+            Resume::Strict => {
+                let why = format!("{first} was not made from these settings and this input, or is of an older version");
+                let so = if count == 1 { String::new() } else { format!(", and so are {} more frames", count - 1) };
+                let expected = "--resume without =strict, which renders them again, or another -o";
+                Err(Failure::usage(format!("--resume=strict: {why}{so}; expected {expected}")))
+            }
+        }
     }
 
     /// Renders the `missing` frames, which are some.
-    fn render(&self, missing: &[u32]) -> Result<Vec<FrameTimes>, Failure> {
+    fn render(&self, missing: &[u32], fire: Option<Fire>, mut origins: Origins) -> Result<Times, Failure> {
         let has_layers = self.outputs.has_layers();
-        let mut inputs = Inputs::new(&self.shot, missing, self.common)?;
-        if !self.common.quiet {
-            inputs.notes().iter().for_each(|note| self.say(note));
-        }
-        let effects = inputs.effects(&self.shot, missing, has_layers)?;
-        let background = background(&self.shot)?;
-        let mut renderer =
-            Renderer::new(self.common, &self.shot, effects, has_layers, self.timed, background.as_ref())?;
+        let mut inputs = Inputs::new(self.shot, missing, fire, self.common)?;
+        inputs.notes().iter().for_each(|note| self.say(note));
+        let effects = inputs.effects(self.shot, missing, has_layers)?;
+        let background = background(self.shot)?;
+        origins.check()?;
+        memory::doing("opening the device", None);
+        let mut renderer = Renderer::new(self.common, self.shot, effects, has_layers, self.timed, background.as_ref())?;
+        let has_none = !renderer.has_clock();
         if self.common.verbose {
             self.say(&renderer.describe());
         }
@@ -177,8 +231,9 @@ impl Job<'_> {
         let work = |frame: Frame| self.write(&frame);
         let times = thread::scope(|scope| {
             let (ahead, steps) = sync_channel(1);
-            scope.spawn(move || inputs.read_ahead(&self.shot, missing, &ahead));
-            let pool = Pool::start(scope, self.common.threads(), queue, &shared, work);
+            let reader = move || inputs.read_ahead(self.shot, origins, missing, &ahead);
+            thread::Builder::new().spawn_scoped(scope, reader).map_err(|e| no_thread("reads", &e))?;
+            let pool = Pool::start(scope, self.common.threads(), queue, &shared, work)?;
             let rendered = self.step(&mut renderer, missing.len(), &steps, |frame| pool.send(&shared, frame));
             // Frames in the queue are written even if the next one failed or the program was interrupted.
             let written = pool.finish(&shared);
@@ -186,7 +241,7 @@ impl Job<'_> {
             rendered.and_then(|times| written.map(|()| times))
         })?;
         renderer.finish()?;
-        Ok(times)
+        Ok(Times { frames: times, has_none })
     }
 
     /// Takes steps as they come and hands the rendered frames, so many, to `send`.
@@ -201,7 +256,9 @@ impl Job<'_> {
         let mut times = Vec::new();
         for step in steps {
             interrupt::check()?;
-            let (frame, frame_times) = renderer.step(&step?)?;
+            let step = step?;
+            memory::doing("rendering frame", Some(step.number));
+            let (frame, frame_times) = renderer.step(&step)?;
             if let Some(warning) = renderer.warning() {
                 self.say(&warning);
             }
@@ -232,6 +289,7 @@ impl Job<'_> {
     }
 
     fn write(&self, frame: &Frame) -> Result<(), Failure> {
+        memory::doing("writing frame", Some(frame.number));
         self.outputs.write(frame)?;
         self.collect(frame.number, &frame.pixels);
         if self.common.verbose {
@@ -245,8 +303,12 @@ impl Job<'_> {
     }
 
     /// The profile's file, and the table on standard output.
-    fn report(&self, times: &[FrameTimes], rendered: usize, count: usize, file: Option<&Path>) -> Result<(), Failure> {
+    fn report(&self, times: &Times, rendered: usize, count: usize, file: Option<&Path>) -> Result<(), Failure> {
+        let Times { frames: times, has_none } = times;
         if let Some(path) = file {
+            if let Some(why) = untimed(times.len(), rendered, *has_none) {
+                self.say(&format!("{}: {why}", path.display()));
+            }
             let is_csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
             let text = if is_csv { profile::csv(times) } else { profile::chrome_trace(times, "celfx") };
             write_atomic(path, |file| file.write_all(text.as_bytes()))?;
@@ -264,8 +326,25 @@ impl Job<'_> {
     }
 
     fn say(&self, text: &str) {
-        // Nothing is left to tell where standard error is closed.
-        let _ = writeln!(std::io::stderr(), "celfx: {}", visible(text));
+        if !self.common.quiet {
+            // Nothing is left to tell where standard error is closed.
+            let _ = writeln!(std::io::stderr(), "celfx: {}", visible(text));
+        }
+    }
+}
+
+/// What is to be said of a profile that lacks times.
+fn untimed(timed: usize, rendered: usize, has_none: bool) -> Option<String> {
+    match (timed, rendered) {
+        (_, 0) => Some("no frame was rendered, so that the profile has no times".to_owned()),
+        (timed, rendered) if timed == rendered => None,
+        _ if has_none => {
+            Some("the profile has no times: the device's queue has no timestamps (timestampValidBits is 0)".to_owned())
+        }
+        _ => Some(format!(
+            "the profile lacks the times of {} of {rendered} frames: the device did not give them",
+            rendered - timed
+        )),
     }
 }
 
@@ -302,6 +381,15 @@ fn check_blur(shot: &Shot) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_that_are_missing_are_told_with_the_reason() {
+        let says = |timed, rendered, has_none| untimed(timed, rendered, has_none).unwrap_or_default();
+        assert_eq!(says(5, 5, false), "");
+        assert!(says(0, 0, false).contains("no frame was rendered"));
+        assert!(says(0, 5, true).contains("timestampValidBits is 0"));
+        assert!(says(3, 5, false).contains("2 of 5 frames"));
+    }
 
     #[test]
     fn frame_ranges() {

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::threads::together;
+
 /// The neighbour whose distance counts.
 const NEIGHBOURS: usize = 8;
 /// The most points of a leaf.
@@ -34,13 +36,7 @@ pub fn mean_spacing(positions: &[[f32; 3]]) -> Option<f32> {
         parts.map(|part| (part, sum_of(part))).collect()
     };
     let threads = if points.len() < 1000 { 0 } else { std::thread::available_parallelism().map_or(1, |n| n.get()) - 1 };
-    std::thread::scope(|scope| {
-        let helpers: Vec<_> = (0..threads.min(PARTS)).map(|_| scope.spawn(work)).collect();
-        let mut done = work();
-        // A thread that could not finish would have panicked, and nothing in it does.
-        done.extend(helpers.into_iter().filter_map(|helper| helper.join().ok()).flatten());
-        done.into_iter().for_each(|(part, sum)| sums[part] = sum);
-    });
+    together(threads.min(PARTS), work).into_iter().flatten().for_each(|(part, sum)| sums[part] = sum);
     Some((sums.iter().sum::<f64>() / points.len() as f64) as f32)
 }
 

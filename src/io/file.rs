@@ -5,6 +5,8 @@ use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 
+use xxhash_rust::xxh3::Xxh3;
+
 use super::ReadError;
 
 /// Opens a regular file for reading. A folder, pipe, socket or device is an error before it is opened: a pipe would wait
@@ -108,6 +110,27 @@ impl Stamp {
     }
 }
 
+/// A hash of what is in the file at `path`: the same on every machine, XXH3 of 128 bits.
+///
+/// # Errors
+/// There is no such file, it is a pipe or the like, or it cannot be read.
+pub fn digest(path: &Path) -> Result<u128, ReadError> {
+    let read = || {
+        let mut file = open(path)?;
+        let mut hash = Xxh3::new();
+        let mut block = vec![0; 1 << 18];
+        loop {
+            match file.read(&mut block) {
+                Ok(0) => return Ok(hash.digest128()),
+                Ok(count) => hash.update(&block[..count]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+    };
+    read().map_err(|error| ReadError::file(path, error, "a file that can be read"))
+}
+
 /// The path of a folder without links, `.` and `..`; what of it is not there yet is taken as it is written.
 pub fn resolved(folder: &Path) -> PathBuf {
     let mut found = std::env::current_dir().unwrap_or_default();
@@ -171,6 +194,27 @@ mod tests {
         }
         assert_eq!(resolved(Path::new("")), fs::canonicalize(".").unwrap());
         assert_eq!(resolved(Path::new("new")), fs::canonicalize(".").unwrap().join("new"));
+    }
+
+    #[test]
+    fn contents_have_one_hash_wherever_they_are() {
+        let folder = Folder::new();
+        let path = folder.0.join("file");
+        fs::write(&path, "").unwrap();
+        // The reference implementation's hash of nothing.
+        assert_eq!(digest(&path).unwrap(), 0x99aa_06d3_0147_98d8_6001_c324_468d_497f);
+        let hash_of = |bytes: &[u8]| {
+            fs::write(&path, bytes).unwrap();
+            digest(&path).unwrap()
+        };
+        let mut bytes = vec![7; 600_000];
+        let whole = hash_of(&bytes);
+        assert_eq!(hash_of(&bytes), whole);
+        bytes[599_999] = 8;
+        assert_ne!(hash_of(&bytes), whole);
+        for wrong in [folder.0.join("none"), folder.0.clone()] {
+            assert!(digest(&wrong).unwrap_err().to_string().contains("expected a file that can be read"));
+        }
     }
 
     #[test]

@@ -6,20 +6,23 @@ mod contained;
 mod openexr;
 
 use std::fs::File;
-use std::io::{self, BufWriter, Cursor, Write};
+use std::io::{self, BufReader, BufWriter, Cursor, Write};
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Layer, LayerAttributes, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Layer, LayerAttributes, Text,
+    WritableImage,
 };
-use image::ImageEncoder;
 
-use super::{WriteError, write_atomic};
+use super::{WriteError, file, write_atomic};
 
 pub use coded::read_png;
 pub(super) use coded::{decode, read_coded};
 pub(super) use openexr::read_colours;
 pub use openexr::{Channels, read_exr, read_exr_sized};
+
+/// Name of the text that a picture may hold beside its pixels.
+const NOTE: &str = "celfx";
 
 /// Largest side of a picture that is read, in pixels: that of a shot.
 const MAX_SIDE: u32 = 16_384;
@@ -127,11 +130,29 @@ pub fn write_png(path: &Path, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<(),
 
 /// Writes 8-bit sRGB pixels with straight alpha as a PNG. Atomic.
 pub fn write_png8(path: &Path, size: [u32; 2], pixels: &[[u8; 4]]) -> Result<(), WriteError> {
+    write_png8_noted(path, size, pixels, None)
+}
+
+/// As [`write_png8`], with a text of Latin letters in a `tEXt` chunk named [`NOTE`].
+pub(super) fn write_png8_noted(
+    path: &Path,
+    size: [u32; 2],
+    pixels: &[[u8; 4]],
+    note: Option<&str>,
+) -> Result<(), WriteError> {
     write_encoded(path, |buffer| {
         check_size(size, pixels.len())?;
-        image::codecs::png::PngEncoder::new(buffer)
-            .write_image(pixels.as_flattened(), size[0], size[1], image::ExtendedColorType::Rgba8)
-            .map_err(from_image)
+        let mut encoder = png::Encoder::new(buffer, size[0], size[1]);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::Filter::Adaptive);
+        if let Some(note) = note {
+            encoder.add_text_chunk(NOTE.to_owned(), note.to_owned())?;
+        }
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(pixels.as_flattened())?;
+        Ok(writer.finish()?)
     })
 }
 
@@ -183,6 +204,16 @@ impl ExrPixel for [f32; 4] {
 /// Writes an EXR of 32-bit floats, ZIP-compressed: channel `Y` for `f32`, `R G B` for `[f32; 3]`, `R G B A`
 /// (premultiplied) for `[f32; 4]`. Values pass unchanged, infinities and NaN too. Atomic.
 pub fn write_exr<P: ExrPixel>(path: &Path, size: [u32; 2], pixels: &[P]) -> Result<(), WriteError> {
+    write_exr_noted(path, size, pixels, None)
+}
+
+/// As [`write_exr`], with a text of Latin letters in an attribute named [`NOTE`].
+pub(super) fn write_exr_noted<P: ExrPixel>(
+    path: &Path,
+    size: [u32; 2],
+    pixels: &[P],
+    note: Option<&str>,
+) -> Result<(), WriteError> {
     write_encoded(path, |buffer| {
         check_size(size, pixels.len())?;
         let channel = |(i, name): (usize, &&str)| {
@@ -191,13 +222,32 @@ pub fn write_exr<P: ExrPixel>(path: &Path, size: [u32; 2], pixels: &[P]) -> Resu
         let channels = AnyChannels::sort(P::CHANNELS.iter().enumerate().map(channel).collect());
         let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
         let size = (size[0] as usize, size[1] as usize);
-        let layer = Layer::new(size, LayerAttributes::default(), encoding, channels);
+        let note = note.map(|note| (Text::from(NOTE), AttributeValue::Text(Text::from(note))));
+        let attributes = LayerAttributes { other: note.into_iter().collect(), ..LayerAttributes::default() };
+        let layer = Layer::new(size, attributes, encoding, channels);
         let image = exr::prelude::Image::from_layer(layer);
         image.write().to_buffered(buffer).map_err(|error| match error {
             exr::error::Error::Io(error) => error,
             error => io::Error::other(error),
         })
     })
+}
+
+/// The text that a PNG was written with beside its pixels, if it was.
+pub(super) fn png_note(path: &Path) -> Option<String> {
+    let decoder = png::Decoder::new(BufReader::new(file::open(path).ok()?));
+    let reader = decoder.read_info().ok()?;
+    let texts = &reader.info().uncompressed_latin1_text;
+    texts.iter().find(|text| text.keyword == NOTE).map(|text| text.text.clone())
+}
+
+/// The text that an EXR file was written with beside its pixels, if it was.
+pub(super) fn exr_note(path: &Path) -> Option<String> {
+    let metadata = exr::meta::MetaData::read_from_file(path, false).ok()?;
+    match metadata.headers.first()?.own_attributes.other.get(&Text::from(NOTE))? {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
+    }
 }
 
 /// One picture of many of equal size: `columns` in a row (as many rows as it takes), `gap` transparent pixels between.

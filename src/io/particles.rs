@@ -116,6 +116,26 @@ pub struct Extent {
     pub hottest: f32,
 }
 
+impl Extent {
+    /// An error if the particles that were read from `path` are not within the extent: then the file is no longer the one
+    /// that was looked at.
+    pub fn check(&self, particles: &Particles, path: &Path) -> Result<(), ReadError> {
+        let count = particles.position.len();
+        if count > self.most as usize {
+            let expected = format!("at most {}, as when the rendering began", self.most);
+            return Err(ReadError::at(path, "array `position`", format!("has grown to {count} rows"), expected));
+        }
+        match particles.temperature.iter().position(|temperature| *temperature > self.hottest) {
+            None => Ok(()),
+            Some(row) => {
+                let why = format!("is {}", particles.temperature[row]);
+                let expected = format!("at most {}, as when the rendering began", self.hottest);
+                Err(row_error(path, "temperature", row, why, &expected))
+            }
+        }
+    }
+}
+
 impl Input for Particles {
     type Builtin = flame::Builtin;
     type Options = ();

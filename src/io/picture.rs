@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::image::{Fit, Picture, read_coded, read_colours, write_exr, write_png};
+use super::image::{
+    Fit, Picture, exr_note, png_note, read_coded, read_colours, srgb8, write_exr_noted, write_png8_noted,
+};
 use super::{ReadError, WriteError};
 use crate::view::BRIGHTEST;
 
@@ -79,17 +81,32 @@ fn checked(path: &Path, picture: Picture<[f32; 4]>) -> Result<Picture<[f32; 4]>,
     }
 }
 
-/// Writes linear premultiplied pixels in the given format. Atomic.
-pub fn write(path: &Path, format: Format, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<(), WriteError> {
+/// Writes linear premultiplied pixels in the given format, and a text of Latin letters that changes none of them. Atomic.
+pub fn write(
+    path: &Path,
+    format: Format,
+    size: [u32; 2],
+    pixels: &[[f32; 4]],
+    note: Option<&str>,
+) -> Result<(), WriteError> {
     match format {
-        Format::Png => write_png(path, size, pixels),
-        Format::Exr => write_exr(path, size, pixels),
+        Format::Png => write_png8_noted(path, size, &srgb8(pixels), note),
+        Format::Exr => write_exr_noted(path, size, pixels, note),
+    }
+}
+
+/// The text that [`write`] was given, if the file at `path` holds one.
+pub fn note(path: &Path) -> Option<String> {
+    match Format::of(path)? {
+        Format::Png => png_note(path),
+        Format::Exr => exr_note(path),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::image::write_exr;
     use crate::io::tests::Folder;
 
     #[test]
@@ -98,8 +115,14 @@ mod tests {
         let pixels = [[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 1.0]];
         for name in ["a.png", "a.EXR"] {
             let path = folder.0.join(name);
-            write(&path, Format::of(&path).expect("known"), [2, 1], &pixels).expect("written");
-            assert_eq!(read(&path).expect("readable"), Picture { size: [2, 1], pixels: pixels.to_vec() }, "{name}");
+            for written in [None, Some("a note"), Some("")] {
+                write(&path, Format::of(&path).expect("known"), [2, 1], &pixels, written).expect("written");
+                let expected = Picture { size: [2, 1], pixels: pixels.to_vec() };
+                assert_eq!(read(&path).expect("readable"), expected, "{name}");
+                assert_eq!(note(&path).as_deref(), written, "{name}");
+            }
+            std::fs::write(&path, "not a picture").expect("temporary folder");
+            assert_eq!(note(&path), None);
         }
         let opaque = folder.0.join("rgb.exr");
         write_exr(&opaque, [1, 1], &[[0.25f32, 0.5, 2.0]]).expect("written");

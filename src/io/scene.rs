@@ -22,7 +22,6 @@ mod weld;
 mod tests;
 
 use std::path::{Path, PathBuf};
-use std::thread;
 
 pub use self::choice::{Choice, NamedCamera, Pick};
 pub use self::references::references;
@@ -33,6 +32,7 @@ use self::rig::Rig;
 use super::ReadError;
 use super::pattern::{Pattern, PatternError};
 use crate::simulate::mesh::{Builtin, Model};
+use crate::threads::map;
 use crate::view::{Camera, FARTHEST};
 
 /// Most vertices of a scene that is read.
@@ -332,12 +332,7 @@ impl AnimatedMesh {
         if each >= frames.len() {
             return some(frames);
         }
-        let parts: Vec<_> = thread::scope(|scope| {
-            let parts: Vec<_> = frames.chunks(each).map(|frames| scope.spawn(move || some(frames))).collect();
-            // A panic in a thread stays one.
-            parts.into_iter().map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
-        });
-        let parts: Result<Vec<_>, _> = parts.into_iter().collect();
+        let parts: Result<Vec<_>, _> = map(frames.chunks(each), some).into_iter().collect();
         Ok(parts?.into_iter().flatten().collect())
     }
 

@@ -89,6 +89,14 @@ impl<I: Input> Sequence<I> {
         Ok(input)
     }
 
+    /// The file that a frame's input comes from; none where the program makes it.
+    pub fn file(&self, frame: u32) -> Result<Option<PathBuf>, ReadError> {
+        Ok(match self.source(frame)? {
+            Source::File(path) => Some(path),
+            Source::Builtin { .. } => None,
+        })
+    }
+
     /// How files are read.
     pub(super) fn options(&self) -> &I::Options {
         &self.options

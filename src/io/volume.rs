@@ -109,6 +109,26 @@ pub struct Extent {
     pub velocity: bool,
 }
 
+impl Extent {
+    /// An error if the volume that was read from `path` is not within the extent: then the file is no longer the one
+    /// whose header was read.
+    pub fn check(&self, volume: &Volume, path: &Path) -> Result<(), ReadError> {
+        let [nx, ny, nz] = volume.dimensions;
+        if (0..3).any(|axis| volume.dimensions[axis] > self.dimensions[axis]) {
+            let [x, y, z] = self.dimensions;
+            let expected = format!("at most [{z}, {y}, {x}], as when the rendering began");
+            return Err(ReadError::at(path, "density", format!("has grown to [{nz}, {ny}, {nx}]"), expected));
+        }
+        if volume.velocity.is_some() != self.velocity {
+            let why = if self.velocity { "is missing" } else { "is there" };
+            let expected = if self.velocity { "one" } else { "none" };
+            let expected = format!("{expected}, as when the rendering began");
+            return Err(ReadError::at(path, "velocity", why, expected));
+        }
+        Ok(())
+    }
+}
+
 /// The values of an array whose header has been read.
 fn values(archive: &mut Archive, name: &str, limit: u64) -> Result<Vec<f32>, ReadError> {
     Ok(archive.read(name, limit)?.map(|array: Array<f32>| array.values).unwrap_or_default())

@@ -14,9 +14,9 @@ use crate::io::scene::{AnimatedMesh, shading_groups};
 use crate::view::Camera;
 
 /// Frames to each side of an interval in which different poses are looked for, where poses are held.
-pub(super) const FARTHEST: u32 = 4 * WINDOW as u32;
+pub(crate) const FARTHEST: u32 = 4 * WINDOW as u32;
 /// Steps between two frames with `trajectory = "exact"`.
-const STEPS: u32 = 8;
+pub(crate) const STEPS: u32 = 8;
 
 /// Positions of the points of a mesh in a frame.
 pub type Positions = Arc<Vec<[f32; 3]>>;

@@ -1,11 +1,14 @@
 //! Position, velocity and trajectory of every point over one interval.
 
+use std::sync::{Mutex, PoisonError};
+
 use glam::{DVec2, DVec3};
 
 use super::projection::Projection;
 use super::spline::{Knot, Spline, Timeline, offset};
 use super::{Piece, Segment};
 use crate::blur::settings::Space;
+use crate::threads::together;
 
 /// A point that moves less than this many pixels from frame i to frame i + 1 is static.
 const STATIC: f64 = 0.5;
@@ -90,15 +93,10 @@ impl Traces {
         let mut blocks: Vec<Block> = blocks.collect();
         let share = blocks.len().div_ceil(threads.max(1));
         let work = |blocks: &mut [Block]| blocks.iter_mut().all(|block| shared.trace(block));
-        let mut parts = blocks.chunks_mut(share);
-        let own = parts.next();
-        let good = std::thread::scope(|scope| {
-            let helpers: Vec<_> = parts.map(|part| scope.spawn(|| work(part))).collect();
-            let good = own.is_none_or(&work);
-            // A thread that could not finish would have panicked, and nothing in it does.
-            helpers.into_iter().fold(good, |good, helper| helper.join().unwrap_or(false) && good)
-        });
-        good.then_some(traces)
+        let parts = Mutex::new(blocks.chunks_mut(share));
+        let next = || parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let good = together(threads.max(1) - 1, || std::iter::from_fn(next).all(work));
+        good.into_iter().all(|good| good).then_some(traces)
     }
 }
 

@@ -70,7 +70,7 @@ impl<'a> Renderer<'a> {
     /// Takes a step, and renders it if that is asked for. With smoke, steps come without gaps from the shot's first frame.
     pub(super) fn step(&mut self, step: &Step) -> Result<(Option<Frame>, Option<FrameTimes>), Failure> {
         let Renderer { offline, shot, effects, particles, warning, .. } = self;
-        let Step { number, rendered, .. } = *step;
+        let Step { number, origin, rendered, .. } = *step;
         offline.set_timed(self.timed && rendered);
         offline.frame(&Scene {
             sequence: if number == shot.frames[0] { Sequence::Restart } else { Sequence::Advance },
@@ -99,9 +99,14 @@ impl<'a> Renderer<'a> {
             let motion = step.blur.as_ref().map(|blur| &blur.frame);
             let blurred = motion.map(|motion| layers::Blurred { motion, picture, is_alone, is_still });
             let layers = layers::decode(effects, &offline.layers(), *particles, blurred.as_ref());
-            Frame { number, pixels: offline.picture().to_vec(), layers }
+            Frame { number, origin, pixels: offline.picture().to_vec(), layers }
         });
         Ok((frame, offline.times()))
+    }
+
+    /// Whether the device can time passes.
+    pub(super) fn has_clock(&self) -> bool {
+        self.offline.has_clock()
     }
 
     /// What is to be said of the frame rendered last.

@@ -1,8 +1,9 @@
 //! Threads that encode and write frames while the next ones are rendered.
 
+use std::io;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Mutex, PoisonError};
-use std::thread::{Scope, ScopedJoinHandle};
+use std::thread::{self, Scope, ScopedJoinHandle};
 
 use super::Failure;
 
@@ -54,12 +55,15 @@ impl<'scope, T: Send + 'scope> Pool<'scope, T> {
         queue: SyncSender<T>,
         shared: &'env Shared<T>,
         work: impl Fn(T) -> Result<(), Failure> + Copy + Send + 'env,
-    ) -> Self
+    ) -> Result<Self, Failure>
     where
         T: 'env,
     {
-        let threads = (0..threads.max(1)).map(|_| scope.spawn(move || shared.work(work))).collect();
-        Pool { queue, threads }
+        let start = |_| thread::Builder::new().spawn_scoped(scope, move || shared.work(work));
+        // As many as there is memory for; one will do.
+        let first = start(0).map_err(|e| no_thread("writes", &e))?;
+        let more = (1..threads).map_while(|at| start(at).ok());
+        Ok(Pool { queue, threads: std::iter::once(first).chain(more).collect() })
     }
 
     /// Hands over an item; waits while the queue is full. Fails if a thread has failed.
@@ -80,6 +84,11 @@ impl<'scope, T: Send + 'scope> Pool<'scope, T> {
     }
 }
 
+/// A thread that could not be had, by what it does.
+pub(super) fn no_thread(does: &str, error: &io::Error) -> Failure {
+    Failure::new(Failure::DEVICE, format!("out of memory: no thread that {does} frames: {error}"))
+}
+
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -88,7 +97,6 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 mod tests {
     use super::*;
     use std::sync::atomic::{AtomicU32, Ordering};
-    use std::thread;
 
     #[test]
     fn everything_is_written_before_it_is_finished() {
@@ -100,7 +108,7 @@ mod tests {
             Ok(())
         };
         thread::scope(|scope| {
-            let pool = Pool::start(scope, 3, queue, &shared, work);
+            let pool = Pool::start(scope, 3, queue, &shared, work).expect("threads");
             (1..=20).for_each(|n| pool.send(&shared, n).expect("no failure"));
             pool.finish(&shared).expect("no failure");
         });
@@ -112,7 +120,7 @@ mod tests {
         let (queue, shared) = Shared::new(1);
         let work = |n: u32| if n == 3 { Err(Failure::new(6, "full")) } else { Ok(()) };
         let failure = thread::scope(|scope| {
-            let pool = Pool::start(scope, 2, queue, &shared, work);
+            let pool = Pool::start(scope, 2, queue, &shared, work).expect("threads");
             let sent = (1..=50).try_for_each(|n| pool.send(&shared, n));
             let finished = pool.finish(&shared);
             sent.and(finished).expect_err("it failed")

@@ -1,22 +1,24 @@
 //! What frames are rendered from: the shot's volumes, particles, poses and images, read ahead of the renderer.
 
 use std::collections::{BTreeSet, HashSet};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 use super::Failure;
-use crate::cli::{Common, interrupt};
+use super::origin::Origins;
+use crate::cli::{Common, interrupt, memory};
 use crate::flame::settings::{Colour, Settings};
 use crate::flame::{self, mean_spacing};
 use crate::io::ReadError;
 use crate::io::image::Picture;
-use crate::io::particles::{ParticleSequence, Particles};
+use crate::io::particles::{self, ParticleSequence, Particles};
 use crate::io::pattern::Pattern;
 use crate::io::picture;
 use crate::io::scene::AnimatedMesh;
 use crate::io::sequence::{Input, Sequence};
 use crate::io::shot::Shot;
-use crate::io::volume::{Volume, VolumeSequence};
+use crate::io::volume::{self, Volume, VolumeSequence};
 use crate::offline::{BlurError, BlurFrame, BlurInput, Effects, TARGET_FORMAT};
 use crate::smoke;
 use crate::view::LightSource;
@@ -31,6 +33,36 @@ pub(super) struct Inputs {
     blur: Option<BlurInput>,
     images: Option<Images>,
     notes: Vec<String>,
+    fire: Option<Fire>,
+    /// What the effects were made for, which every frame's input must be within.
+    volume: Option<volume::Extent>,
+    particle: Option<particles::Extent>,
+}
+
+/// What of a fire follows from its whole shot, so that a frame alone looks as it does in the sequence.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fire {
+    /// Where the table of physical colours ends: at the hottest particle. None where colours are others.
+    hottest: Option<f32>,
+    spread: f32,
+}
+
+impl Fire {
+    /// That of a shot, if it has one. Looks at all of its particles where that is what it follows from.
+    pub(super) fn of(shot: &Shot) -> Result<Option<Fire>, Failure> {
+        let (Some(mut particles), Some(flame)) = (shot.particles()?, &shot.flame) else { return Ok(None) };
+        let [first, last] = shot.frames;
+        let hottest = match flame.settings.colour {
+            Colour::Physical => Some(particles.extent(interrupt::until(first..=last))?.hottest),
+            _ => None,
+        };
+        let spread = match flame.settings.spread {
+            Some(spread) => spread,
+            None => spread(&mut particles, shot.frames)?,
+        };
+        interrupt::check()?;
+        Ok(Some(Fire { hottest, spread }))
+    }
 }
 
 /// The pictures of the frames that are blurred.
@@ -48,6 +80,8 @@ pub(super) type Image = Arc<Picture<[f32; 4]>>;
 pub(super) struct Step {
     /// The shot's number of it.
     pub(super) number: u32,
+    /// A hash of what it is made from; 0 where it is not rendered.
+    pub(super) origin: u128,
     /// Whether it is rendered, or only moves the smoke on.
     pub(super) rendered: bool,
     /// Its volume; none where it is that of the step before.
@@ -82,7 +116,7 @@ impl From<BlurError> for Failure {
 
 impl Inputs {
     /// For the frames to be `rendered`. Of all this only the animated mesh is read now.
-    pub(super) fn new(shot: &Shot, rendered: &[u32], common: &Common) -> Result<Inputs, Failure> {
+    pub(super) fn new(shot: &Shot, rendered: &[u32], fire: Option<Fire>, common: &Common) -> Result<Inputs, Failure> {
         let images = match shot.blur.as_ref().and_then(|blur| blur.images.clone()) {
             Some(pattern) => Some(Images::new(pattern, shot, rendered)?),
             None => None,
@@ -97,7 +131,8 @@ impl Inputs {
             }
             _ => None,
         };
-        Ok(Inputs { volumes: shot.volumes()?, particles: shot.particles()?, blur, images, notes })
+        let (volumes, particles) = (shot.volumes()?, shot.particles()?);
+        Ok(Inputs { volumes, particles, blur, images, notes, fire, volume: None, particle: None })
     }
 
     /// What of the shot's scenes is passed over, and what is used where there are several.
@@ -112,6 +147,7 @@ impl Inputs {
         let mut effects = Effects::default();
         if let (Some(volumes), Some(smoke)) = (&self.volumes, &shot.smoke) {
             let extent = volumes.extent(interrupt::until(start..=last))?;
+            self.volume = Some(extent);
             let light = shot.light(start).source;
             effects.smoke = Some(smoke::Desc {
                 size: shot.size,
@@ -127,17 +163,12 @@ impl Inputs {
                 skipping: true,
             });
         }
-        if let (Some(particles), Some(flame)) = (&mut self.particles, &shot.flame) {
-            // The table of physical colours ends at the hottest particle of the shot, whatever is rendered of it.
-            let is_physical = flame.settings.colour == Colour::Physical;
-            let extent = match is_physical {
-                true => particles.extent(interrupt::until(start..=end))?,
-                false => particles.extent(interrupt::until(missing.iter().copied()))?,
-            };
-            let spread = match flame.settings.spread {
-                Some(spread) => spread,
-                None => spread(particles, shot.frames)?,
-            };
+        if let (Some(particles), Some(flame), Some(Fire { hottest, spread })) =
+            (&self.particles, &shot.flame, self.fire)
+        {
+            let extent = particles.extent(interrupt::until(missing.iter().copied()))?;
+            let extent = particles::Extent { hottest: hottest.unwrap_or(extent.hottest), ..extent };
+            self.particle = Some(extent);
             effects.flame = Some(flame::Desc {
                 size: shot.size,
                 target_format: TARGET_FORMAT,
@@ -158,28 +189,34 @@ impl Inputs {
 
     /// Reads what the steps bring that render the `missing` frames, one step ahead of who takes them: smoke is stepped
     /// from the shot's first frame, fire has no past.
-    pub(super) fn read_ahead(mut self, shot: &Shot, missing: &[u32], to: &SyncSender<Read>) {
+    pub(super) fn read_ahead(mut self, shot: &Shot, mut origins: Origins, missing: &[u32], to: &SyncSender<Read>) {
         let steps = match (&self.volumes, missing.last()) {
             (Some(_), Some(last)) => (shot.frames[0]..=*last).collect(),
             _ => missing.to_vec(),
         };
-        let (mut volume, mut particles) = (None, None);
+        let (mut last_volume, mut last_particles) = (None, None);
         for number in steps {
+            memory::doing("reading the input of frame", Some(number));
             let rendered = missing.binary_search(&number).is_ok();
             let mut read = || -> Read {
-                Ok(Step {
-                    number,
-                    rendered,
-                    volume: fresh(&mut self.volumes, number, &mut volume)?,
-                    particles: match rendered {
-                        true => fresh(&mut self.particles, number, &mut particles)?,
-                        false => None,
-                    },
-                    blur: match (rendered, &mut self.blur) {
-                        (true, Some(blur)) => Some(blurred(blur, &mut self.images, number)?),
-                        _ => None,
-                    },
-                })
+                // The hash first: what is read between it and the check is what it is of.
+                let origin = match rendered {
+                    true => origins.of(number)?,
+                    false => origins.advance(number).map(|()| 0)?,
+                };
+                let volume = fresh(&mut self.volumes, number, &mut last_volume)?;
+                within(&self.volumes, number, &volume, |volume, path| self.volume.map(|e| e.check(volume, path)))?;
+                let particles = match rendered {
+                    true => fresh(&mut self.particles, number, &mut last_particles)?,
+                    false => None,
+                };
+                within(&self.particles, number, &particles, |p, path| self.particle.map(|e| e.check(p, path)))?;
+                let blur = match (rendered, &mut self.blur) {
+                    (true, Some(blur)) => Some(blurred(blur, &mut self.images, number)?),
+                    _ => None,
+                };
+                origins.check()?;
+                Ok(Step { number, origin, rendered, volume, particles, blur })
             };
             let step = read();
             let failed = step.is_err();
@@ -285,8 +322,21 @@ fn fresh<I: Input>(
     Ok((!is_same).then_some(input))
 }
 
+/// Refuses a frame's input that `check` refuses; what the program makes itself is as it should be.
+fn within<I: Input>(
+    sequence: &Option<Sequence<I>>,
+    frame: u32,
+    input: &Option<Arc<I>>,
+    check: impl FnOnce(&I, &Path) -> Option<Result<(), ReadError>>,
+) -> Result<(), ReadError> {
+    let (Some(sequence), Some(input)) = (sequence, input) else { return Ok(()) };
+    match sequence.file(frame)? {
+        Some(path) => check(input, &path).unwrap_or(Ok(())),
+        None => Ok(()),
+    }
+}
+
 /// The spread of a flame that has none: the mean distance to the 8th neighbour in the shot's first frame that has one.
-/// Of the shot, so that a frame alone looks as it does in the sequence.
 fn spread(particles: &mut ParticleSequence, [first, last]: [u32; 2]) -> Result<f32, ReadError> {
     for frame in interrupt::until(first..=last) {
         if let Some(spacing) = mean_spacing(&particles.frame(frame)?.position) {

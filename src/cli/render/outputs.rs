@@ -1,16 +1,19 @@
 //! Where each frame's files go.
 
-use std::fs::{self, File};
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fmt, fs};
+
+use xxhash_rust::xxh3::xxh3_128;
 
 use super::Failure;
 use super::layers::LayerName;
-use crate::io::WriteError;
-use crate::io::array::{is_whole_npy, write_npy};
-use crate::io::image::{read_exr_sized, write_exr};
+use crate::io::array::write_npy;
+use crate::io::file::digest;
+use crate::io::image::write_exr;
+use crate::io::overlap::Files;
 use crate::io::pattern::Pattern;
 use crate::io::picture::{self, Format};
+use crate::io::{ReadError, probe};
 
 /// A layer: what a pass wrote.
 pub(super) struct Layer {
@@ -42,40 +45,65 @@ impl LayerData {
 pub(super) struct Frame {
     /// The shot's number of it.
     pub(super) number: u32,
+    /// A hash of what it was made from.
+    pub(super) origin: u128,
     /// Linear, premultiplied.
     pub(super) pixels: Vec<[f32; 4]>,
     /// Empty if no layers are written.
     pub(super) layers: Vec<Layer>,
 }
 
-/// The files of a frame.
+/// All files of a run.
 pub(super) struct Outputs {
+    /// The pattern as it was given.
+    given: String,
     picture: Pattern,
     format: Format,
-    layers: Option<PathBuf>,
+    /// Empty if no layers are written.
+    layers: Vec<(LayerName, Pattern)>,
+    /// Those of all frames together: the profile, the contact sheet, the animation.
+    others: Vec<Files>,
     size: [u32; 2],
 }
 
+/// What is on disk of a frame.
+pub(super) enum Found {
+    /// Nothing, or not all of it, or half a file.
+    Nothing,
+    /// A whole picture that was not made from what this run would make it from, or does not say from what.
+    Other,
+    /// All of it: the pixels.
+    Finished(Vec<[f32; 4]>),
+}
+
 impl Outputs {
-    /// Takes the pattern apart; `[first, last]` are the frames that are rendered.
+    /// Takes the pattern apart; `layers` are those that are written, and the folder for them. `[first, last]` are the
+    /// frames that are rendered, `others` the files of all of them together.
     pub(super) fn new(
         pattern: &Path,
-        layers: Option<&Path>,
+        layers: Option<(&Path, &[LayerName])>,
+        others: Vec<Files>,
         size: [u32; 2],
         [first, last]: [u32; 2],
     ) -> Result<Outputs, Failure> {
         let picture = Pattern::parse(pattern)?;
+        let given = format!("-o {}", pattern.display());
         let Some(format) = Format::of(&picture.path(first)) else {
-            let pattern = pattern.display();
-            return Err(Failure::usage(format!("-o {pattern}: the name must end in .png or .exr, as in out/####.png")));
+            return Err(Failure::usage(format!("{given}: the name must end in .png or .exr, as in out/####.png")));
         };
         picture.check_frames(first, last)?;
-        Ok(Outputs { picture, format, layers: layers.map(Path::to_owned), size })
+        let layers = layers.into_iter().flat_map(|(folder, names)| names.iter().map(move |name| (folder, *name)));
+        let layers = layers.map(|(folder, (name, is_array))| {
+            let extension = if is_array { "npy" } else { "exr" };
+            Ok(((name, is_array), Pattern::parse(format!("{name}.####.{extension}"))?.below(folder)))
+        });
+        let layers = layers.collect::<Result<Vec<_>, Failure>>()?;
+        Ok(Outputs { given, picture, format, layers, others, size })
     }
 
     /// Whether layers are written.
     pub(super) fn has_layers(&self) -> bool {
-        self.layers.is_some()
+        !self.layers.is_empty()
     }
 
     /// The frame's picture.
@@ -83,85 +111,112 @@ impl Outputs {
         self.picture.path(frame)
     }
 
-    fn layer(&self, folder: &Path, name: &str, is_array: bool, frame: u32) -> PathBuf {
-        let extension = if is_array { "npy" } else { "exr" };
-        folder.join(format!("{name}.{frame:04}.{extension}"))
+    /// Every file that is written, of whatever frame.
+    pub(super) fn all(&self) -> Vec<Files> {
+        let layer = |((name, _), pattern): &(LayerName, Pattern)| {
+            Files::new(format!("the layer {name} of --layers"), pattern.clone())
+        };
+        let mut all = vec![Files::new(&*self.given, self.picture.clone())];
+        all.extend(self.layers.iter().map(layer));
+        all.extend(self.others.iter().cloned());
+        all
     }
 
-    /// All files of a frame; `layers` as for [`Outputs::finished`].
-    pub(super) fn files<'a>(&'a self, frame: u32, layers: &'a [LayerName]) -> impl Iterator<Item = PathBuf> + 'a {
-        let files = self.layers.iter().flat_map(move |folder| {
-            layers.iter().map(move |(name, is_array)| self.layer(folder, name, *is_array, frame))
-        });
-        files.chain([self.picture(frame)])
+    /// All files of a frame.
+    pub(super) fn files(&self, frame: u32) -> impl Iterator<Item = PathBuf> + '_ {
+        self.layers.iter().map(move |(_, pattern)| pattern.path(frame)).chain([self.picture(frame)])
     }
 
-    /// Makes the folders and tries to write in them, so that a long rendering does not fail at its first frame.
-    pub(super) fn probe(&self, frame: u32, others: &[&Path]) -> Result<(), Failure> {
-        probe(&self.picture(frame))?;
-        if let Some(folder) = &self.layers {
-            probe(&self.layer(folder, "layer", false, frame))?;
-        }
-        others.iter().try_for_each(|path| probe(path))
+    /// The files of all frames together.
+    pub(super) fn others(&self) -> impl Iterator<Item = PathBuf> + '_ {
+        self.others.iter().map(|other| other.pattern.path(0))
     }
 
-    /// Writes a frame: the layers first, so that a frame with a picture is complete.
+    /// Makes the folders and tries to write in them what has the longest names, so that a long rendering fails neither at
+    /// its first frame nor at its last.
+    pub(super) fn probe(&self, [first, last]: [u32; 2]) -> Result<(), Failure> {
+        let frames = [Some(first), Some(last).filter(|last| *last != first)].into_iter().flatten();
+        let mut files = frames.flat_map(|frame| self.files(frame)).chain(self.others());
+        Ok(files.try_for_each(|path| probe(&path))?)
+    }
+
+    /// Writes a frame: the layers first, so that a frame with a picture is complete. The picture's file says what all of
+    /// it was made from.
     pub(super) fn write(&self, frame: &Frame) -> Result<(), Failure> {
-        if let Some(folder) = &self.layers {
-            for Layer { name, data } in &frame.layers {
-                let path = self.layer(folder, name, matches!(data, LayerData::Array { .. }), frame.number);
-                match data {
-                    LayerData::Value(values) => write_exr(&path, self.size, values)?,
-                    LayerData::Rgb(pixels) => write_exr(&path, self.size, pixels)?,
-                    LayerData::Colour(pixels) => write_exr(&path, self.size, pixels)?,
-                    LayerData::Array { shape, values } => write_npy(&path, shape, values)?,
-                }
+        for ((name, _), pattern) in &self.layers {
+            let Some(layer) = frame.layers.iter().find(|layer| layer.name == *name) else { continue };
+            let path = pattern.path(frame.number);
+            match &layer.data {
+                LayerData::Value(values) => write_exr(&path, self.size, values)?,
+                LayerData::Rgb(pixels) => write_exr(&path, self.size, pixels)?,
+                LayerData::Colour(pixels) => write_exr(&path, self.size, pixels)?,
+                LayerData::Array { shape, values } => write_npy(&path, shape, values)?,
             }
         }
-        Ok(picture::write(&self.picture(frame.number), self.format, self.size, &frame.pixels)?)
+        let path = self.picture(frame.number);
+        let layers = match self.has_layers() {
+            true => self.layer_digest(frame.number).ok(),
+            false => None,
+        };
+        let note = Note { origin: frame.origin, layers }.to_string();
+        Ok(picture::write(&path, self.format, self.size, &frame.pixels, Some(&note))?)
     }
 
-    /// The pixels of a frame all of whose files are there and whole; `layers` names those that an effect writes, and
-    /// whether each is an array.
-    pub(super) fn finished(&self, frame: u32, layers: &[LayerName]) -> Option<Vec<[f32; 4]>> {
-        if let Some(folder) = &self.layers {
-            let whole = |(name, is_array): &LayerName| {
-                let path = self.layer(folder, name, *is_array, frame);
-                match is_array {
-                    true => is_whole_npy(&path),
-                    false => read_exr_sized(&path, self.size).is_ok(),
-                }
-            };
-            if !layers.iter().all(whole) {
-                return None;
-            }
-        }
+    /// A hash of all layers' files of a frame.
+    fn layer_digest(&self, frame: u32) -> Result<u128, ReadError> {
+        let digests = self.layers.iter().map(|(_, pattern)| digest(&pattern.path(frame)));
+        let digests = digests.collect::<Result<Vec<u128>, _>>()?;
+        let bytes: Vec<u8> = digests.into_iter().flat_map(u128::to_le_bytes).collect();
+        Ok(xxh3_128(&bytes))
+    }
+
+    /// What is there of a frame that would be made from `origin`.
+    pub(super) fn find(&self, frame: u32, origin: u128) -> Found {
         let path = self.picture(frame);
-        if self.format == Format::Png && !fs::read(&path).ok()?.ends_with(&PNG_END) {
-            return None;
+        if self.format == Format::Png && !fs::read(&path).is_ok_and(|bytes| bytes.ends_with(&PNG_END)) {
+            return Found::Nothing;
         }
-        picture::read_sized(&path, self.size).ok().map(|picture| picture.pixels)
+        let Ok(picture) = picture::read(&path) else { return Found::Nothing };
+        let note = picture::note(&path).and_then(|note| Note::parse(&note));
+        let Some(note) = note.filter(|note| note.origin == origin && picture.size == self.size) else {
+            return Found::Other;
+        };
+        // Layers of another run may lie there: of one that was not asked for them, or was ended between them and the picture.
+        let is_whole = !self.has_layers()
+            || note.layers.is_some_and(|layers| self.layer_digest(frame).is_ok_and(|found| found == layers));
+        if is_whole { Found::Finished(picture.pixels) } else { Found::Nothing }
+    }
+}
+
+/// What a picture's file says beside its pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Note {
+    /// A hash of what the frame was made from.
+    origin: u128,
+    /// A hash of the layers that were written with it, if there were any.
+    layers: Option<u128>,
+}
+
+impl Note {
+    fn parse(text: &str) -> Option<Note> {
+        let hash = |text: &str| u128::from_str_radix(text, 16).ok();
+        let text = text.strip_prefix("origin ")?;
+        match text.split_once(" layers ") {
+            Some((origin, layers)) => Some(Note { origin: hash(origin)?, layers: Some(hash(layers)?) }),
+            None => Some(Note { origin: hash(text)?, layers: None }),
+        }
+    }
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "origin {:032x}", self.origin)?;
+        self.layers.map_or(Ok(()), |layers| write!(f, " layers {layers:032x}"))
     }
 }
 
 /// The chunk that ends a PNG file. Decoders do without, but then the file is not the one that was written.
 const PNG_END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
-
-/// Whether `path` could be written: its folder is made, and a file beside it is written and removed.
-fn probe(path: &Path) -> Result<(), Failure> {
-    let error = |source: io::Error| WriteError { path: path.to_owned(), source };
-    if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
-        let source = io::Error::new(io::ErrorKind::AlreadyExists, "there is something of that name that is not a file");
-        return Err(error(source).into());
-    }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(folder).map_err(error)?;
-    let trial = folder.join(format!(".celfx.{}.part", std::process::id()));
-    let written = File::create_new(&trial).map(drop);
-    // The first error is the one to report.
-    let removed = fs::remove_file(&trial);
-    Ok(written.and(removed).map_err(error)?)
-}
 
 #[cfg(test)]
 mod tests {
@@ -176,9 +231,10 @@ mod tests {
             Layer { name: "flame.mean", data: LayerData::Rgb(vec![[0.25; 3]; 2]) },
             Layer { name: "flame.mask", data: LayerData::Array { shape: vec![2, 3, 3], values: vec![0.5; 18] } },
         ];
-        Frame { number, pixels: vec![[0.0, 0.0, 0.0, 1.0]; 2], layers }
+        Frame { number, origin: ORIGIN, pixels: vec![[0.0, 0.0, 0.0, 1.0]; 2], layers }
     }
 
+    const ORIGIN: u128 = 42;
     const LAYERS: [LayerName; 5] = [
         ("smoke.depth", false),
         ("smoke", false),
@@ -187,53 +243,106 @@ mod tests {
         ("flame.mask", true),
     ];
 
+    fn outputs(folder: &Folder, pattern: &str, layers: Option<&Path>) -> Outputs {
+        let layers = layers.map(|folder| (folder, &LAYERS[..]));
+        Outputs::new(&folder.0.join(pattern), layers, Vec::new(), [2, 1], [1, 9]).expect("a pattern")
+    }
+
+    fn is_finished(outputs: &Outputs) -> bool {
+        matches!(outputs.find(7, ORIGIN), Found::Finished(pixels) if pixels == frame(7).pixels)
+    }
+
     #[test]
     fn a_frame_is_finished_once_every_file_of_it_is_whole() {
         let folder = Folder::new();
         let layers = folder.0.join("layers");
-        let outputs = Outputs::new(&folder.0.join("####.png"), Some(&layers), [2, 1], [1, 9]).expect("a pattern");
-        assert!(outputs.finished(7, &LAYERS).is_none());
-        outputs.write(&frame(7)).expect("written");
-        assert_eq!(outputs.finished(7, &LAYERS), Some(frame(7).pixels));
-        let files = [
-            "layers/smoke.depth.0007.exr",
-            "layers/smoke.0007.exr",
-            "layers/smoke.spheres.0007.npy",
-            "layers/flame.mean.0007.exr",
-            "layers/flame.mask.0007.npy",
-            "0007.png",
-        ];
-        for file in files {
-            let path = folder.0.join(file);
-            let whole = fs::read(&path).expect(file);
-            fs::write(&path, &whole[..whole.len() - 1]).expect(file);
-            assert!(outputs.finished(7, &LAYERS).is_none(), "{file} is cut");
-            fs::remove_file(&path).expect(file);
-            assert!(outputs.finished(7, &LAYERS).is_none(), "{file} is missing");
-            fs::write(&path, whole).expect(file);
-            assert!(outputs.finished(7, &LAYERS).is_some(), "{file} is back");
+        for picture in ["####.png", "####.exr"] {
+            let outputs = outputs(&folder, picture, Some(&layers));
+            assert!(matches!(outputs.find(7, ORIGIN), Found::Nothing));
+            outputs.write(&frame(7)).expect("written");
+            assert!(is_finished(&outputs));
+            for file in [
+                "layers/smoke.depth.0007.exr",
+                "layers/smoke.0007.exr",
+                "layers/smoke.spheres.0007.npy",
+                "layers/flame.mean.0007.exr",
+                "layers/flame.mask.0007.npy",
+                &picture.replace("####", "0007"),
+            ] {
+                let path = folder.0.join(file);
+                let whole = fs::read(&path).expect(file);
+                fs::write(&path, &whole[..whole.len() - 1]).expect(file);
+                assert!(matches!(outputs.find(7, ORIGIN), Found::Nothing), "{file} is cut");
+                fs::remove_file(&path).expect(file);
+                assert!(matches!(outputs.find(7, ORIGIN), Found::Nothing), "{file} is missing");
+                fs::write(&path, whole).expect(file);
+                assert!(is_finished(&outputs), "{file} is back");
+            }
         }
+    }
+
+    #[test]
+    fn frames_of_another_origin_are_told_apart() {
+        let folder = Folder::new();
+        let layers = folder.0.join("layers");
+        for pattern in ["####.png", "####.exr"] {
+            let (with, without) = (outputs(&folder, pattern, Some(&layers)), outputs(&folder, pattern, None));
+            without.write(&frame(7)).expect("written");
+            assert!(matches!(with.find(7, ORIGIN), Found::Nothing), "it has no layers");
+            assert!(is_finished(&without) && matches!(without.find(7, ORIGIN + 1), Found::Other));
+            with.write(&frame(7)).expect("written");
+            assert!(is_finished(&with) && is_finished(&without));
+            // A run with other settings was ended between its layers and its picture.
+            let other = LayerData::Value(vec![2.0, 3.0]);
+            let layers = vec![Layer { name: "smoke.depth", data: other }];
+            let path = with.layers[0].1.path(7);
+            fs::remove_file(&path).expect("written");
+            let LayerData::Value(values) = &layers[0].data else { panic!("values") };
+            write_exr(&path, [2, 1], values).expect("written");
+            assert!(matches!(with.find(7, ORIGIN), Found::Nothing) && is_finished(&without));
+            // As older versions wrote it.
+            let path = without.picture(7);
+            picture::write(&path, without.format, [2, 1], &frame(7).pixels, None).expect("written");
+            assert!(matches!(without.find(7, ORIGIN), Found::Other));
+        }
+    }
+
+    #[test]
+    fn notes_come_back() {
+        for note in [Note { origin: u128::MAX, layers: None }, Note { origin: 1, layers: Some(2) }] {
+            assert_eq!(Note::parse(&note.to_string()), Some(note));
+        }
+        assert_eq!(["", "origin", "origin x", "origin 1 layers", "1"].map(Note::parse), [None; 5]);
     }
 
     #[test]
     fn a_probe_leaves_nothing_and_finds_what_cannot_be_written() {
         let folder = Folder::new();
         fs::write(folder.0.join("file"), b"").expect("temporary folder");
-        let outputs = |pattern: &str| Outputs::new(&folder.0.join(pattern), None, [2, 1], [1, 9]).expect("a pattern");
-        outputs("out/####.png").probe(1, &[]).expect("writable");
-        assert_eq!(fs::read_dir(folder.0.join("out")).expect("made").count(), 0);
-        let below_a_file = outputs("file/####.png").probe(1, &[]).expect_err("not a folder");
+        let layers = folder.0.join("layers");
+        outputs(&folder, "out/####.png", Some(&layers)).probe([1, 9]).expect("writable");
+        assert_eq!(["out", "layers"].map(|name| fs::read_dir(folder.0.join(name)).expect("made").count()), [0; 2]);
+        let below_a_file = outputs(&folder, "file/####.png", None).probe([1, 9]).expect_err("not a folder");
         assert!(below_a_file.code == Failure::OUTPUT && below_a_file.message.contains("0001.png"));
-        let profile = folder.0.join("out");
-        assert_eq!(outputs("out/####.png").probe(1, &[&profile]).expect_err("a folder").code, Failure::OUTPUT);
+        let profile = Files::new("--profile out", Pattern::single(folder.0.join("out")));
+        let taken = Outputs::new(&folder.0.join("####.png"), None, vec![profile], [2, 1], [1, 9]).expect("a pattern");
+        assert_eq!(taken.probe([1, 9]).expect_err("a folder").code, Failure::OUTPUT);
+        // Room for one digit, and not for two; and a layer's own name counts.
+        let long = format!("{}#.png", "n".repeat(250));
+        assert!(outputs(&folder, &long, None).probe([1, 9]).is_ok());
+        assert!(outputs(&folder, &long, None).probe([1, 10]).expect_err("too long").message.contains("10.png"));
+        fs::create_dir_all(layers.join("smoke.spheres.0009.npy")).expect("temporary folder");
+        let taken = outputs(&folder, "####.png", Some(&layers)).probe([1, 9]).expect_err("a folder");
+        assert!(taken.message.contains("smoke.spheres.0009.npy"), "{}", taken.message);
     }
 
     #[test]
     fn patterns_that_cannot_serve_are_refused() {
+        let new = |pattern: &str, frames| Outputs::new(Path::new(pattern), None, Vec::new(), [2, 1], frames);
         for pattern in ["out/####.jpg", "out/####", "out.png", "##-##.png"] {
-            let failure = Outputs::new(Path::new(pattern), None, [2, 1], [1, 9]).err().expect(pattern);
+            let failure = new(pattern, [1, 9]).err().expect(pattern);
             assert!(failure.code == Failure::USAGE && failure.message.contains(pattern), "{}", failure.message);
         }
-        assert!(Outputs::new(Path::new("one.png"), None, [2, 1], [4, 4]).is_ok(), "one frame needs no number");
+        assert!(new("one.png", [4, 4]).is_ok(), "one frame needs no number");
     }
 }

@@ -11,6 +11,7 @@ use super::stochastic::Frame;
 use super::weights::Weights;
 use super::{half_side, pixels_per_slope, world};
 use crate::flame::settings::Shape;
+use crate::threads::map;
 
 /// Depth bins of equal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,11 +127,8 @@ fn integrate_at(
     };
     let pixel = &pixel;
     let each = pixels.len().div_ceil(4 * threads).max(1);
-    let seen: Vec<Seen> = std::thread::scope(|scope| {
-        let part = |part: &[usize]| part.iter().map(|place| pixel(*place)).collect::<Vec<Seen>>();
-        let threads: Vec<_> = pixels.chunks(each).map(|chunk| scope.spawn(move || part(chunk))).collect();
-        threads.into_iter().flat_map(|thread| thread.join().expect("a thread of the reference")).collect()
-    });
+    let part = |part: &[usize]| part.iter().map(|place| pixel(*place)).collect::<Vec<Seen>>();
+    let seen: Vec<Seen> = map(pixels.chunks(each), part).into_iter().flatten().collect();
     Expected {
         mean: seen.iter().map(|s| s.mean.to_array()).collect(),
         second: seen.iter().map(|s| s.second.to_array()).collect(),

@@ -10,6 +10,7 @@ use super::prepare::Particle;
 use super::sums::Sums;
 use super::{half_side, pixels_per_slope, world};
 use crate::flame::settings::Settings;
+use crate::threads::map;
 use crate::view::Camera;
 
 /// What a frame is rendered with besides its particles.
@@ -62,14 +63,9 @@ pub fn render(frame: &Frame, particles: &[Particle], repetitions: Range<u32>, ro
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get()) as u32;
     let each = (repetitions.end.saturating_sub(repetitions.start)).div_ceil(threads).max(1) as usize;
     let mut total = Sums::new(frame.size[0] as usize * frame.size[1] as usize);
-    std::thread::scope(|scope| {
-        let parts = repetitions.clone().step_by(each).map(|start| {
-            let part = start..repetitions.end.min(start.saturating_add(each as u32));
-            scope.spawn(|| work.repeat(part))
-        });
-        let parts: Vec<_> = parts.collect();
-        parts.into_iter().for_each(|part| total.add(&part.join().expect("a thread of the reference")));
-    });
+    let starts = repetitions.clone().step_by(each);
+    let parts = starts.map(|start| start..repetitions.end.min(start.saturating_add(each as u32)));
+    map(parts, |part| work.repeat(part)).iter().for_each(|part| total.add(part));
     total
 }
 
