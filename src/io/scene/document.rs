@@ -312,7 +312,7 @@ const JSON: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
 
 /// The JSON without the byte order mark that some put before it and the zeros that some pad it with.
-fn without_ends(json: &[u8]) -> &[u8] {
+pub(super) fn without_ends(json: &[u8]) -> &[u8] {
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     &json[..end]

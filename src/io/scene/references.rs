@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::document::without_ends;
 use super::reach::beside;
 use crate::io::file;
 
@@ -22,12 +23,15 @@ struct Resource {
     uri: Option<String>,
 }
 
-/// The buffers and images of the glTF file at `path` that are files. None where it is no such file or cannot be
-/// understood, which reading it says.
+/// The buffers and images of the glTF file at `path` that are files which it may name. None where it is no glTF file or
+/// cannot be understood, which reading it says.
 pub fn references(path: &Path) -> Vec<PathBuf> {
     let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"));
-    let root =
-        if is_gltf { json(path).and_then(|json| Ok(serde_json::from_slice(&json)?)) } else { Ok(Root::default()) };
+    let root = if is_gltf {
+        json(path).and_then(|json| Ok(serde_json::from_slice(without_ends(&json))?))
+    } else {
+        Ok(Root::default())
+    };
     let Root { buffers, images } = root.unwrap_or_default();
     let uris = buffers.into_iter().chain(images).filter_map(|resource| resource.uri);
     let files = uris.filter(|uri| !uri.starts_with("data:"));
@@ -66,7 +70,11 @@ mod tests {
             "images": [{"uri": "sub/t.png"}, {"bufferView": 0}, {"uri": "https://example.org/t.png"}]}"#;
         let length = (json.len() as u32).to_le_bytes();
         let glb = [b"glTF\x02\0\0\0\xff\0\0\0", &length[..], b"JSON", json.as_bytes(), b"\x04\0\0\0BIN\0\0\0\0\0"];
-        let expected = ["a b.bin", "sub/t.png"].map(|name| folder.0.join(name));
+        fs::create_dir(folder.0.join("sub")).unwrap();
+        let expected = ["a b.bin", "sub/t.png"].map(|name| {
+            fs::write(folder.0.join(name), "").unwrap();
+            folder.0.canonicalize().unwrap().join(name)
+        });
         for (name, bytes) in [("t.gltf", json.as_bytes().to_vec()), ("t.glb", glb.concat())] {
             fs::write(folder.0.join(name), bytes).unwrap();
             assert_eq!(references(&folder.0.join(name)), expected, "{name}");

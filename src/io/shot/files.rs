@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn every_key_that_takes_a_file_is_known() {
         // These say what of another key's file they are about.
-        let about = ["smoke.density_grid", "smoke.velocity_grid", "blur.animation"];
+        let about = ["camera.name", "camera.animation", "smoke.density_grid", "smoke.velocity_grid", "blur.animation"];
         let take: Vec<&str> =
             keys::KEYS.iter().filter(|(_, allowed)| allowed.contains("file")).map(|(k, _)| *k).collect();
         let take: Vec<&str> = take.into_iter().filter(|key| !about.contains(key)).collect();
