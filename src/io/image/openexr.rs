@@ -85,7 +85,7 @@ impl Pick {
         }
         let is_plain = |(_, layer): &&(usize, String)| layer.is_empty();
         let name_of = |(part, layer): &(usize, String)| match layer.strip_suffix('.') {
-            Some(layer) => layer.rsplit('.').next().unwrap_or(layer).to_ascii_lowercase(),
+            Some(layer) => layer.rsplit('.').next().unwrap_or(layer).to_owned(),
             None => headers[*part].own_attributes.layer_name.as_ref().map(|n| n.to_string()).unwrap_or_default(),
         };
         let is_named = |layer: &&(usize, String)| COLOURS.contains(&name_of(layer).to_ascii_lowercase().as_str());
@@ -138,7 +138,7 @@ fn read(path: &Path, fit: Fit, pick: impl FnOnce(&[Header]) -> Result<Pick, Faul
         decode(reader, &pick, fit)
     });
     decoded
-        .map_err(|why| damaged(why))
+        .map_err(damaged)
         .and_then(|result| result)
         .map_err(|(why, expected)| ReadError::file(path, why, expected))
 }
