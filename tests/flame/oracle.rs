@@ -89,13 +89,15 @@ pub fn sums(rig: &mut FlameRig, repetitions: u32) -> Sums {
         .read_as(EffectBuffer::Flame(layout::SUMS), (width * height) as usize)
         .expect("the buffer can be read");
     let words = (0..).zip(words).map(|(pixel, words)| if is_occupied(pixel) { words } else { [[0; 4]; 4] });
+    // Depths are less that.
+    let base = f64::from(f32::from_bits(control(rig).base));
     let mut sums = Sums { repetitions, near: vec![0; (width * height) as usize], ..Sums::default() };
     for [low, high, square_low, square_high] in words {
         let both = |low: [u32; 4], high: [u32; 4]| [0, 1, 2].map(|c| u64::from(high[c]) << 32 | u64::from(low[c]));
         sums.light.push(both(low, high));
         sums.squares.push(both(square_low, square_high));
         sums.hits.push(low[3]);
-        sums.depth.push(f32::from_bits(high[3]).into());
+        sums.depth.push(base * f64::from(low[3]) + f64::from(f32::from_bits(high[3])));
     }
     sums
 }
