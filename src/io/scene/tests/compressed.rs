@@ -180,7 +180,9 @@ fn faults_of_compressed_views_are_named() {
     let with_stride = |stride: usize, filter: &str| {
         let mut file = Compressed::new(EXT);
         let encoded = encode_vertex_buffer(&[[7u32; 3]; 3]).unwrap();
-        file.view(&encoded, [3, stride], "ATTRIBUTES", filter);
+        let view = file.view(&encoded, [3, stride], "ATTRIBUTES", filter);
+        let positions = file.accessor(view, "VEC3", 5126, 3, false);
+        file.primitive()["attributes"]["POSITION"] = positions.into();
         file.open().map(|scene| scene.topology.objects).unwrap_err().to_string()
     };
     says(with_stride(12, "QUATERNION"), &["filter `QUATERNION` of 12 bytes", "QUATERNION of 8"]);
