@@ -33,7 +33,7 @@ pub(crate) use effect::Effect;
 pub use effect::{EffectBuffer, Effects};
 use input::BlurUpload;
 pub(crate) use input::{ParticleUpload, VolumeUpload};
-use slices::{Pace, Slice, Slicer};
+use slices::{Pace, Slicer};
 
 /// Format of the target.
 pub const TARGET_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -260,17 +260,12 @@ impl Offline {
         self.times = None;
         self.is_read &= !scene.rendered;
         let frames = self.frames(scene)?;
-        let mut slices = Vec::new();
-        if let Err(error) = self.record(scene, &frames, &mut slices) {
-            slices::discard(&mut self.device, slices);
-            return Err(error);
-        }
         let name = format!("frame {}", scene.number);
-        let done = slices::run(&mut self.device, slices, &mut self.pace, &name);
+        let done = self.run(scene, &frames, &name);
         let profiler = self.parts.profiler.as_mut().filter(|_| self.timed);
         let host = self.device.host();
         if let Err(error) = done {
-            // SAFETY: the frame is recorded, and the device is lost.
+            // SAFETY: the device is lost, after the first commands of the frame have run.
             let running = || unsafe { profiler?.running(&host, 0) };
             let step = if error.is_lost() { running() } else { None };
             return Err(slices::at_step(error, &name, step));
@@ -284,14 +279,15 @@ impl Offline {
         Ok(())
     }
 
-    /// Records a frame into slices, and what is read back after it into the last one.
-    fn record(&mut self, scene: &Scene, frames: &Frames, slices: &mut Vec<Slice>) -> Result<()> {
+    /// Records and submits a frame, and what is read back after it.
+    fn run(&mut self, scene: &Scene, frames: &Frames, name: &str) -> Result<()> {
         let mut layers = self.layer_copies();
         layers.retain(|copy| copy.from.2 > 0);
         let target = self.target(ImageState::default()).filter(|_| scene.rendered);
         let Parts { smoke, flame, blur, depth, profiler, frame: download, .. } = &mut self.parts;
-        let (host, source) = self.device.recording();
-        let stream = &mut Slicer::new(source, &self.pace, slices)?;
+        let (host, submitter) = self.device.recording();
+        let mut slicer = Slicer::new(submitter, &mut self.pace, name)?;
+        let stream = &mut slicer;
         let mut timing = Timing::None;
         // SAFETY: everything is this host's own, in the declared states, and the frame is waited for.
         unsafe {
@@ -314,7 +310,7 @@ impl Offline {
                 record_readback(&host, stream.current(), &images, &layers, download);
             }
         }
-        Ok(())
+        slicer.finish()
     }
 
     /// A picture of the target's size in an image that is there, or in a new one.

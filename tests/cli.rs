@@ -550,9 +550,11 @@ fn an_interruption_is_answered_while_a_frame_is_rendered() {
         return;
     }
     let folder = Folder::new();
-    let long = ["--set", "flame.repetitions=1048576", "--set", "flame.count=32768", "--frames", "1"];
-    let arguments = [&["render", "builtin:flame", "-v", "--set", "size=[2048, 2048]"][..], &long].concat();
-    let mut child = celfx(&folder, &arguments).stderr(Stdio::piped()).spawn().expect("the program runs");
+    let long = ["--set", "size=[2048, 2048]", "--set", "flame.repetitions=10000", "--frames", "1"];
+    let mut child = celfx(&folder, &[&["render", "builtin:flame", "-v"][..], &long].concat())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program runs");
     let mut error = std::io::BufReader::new(child.stderr.take().expect("a pipe"));
     let mut line = String::new();
     std::io::BufRead::read_line(&mut error, &mut line).expect("what it says first");

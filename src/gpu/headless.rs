@@ -5,20 +5,20 @@ mod devices;
 mod instance;
 
 use std::mem::ManuallyDrop;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use ash::vk;
 use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
-pub use commands::{CommandSource, Commands, Submission};
+pub use commands::{Commands, Submission, Submitter};
 pub use devices::{DeviceInfo, Report, report};
 pub use instance::{Messages, VALIDATION_LAYER};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::debug;
 use crate::host::{Host, requirements};
-use commands::Pool;
+use commands::Queue;
 use devices::Candidate;
 use instance::Instance;
 
@@ -45,11 +45,6 @@ impl Default for Options {
         Options { validate: false, device: None, timeout: None, go_on: |_| true, table: |device| device }
     }
 }
-
-/// How long is waited before it is asked whether to go on.
-const WAIT: Duration = Duration::from_millis(100);
-/// How long what runs may take to end once the answer was no.
-const GRACE: Duration = Duration::from_secs(1);
 
 /// What helps wherever there is no device.
 const INSTALL: &str = "install a Vulkan driver; on Debian and Ubuntu: apt install libvulkan1 mesa-vulkan-drivers \
@@ -115,14 +110,7 @@ pub struct Headless {
     /// Dropped by hand, before the device whose memory it holds.
     allocator: ManuallyDrop<Allocator>,
     opened: Opened,
-    queue: vk::Queue,
-    pool: Pool,
-    timeout: Option<Duration>,
-    go_on: fn(Duration) -> bool,
-    /// Nothing is submitted any more.
-    interrupted: bool,
-    /// Something is still running that nobody can wait for.
-    stuck: bool,
+    queue: Queue,
 }
 
 /// What a [`Host`] borrows.
@@ -178,39 +166,27 @@ impl Headless {
             allocation_sizes: AllocationSizes::new(8 << 20, 8 << 20),
         });
         // SAFETY: the device was made with this family; if one of the two is missing, the device has no other child.
-        let (allocator, pool) = unsafe {
-            let pool = Pool::new(&device, family);
-            match (allocator, pool) {
-                (Ok(allocator), Ok(pool)) => (allocator, pool),
-                (allocator, pool) => {
-                    let why = match (&allocator, &pool) {
+        let (allocator, queue) = unsafe {
+            let queue = Queue::new(&device, family, options);
+            match (allocator, queue) {
+                (Ok(allocator), Ok(queue)) => (allocator, queue),
+                (allocator, queue) => {
+                    let why = match (&allocator, &queue) {
                         (Err(e), _) => e.to_string(),
                         (_, Err(e)) => e.to_string(),
                         _ => String::new(),
                     };
-                    pool.iter().for_each(|pool| pool.destroy(&device));
+                    queue.iter().for_each(|queue| queue.destroy(&device));
                     drop(allocator);
                     device.destroy_device(None);
                     return Err(why);
                 }
             }
         };
-        // SAFETY: the device is valid and has one queue of this family; debug utils is asked for where it is enabled.
-        let (queue, debug) = unsafe {
-            let debug = if instance.has_debug_utils { debug::table(&instance.raw, &device) } else { None };
-            (device.get_device_queue(family, 0), debug)
-        };
+        // SAFETY: the device is valid; debug utils is asked for where it is enabled.
+        let debug = unsafe { if instance.has_debug_utils { debug::table(&instance.raw, &device) } else { None } };
         let opened = Opened { candidate, device, debug, instance: ManuallyDrop::new(instance) };
-        Ok(Headless {
-            allocator: ManuallyDrop::new(allocator),
-            opened,
-            queue,
-            pool,
-            timeout: options.timeout,
-            go_on: options.go_on,
-            interrupted: false,
-            stuck: false,
-        })
+        Ok(Headless { allocator: ManuallyDrop::new(allocator), opened, queue })
     }
 
     /// What an effect is made and recorded with.
@@ -242,12 +218,12 @@ impl Headless {
     /// Whether a wait did not end: something may still be running, so nothing that was submitted may be reused or
     /// destroyed, ever.
     pub fn is_stuck(&self) -> bool {
-        self.stuck
+        self.queue.stuck
     }
 
-    /// [`Headless::host`] and where commands for it come from together, for recording into several.
-    pub fn recording(&mut self) -> (Host<'_>, CommandSource<'_>) {
-        (self.opened.host(), CommandSource { device: &self.opened.device, pool: &mut self.pool })
+    /// [`Headless::host`] and the queue together, for recording one submission while another runs.
+    pub fn recording(&mut self) -> (Host<'_>, Submitter<'_>) {
+        (self.opened.host(), Submitter { device: &self.opened.device, queue: &mut self.queue })
     }
 
     /// Begins commands.
@@ -255,20 +231,9 @@ impl Headless {
         self.recording().1.begin()
     }
 
-    /// Takes commands back that will not be submitted.
-    pub fn discard(&mut self, commands: Commands) {
-        self.pool.discard(&self.opened.device, commands);
-    }
-
     /// Submits commands and does not wait. `what` names them in errors.
     pub fn start(&mut self, commands: Commands, what: &str) -> Result<Submission> {
-        self.interrupted = self.interrupted || !(self.go_on)(Duration::ZERO);
-        if self.interrupted {
-            self.discard(commands);
-            return Err(Error::Interrupted { what: what.into() });
-        }
-        // SAFETY: the queue is the device's, and used by `self` alone.
-        unsafe { self.pool.submit(&self.opened.device, self.queue, commands, what) }
+        self.recording().1.start(commands, what)
     }
 
     /// Waits for a submission, however long it takes. What still runs after [`Options::timeout`], or a second after
@@ -277,37 +242,7 @@ impl Headless {
     /// # Errors
     /// The result `TIMEOUT`; an interruption; a lost device.
     pub fn wait(&mut self, submission: Submission) -> Result<()> {
-        let fence = submission.fence();
-        if let Err(error) = self.wait_for(fence, submission.what()) {
-            // Only a lost device is known to be done.
-            self.stuck |= !error.is_lost();
-            return Err(error);
-        }
-        self.pool.ended(&self.opened.device, submission)
-    }
-
-    fn wait_for(&mut self, fence: vk::Fence, what: &str) -> Result<()> {
-        let begin = Instant::now();
-        let mut limit = self.timeout;
-        loop {
-            let left = limit.map_or(WAIT, |limit| limit.saturating_sub(begin.elapsed()).min(WAIT));
-            // SAFETY: the fence was submitted and belongs to the device.
-            match unsafe { self.opened.device.wait_for_fences(&[fence], true, left.as_nanos() as u64) } {
-                Err(vk::Result::TIMEOUT) => {}
-                result => return result.map_err(Error::vulkan("vkWaitForFences", what)),
-            }
-            let waited = begin.elapsed();
-            if !self.interrupted && !(self.go_on)(waited) {
-                self.interrupted = true;
-                limit = Some(limit.map_or(waited + GRACE, |limit| limit.min(waited + GRACE)));
-            }
-            if limit.is_some_and(|limit| waited >= limit) {
-                return Err(match self.interrupted {
-                    true => Error::Interrupted { what: what.into() },
-                    false => Error::vulkan("vkWaitForFences", what)(vk::Result::TIMEOUT),
-                });
-            }
-        }
+        self.recording().1.wait(submission)
     }
 
     /// Submits commands and waits for them.
@@ -322,7 +257,7 @@ impl Headless {
         match record(&self.host(), commands.raw()) {
             Ok(value) => self.submit(commands, what).map(|()| value),
             Err(error) => {
-                self.discard(commands);
+                self.recording().1.discard(commands);
                 Err(error)
             }
         }
@@ -331,7 +266,7 @@ impl Headless {
 
 impl Drop for Headless {
     fn drop(&mut self) {
-        if self.stuck {
+        if self.queue.stuck {
             // Destroying what the device still uses is undefined, and waiting for it may take for ever: it stays.
             return;
         }
@@ -340,7 +275,7 @@ impl Drop for Headless {
         unsafe {
             let _ = self.opened.device.device_wait_idle();
             ManuallyDrop::drop(&mut self.allocator);
-            self.pool.destroy(&self.opened.device);
+            self.queue.destroy(&self.opened.device);
             self.opened.device.destroy_device(None);
             ManuallyDrop::drop(&mut self.opened.instance);
         }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::gpu::headless::{CommandSource, Commands, Headless};
+use crate::gpu::headless::{Commands, Submission, Submitter};
 use crate::gpu::recorder::Stream;
 
 /// What frames are cut by.
@@ -38,12 +38,12 @@ impl Pace {
     }
 
     /// Shares the time of a submission among its steps, in the proportions known before.
-    fn learn(&mut self, slice: &Slice, seconds: f64) {
-        let scale = seconds / slice.seconds;
-        for step in &slice.steps {
-            let share = match slice.seconds.is_finite() && slice.seconds > 0.0 {
-                true => self.of(step) * scale,
-                false => seconds / slice.steps.len() as f64,
+    fn learn(&mut self, steps: &Steps, seconds: f64) {
+        let is_known = steps.seconds.is_finite() && steps.seconds > 0.0;
+        for step in &steps.names {
+            let share = match is_known {
+                true => self.of(step) * seconds / steps.seconds,
+                false => seconds / steps.names.len() as f64,
             };
             self.steps.insert(step, share);
         }
@@ -51,18 +51,17 @@ impl Pace {
 }
 
 /// Steps that are submitted together.
-#[derive(Debug)]
-pub(super) struct Slice {
-    commands: Option<Commands>,
-    steps: Vec<&'static str>,
+#[derive(Debug, Default)]
+struct Steps {
+    names: Vec<&'static str>,
     /// That they are expected to take.
     seconds: f64,
 }
 
-impl Slice {
-    /// What it is called in errors: steps of a frame.
-    fn name(&self, frame: &str) -> String {
-        match (self.steps.first(), self.steps.last()) {
+impl Steps {
+    /// What they are called in errors: steps of a frame.
+    fn of(&self, frame: &str) -> String {
+        match (self.names.first(), self.names.last()) {
             (Some(first), Some(last)) if first == last => format!("{frame}, {first}"),
             (Some(first), Some(last)) => format!("{frame}, {first} to {last}"),
             _ => frame.to_owned(),
@@ -70,67 +69,76 @@ impl Slice {
     }
 }
 
-/// Cuts the steps of a frame into slices while they are recorded.
+/// Submits the steps of a frame in slices while they are recorded, and learns what they take. One slice runs while the
+/// next is recorded. Where recording fails, what has been submitted is waited for.
 pub(super) struct Slicer<'a> {
-    source: CommandSource<'a>,
-    pace: &'a Pace,
-    slices: &'a mut Vec<Slice>,
-    current: vk::CommandBuffer,
+    submitter: Submitter<'a>,
+    pace: &'a mut Pace,
+    frame: &'a str,
+    recorded: Option<(Commands, Steps)>,
+    running: Option<(Submission, Steps, Instant)>,
 }
 
 impl<'a> Slicer<'a> {
-    /// Begins the first one.
-    pub(super) fn new(source: CommandSource<'a>, pace: &'a Pace, slices: &'a mut Vec<Slice>) -> Result<Slicer<'a>> {
-        let mut slicer = Slicer { source, pace, slices, current: vk::CommandBuffer::null() };
-        slicer.begin()?;
-        Ok(slicer)
+    /// Begins the first one of this frame.
+    pub(super) fn new(mut submitter: Submitter<'a>, pace: &'a mut Pace, frame: &'a str) -> Result<Slicer<'a>> {
+        let recorded = Some((submitter.begin()?, Steps::default()));
+        Ok(Slicer { submitter, pace, frame, recorded, running: None })
     }
 
-    fn begin(&mut self) -> Result<()> {
-        let commands = self.source.begin()?;
-        self.current = commands.raw();
-        self.slices.push(Slice { commands: Some(commands), steps: Vec::new(), seconds: 0.0 });
+    /// Submits what is recorded, once what runs has ended.
+    fn submit(&mut self) -> Result<()> {
+        self.settle()?;
+        let Some((commands, steps)) = self.recorded.take() else { return Ok(()) };
+        let begin = Instant::now();
+        let submission = self.submitter.start(commands, &steps.of(self.frame))?;
+        self.running = Some((submission, steps, begin));
         Ok(())
+    }
+
+    fn settle(&mut self) -> Result<()> {
+        let Some((submission, steps, begin)) = self.running.take() else { return Ok(()) };
+        self.submitter.wait(submission)?;
+        self.pace.learn(&steps, begin.elapsed().as_secs_f64());
+        Ok(())
+    }
+
+    /// Submits the last one and waits until all have ended.
+    pub(super) fn finish(mut self) -> Result<()> {
+        self.submit()?;
+        self.settle()
+    }
+}
+
+impl Drop for Slicer<'_> {
+    fn drop(&mut self) {
+        if let Some((commands, _)) = self.recorded.take() {
+            self.submitter.discard(commands);
+        }
+        // There is an error already.
+        let _ = self.settle();
     }
 }
 
 impl Stream for Slicer<'_> {
     fn next(&mut self, step: &'static str) -> Result<vk::CommandBuffer> {
         let seconds = self.pace.of(step);
-        let is_full = |slice: &Slice| !slice.steps.is_empty() && slice.seconds + seconds > self.pace.longest;
-        if self.slices.last().is_some_and(is_full) {
-            self.begin()?;
+        let longest = self.pace.longest;
+        let is_full = |(_, steps): &(Commands, Steps)| !steps.names.is_empty() && steps.seconds + seconds > longest;
+        if self.recorded.as_ref().is_none_or(is_full) {
+            self.submit()?;
+            self.recorded = Some((self.submitter.begin()?, Steps::default()));
         }
-        if let Some(slice) = self.slices.last_mut() {
-            slice.steps.push(step);
-            slice.seconds += seconds;
+        if let Some((_, steps)) = &mut self.recorded {
+            steps.names.push(step);
+            steps.seconds += seconds;
         }
-        Ok(self.current)
+        Ok(self.current())
     }
 
     fn current(&self) -> vk::CommandBuffer {
-        self.current
+        self.recorded.as_ref().map_or(vk::CommandBuffer::null(), |(commands, _)| commands.raw())
     }
-}
-
-/// Submits slices, each once the one before it has ended, and learns what their steps take. If one fails, those after it
-/// are discarded.
-pub(super) fn run(device: &mut Headless, slices: Vec<Slice>, pace: &mut Pace, frame: &str) -> Result<()> {
-    let mut slices = slices.into_iter();
-    let result = slices.by_ref().try_for_each(|mut slice| {
-        let Some(commands) = slice.commands.take() else { return Ok(()) };
-        let begin = Instant::now();
-        device.submit(commands, &slice.name(frame))?;
-        pace.learn(&slice, begin.elapsed().as_secs_f64());
-        Ok(())
-    });
-    discard(device, slices);
-    result
-}
-
-/// Takes slices back that are not submitted.
-pub(super) fn discard(device: &mut Headless, slices: impl IntoIterator<Item = Slice>) {
-    slices.into_iter().filter_map(|slice| slice.commands).for_each(|commands| device.discard(commands));
 }
 
 /// A lost device's error, with the step that ran if it is known.
