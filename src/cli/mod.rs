@@ -146,7 +146,12 @@ impl From<WriteError> for Failure {
 
 impl From<NoDevice> for Failure {
     fn from(error: NoDevice) -> Failure {
-        Failure::new(Failure::NO_DEVICE, error.to_string())
+        let limit = memory::limit().map(|mebibytes| {
+            format!(
+                "\nthe address space is limited to {mebibytes} MiB (ulimit -v), which may be too little for a driver"
+            )
+        });
+        Failure::new(Failure::NO_DEVICE, error.to_string() + &limit.unwrap_or_default())
     }
 }
 
@@ -165,6 +170,7 @@ impl From<Error> for Failure {
 /// Runs the program with the arguments of the process; returns its exit code.
 pub fn main() -> ExitCode {
     ignore_file_size_limit();
+    memory::name_aborts();
     match run(std::env::args_os()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure { code, message }) => {

@@ -136,7 +136,7 @@ fn names_that_are_too_long_fail_before_the_rendering() {
     if has_device() {
         let picture = long(255, "##.png");
         succeeds(&folder, &["render", "shot.toml", "-q", "-o", &picture.replace("##", "#"), "--frames", "1-2"]);
-        assert_eq!(folder.names().len(), 3);
+        assert_eq!(folder.names().iter().filter(|name| name.ends_with(".png")).count(), 2);
     }
 }
 
@@ -270,18 +270,18 @@ fn input_that_changes_meanwhile_is_3_and_named() {
         ),
         ("[flame]\nparticles = \"i.####.npz\"\n", &|f, n| particles(f, n, 900, 1500.0), "grown"),
         ("[flame]\nparticles = \"i.####.npz\"\n", &|f, n| particles(f, n, 9, 9000.0), "temperature"),
-        ("[smoke]\nvolume = \"i.####.npz\"\n", &|f, n| f.write(n, "no archive"), "i.3999.npz"),
+        ("[smoke]\nvolume = \"i.####.npz\"\n", &|f, n| f.write(n, "no archive"), "i.0399.npz"),
         ("[flame]\nparticles = \"i.####.npz\"\n", &|f, n| fs::remove_file(f.0.join(n)).expect("there"), "no such file"),
     ];
     for (text, change, needle) in cases {
         let folder = Folder::new();
-        folder.write("shot.toml", &format!("size = [16, 16]\nframes = [1, 3999]\n{text}"));
+        folder.write("shot.toml", &format!("size = [16, 16]\nframes = [1, 400]\n{text}"));
         let first = folder.0.join("i.0001.npz");
         match text.contains("smoke") {
             true => write_npz(&first, &volume(4, true)).expect("written"),
             false => particles(&folder, "i.0001.npz", 9, 1500.0),
         }
-        for frame in 2..4000 {
+        for frame in 2..=400 {
             fs::hard_link(&first, folder.0.join(format!("i.{frame:04}.npz"))).expect("temporary folder");
         }
         let mut command = celfx(&folder, &["render", "shot.toml", "-q", "-o", "o/####.png"]);
@@ -292,7 +292,7 @@ fn input_that_changes_meanwhile_is_3_and_named() {
             std::thread::sleep(Duration::from_millis(1));
         }
         // Far ahead of the frame that is rendered now, and a new file: the others stay as they are.
-        let late = "i.3999.npz";
+        let late = "i.0399.npz";
         fs::write(folder.0.join("new"), "").expect("temporary folder");
         fs::rename(folder.0.join("new"), folder.0.join(late)).expect("temporary folder");
         change(&folder, late);
