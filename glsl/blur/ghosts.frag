@@ -34,4 +34,6 @@ void main() {
     vec4 earlier = texelFetch(frame_previous, has_previous ? before : ivec2(0), 0);
     vec4 later = texelFetch(frame_next, has_next ? after : ivec2(0), 0);
     colour = has_previous && has_next ? mix(earlier, later, clamp(moved, 0.0, 1.0)) : has_previous ? earlier : later;
+    // The image has half floats: what is above their largest would be infinite.
+    colour = clamp(colour, vec4(-65504.0), vec4(65504.0));
 }
