@@ -10,7 +10,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "fragment.glsl"
 #include "shade.glsl"
 layout(std430, binding = 26) readonly buffer Poses { float poses[]; };
-layout(std430, binding = 27) readonly buffer BaseColours { vec4 base_colours[]; };
 #include "unit.glsl"
 #include "toon_tone.glsl"
 

@@ -8,7 +8,6 @@ layout(binding = 1) uniform utexture2D sampled;
 layout(std430, binding = 2) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 3) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 4) readonly buffer Poses { float poses[]; };
-layout(std430, binding = 5) readonly buffer BaseColours { vec4 base_colours[]; };
 layout(std430, binding = 6) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 7) readonly buffer Lines { float lines[]; };
 layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]; };

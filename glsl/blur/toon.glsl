@@ -8,4 +8,7 @@ struct ToonParams {
     uvec4 counts;       // tones, normal groups; unused
     vec4 tones[256];    // linear RGB that the base colour is multiplied by; w: luminance where it begins
 };
-layout(std430, binding = 29) readonly buffer ToonBuffer { ToonParams toon; };
+layout(std430, binding = 29) readonly buffer ToonBuffer {
+    ToonParams toon;
+    vec4 base_colours[]; // of triangles' corners; linear RGB
+};

@@ -43,8 +43,7 @@ buffers! {
     NEXT = "Next",
     FINISHED = "Finished",
     BLOCKS_SUMS = "Blocks",
-    BASE_COLOURS = "BaseColours",
-    TOON_PARAMS = "ToonBuffer",
+    TOON_BUFFER = "ToonBuffer",
     TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
     NEXT_NAMES = "NextNames",
@@ -115,6 +114,9 @@ pub const HOST_GROUPS: [BufferId; 3] = [BufferId(BUFFERS + 11), BufferId(BUFFERS
 pub const HOST_COLOURS: BufferId = BufferId(BUFFERS + 14);
 /// Buffers of the host's.
 pub const HOST_BUFFERS: usize = 15;
+
+/// Where in [`TOON_BUFFER`] the base colours begin.
+pub const BASE_COLOURS: u64 = size_of::<ToonParams>() as u64;
 
 /// Which triangle each pixel of frames i and i + 1 sees.
 pub const SEEN: [ImageId; 2] = [ImageId(0), ImageId(1)];
@@ -285,8 +287,7 @@ impl Layout {
         }
         self.set(PICTURE, 16 * pixels);
         self.set(SURFACE, if desc.depth.is_some() { 16 * pixels } else { 0 });
-        self.set(BASE_COLOURS, if desc.toon { 48 * u64::from(desc.triangles) } else { 0 });
-        self.set(TOON_PARAMS, size_of::<ToonParams>() as u64);
+        self.set(TOON_BUFFER, if desc.toon { BASE_COLOURS + 48 * u64::from(desc.triangles) } else { 0 });
         self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });
         // Four samples a pixel.
         self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
@@ -415,7 +416,7 @@ impl Layout {
     /// Device memory, before alignment.
     pub fn memory(&self, desc: &Desc) -> Memory {
         let groups = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
-        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, BASE_COLOURS, groups[0], groups[1], groups[2]];
+        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, TOON_BUFFER, groups[0], groups[1], groups[2]];
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
             // The host's format may take up to 16 bytes.

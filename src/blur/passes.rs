@@ -180,7 +180,7 @@ impl Passes {
             pairs: d.add(Pass::compute("blur.tones", &glsl::pairs::SHADER).specialise([desc.groups])),
             light: d.compute("blur.tones", &glsl::light::SHADER),
             tone: d.compute("blur.tones", &glsl::tone::SHADER),
-            shade_params: d.writes("blur.shade", &[TOON_PARAMS]),
+            shade_params: d.writes("blur.shade", &[TOON_BUFFER]),
             shade_drawn: (desc.toon && desc.settings.completion == Completion::Surface).then(|| {
                 d.add(Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise([desc.groups, completion]))
             }),
@@ -198,8 +198,8 @@ impl Passes {
                 Some(format) => composite_depth(desc, format),
                 None => whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc),
             }),
-            colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [BASE_COLOURS])),
-            toon_params: d.writes("blur.toon", &[TOON_PARAMS]),
+            colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [TOON_BUFFER])),
+            toon_params: d.writes("blur.toon", &[TOON_BUFFER]),
             toon_project: d.compute("blur.toon", &glsl::project::SHADER),
             toon_see: d.add(sampling("blur.toon", desc)),
             toon_lines: {

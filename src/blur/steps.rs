@@ -280,7 +280,7 @@ impl Steps<'_> {
     /// Draws a frame, of i - 1 to i + 2 that of this `index`.
     fn draw_toon(&mut self, index: u32, drawn: &Drawn, input: &ToonInput) {
         let params = ToonParams::new(self.desc, drawn.camera(), &input.light);
-        self.plan.update(self.passes.toon_params, TOON_PARAMS, &params);
+        self.plan.update(self.passes.toon_params, TOON_BUFFER, &params);
         let Desc { size: [width, height], triangles, .. } = *self.desc;
         let constants = VisibilityConstants { frame: index };
         self.plan.step_with(self.passes.toon_see, Command::Draw { vertices: 3 * triangles }, &constants);
@@ -294,7 +294,8 @@ impl Steps<'_> {
     fn colours(&mut self, mesh: &TopologyInput) {
         let bytes = 48 * u64::from(self.desc.triangles);
         if mesh.colours.is_some() && self.desc.toon && bytes > 0 {
-            self.plan.step(self.passes.colours, Command::CopyBuffer { from: HOST_COLOURS, to: BASE_COLOURS, bytes });
+            let command = Command::CopyRange { from: (HOST_COLOURS, 0), to: (TOON_BUFFER, BASE_COLOURS), bytes };
+            self.plan.step(self.passes.colours, command);
         }
     }
 
@@ -519,7 +520,7 @@ impl Steps<'_> {
         let drawn = self.shade_drawn(frame).zip(frame.toon.as_ref());
         if let Some((_, input)) = drawn {
             let params = ToonParams::new(self.desc, &input.view.camera, &input.light);
-            self.plan.update(self.passes.shade_params, TOON_PARAMS, &params);
+            self.plan.update(self.passes.shade_params, TOON_BUFFER, &params);
         }
         let pass = drawn.map_or(self.passes.shade, |(pass, _)| pass);
         self.plan.step(pass, Self::over_tiles(2));

@@ -119,7 +119,7 @@ fn trajectories_can_be_the_scenes_own() {
     let folder = with_images("");
     let render = |more: &[&str]| {
         succeeds(&folder, &[&["render", "shot.toml", "-q", "--frames", "5", "-o", "a.exr"], more].concat());
-        fs::read(folder.0.join("a.exr")).expect("a picture")
+        run::shown(&folder.0.join("a.exr"))
     };
     let spline = render(&[]);
     let exact = render(&["--set", "blur.trajectory=exact", run::validate()]);

@@ -97,6 +97,16 @@ pub fn validate() -> &'static str {
     if report["validation_layer"].is_string() { "--validate" } else { "--threads=2" }
 }
 
+/// What a file shows: the pixels of a picture, without what its file says of where they are from; else its bytes.
+pub fn shown(path: &Path) -> Vec<u8> {
+    match celfx::io::picture::read(path) {
+        Ok(picture) => {
+            picture.pixels.as_flattened().iter().flat_map(|channel| channel.to_bits().to_le_bytes()).collect()
+        }
+        Err(_) => fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())),
+    }
+}
+
 /// An archive of arrays that is being written.
 pub type Archive = npyz::npz::NpzWriter<std::fs::File>;
 

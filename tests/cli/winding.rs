@@ -159,8 +159,8 @@ impl Stage {
             let render = ["render", "shot.toml", "-q", run::validate()];
             succeeds(&self.0, &[&render[..], &set[..], more].concat());
             let read = |name: String| {
-                let bytes = fs::read(self.0.0.join(&out).join(&name)).expect(&name);
-                (format!("{kind}/{name}"), bytes)
+                let shown = run::shown(&self.0.0.join(&out).join(&name));
+                (format!("{kind}/{name}"), shown)
             };
             all.extend(run::names(&self.0.0.join(&out)).into_iter().map(read));
         }

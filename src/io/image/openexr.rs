@@ -137,10 +137,7 @@ fn read(path: &Path, fit: Fit, pick: impl FnOnce(&[Header]) -> Result<Pick, Faul
         let pick = pick(reader.headers())?;
         decode(reader, &pick, fit)
     });
-    decoded
-        .map_err(damaged)
-        .and_then(|result| result)
-        .map_err(|(why, expected)| ReadError::file(path, why, expected))
+    decoded.map_err(damaged).and_then(|result| result).map_err(|(why, expected)| ReadError::file(path, why, expected))
 }
 
 fn damaged(why: impl ToString) -> Fault {
