@@ -123,7 +123,8 @@ impl VolumeInput {
         if (0..3).any(|a| dimensions[a] == 0 || dimensions[a] > desc.dimensions[a]) {
             return refuse(format!("{dimensions:?} voxels; the effect was made for 1 to {:?}", desc.dimensions));
         }
-        let is_near = |a: usize| origin[a].abs().max(voxel_size[a] * dimensions[a] as f32) <= FARTHEST;
+        // Each by itself: the larger of a number and none is the number.
+        let is_near = |a: usize| origin[a].abs() <= FARTHEST && voxel_size[a] * dimensions[a] as f32 <= FARTHEST;
         if !voxel_size.iter().all(|h| *h >= 1e-12) || !(0..3).all(is_near) {
             return refuse(format!(
                 "voxel size {voxel_size:?} m, origin {origin:?} m; sizes must be at least 1e-12, nothing beyond 1e12"

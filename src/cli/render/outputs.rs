@@ -293,12 +293,7 @@ mod tests {
             with.write(&frame(7)).expect("written");
             assert!(is_finished(&with) && is_finished(&without));
             // A run with other settings was ended between its layers and its picture.
-            let other = LayerData::Value(vec![2.0, 3.0]);
-            let layers = vec![Layer { name: "smoke.depth", data: other }];
-            let path = with.layers[0].1.path(7);
-            fs::remove_file(&path).expect("written");
-            let LayerData::Value(values) = &layers[0].data else { panic!("values") };
-            write_exr(&path, [2, 1], values).expect("written");
+            write_exr(&with.layers[0].1.path(7), [2, 1], &[2.0f32, 3.0]).expect("written");
             assert!(matches!(with.find(7, ORIGIN), Found::Nothing) && is_finished(&without));
             // As older versions wrote it.
             let path = without.picture(7);

@@ -64,7 +64,9 @@ impl Tree {
 
     /// A vector that may have keyframes.
     pub(super) fn vector(&self, path: &str, default: DVec3) -> Result<Track<DVec3>> {
-        self.track(path, default, |value| three(value).filter(|v| v.abs().max_element() <= f64::from(FARTHEST)))
+        self.track(path, default, |value| {
+            three(value).filter(|v| v.to_array().iter().all(|x| x.abs() <= f64::from(FARTHEST)))
+        })
     }
 
     /// A number that may have keyframes; not NaN.
