@@ -237,14 +237,14 @@ fn spans(frame: &BlurFrame, knots: &[blur::Knot]) -> u32 {
     last.saturating_sub(first)
 }
 
-/// How many frames' poses of a mesh with so many points are kept on a device: all `wanted`, if they fit into a quarter of
-/// its memory and into the largest buffer of `limit` bytes; else as many as any window of trajectories has, if these fit;
-/// else the few that a frame is drawn from.
+/// How many frames' poses of a mesh with so many points are kept on a device: as many of the `wanted` as any window of
+/// trajectories has, for no frame looks at more, if these fit into a quarter of its memory and into the largest buffer of
+/// `limit` bytes; else as many as do, and at least the few that a frame is drawn from.
 pub(crate) fn resident(wanted: u32, points: u32, memory: u64, limit: u64) -> u32 {
     let fits = (memory / 4).min(limit) / (12 * u64::from(points.max(1)));
     let fits = u32::try_from(fits).unwrap_or(u32::MAX);
     let window = 2 * FARTHEST + 2;
-    if wanted <= fits { wanted.max(4) } else { window.min(fits).min(wanted).max(4) }
+    window.min(fits).min(wanted).max(4)
 }
 
 /// The largest heap of a device's own memory, in bytes.
@@ -270,7 +270,7 @@ mod tests {
         // A thousand points are 12,000 bytes a frame.
         let kept = |wanted, frames: u64| resident(wanted, 1000, 4 * 12_000 * frames, u64::MAX);
         assert_eq!((kept(48, 48), kept(48, 47), kept(2, 100)), (48, 47, 4));
-        assert_eq!((kept(1000, 1000), kept(1000, 999), kept(1000, 50), kept(1000, 1)), (1000, 98, 50, 4));
+        assert_eq!((kept(98, 98), kept(1000, 1000), kept(1000, 50), kept(1000, 1)), (98, 98, 50, 4));
         assert_eq!(resident(1000, 1000, u64::MAX, 12_000 * 30), 30);
     }
 }
