@@ -66,7 +66,7 @@ impl Camera {
             return Err(Error::setting("camera.up", self.up, "must not be parallel to the view direction"));
         }
         if !(NARROWEST..=WIDEST).contains(&self.vertical_fov) {
-            let allowed = "degrees, above 0 and below 180, by 1e-9 at least";
+            let allowed = "degrees, 1e-9 to 179.999999999";
             return Err(Error::setting("camera.vertical_fov", self.vertical_fov, allowed));
         }
         if !(1e-9..=f64::from(FARTHEST)).contains(&self.near) {

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
+#include "common/half.glsl"
 #include "params.glsl"
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(binding = 6) uniform utexture2D seen_previous;
@@ -34,6 +35,6 @@ void main() {
     vec4 earlier = texelFetch(frame_previous, has_previous ? before : ivec2(0), 0);
     vec4 later = texelFetch(frame_next, has_next ? after : ivec2(0), 0);
     colour = has_previous && has_next ? mix(earlier, later, clamp(moved, 0.0, 1.0)) : has_previous ? earlier : later;
-    // The image has half floats: what is above their largest would be infinite.
-    colour = clamp(colour, vec4(-65504.0), vec4(65504.0));
+    // The image is in half precision: what is beyond its largest number would be infinite.
+    colour = clamp(colour, vec4(-MOST_HALF), vec4(MOST_HALF));
 }

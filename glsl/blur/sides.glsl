@@ -1,6 +1,6 @@
 // Colours of both sides of a sample, in half precision: so those of a picture are no more than its samples' colours.
 
-const float MOST_HALF = 65504.0;
+#include "common/half.glsl"
 
 uvec2 packed(vec4 colour) {
     colour = clamp(colour, vec4(-MOST_HALF), vec4(MOST_HALF));

@@ -1,4 +1,5 @@
 // What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
+#include "common/half.glsl"
 layout(std430, binding = 26) writeonly buffer Surface {
     // Colour, premultiplied by the share that is covered, and that share, as halves; view depth; that behind which all of the
     // pixel is covered. Of what of the mesh is nearest; another part of it may be behind that. Where there is none: depth of
@@ -18,8 +19,7 @@ float depth_of(float nearness) {
 }
 
 void covers(uint index, vec4 colour, float nearest, float behind) {
-    // Halves end at 65504.
-    vec4 kept = clamp(colour, vec4(0.0), vec4(vec3(65504.0), 1.0));
+    vec4 kept = clamp(colour, vec4(0.0), vec4(vec3(MOST_HALF), 1.0));
     surface[index] =
         uvec4(packHalf2x16(kept.xy), packHalf2x16(kept.zw), floatBitsToUint(depth_of(nearest)), floatBitsToUint(behind));
 }

@@ -36,10 +36,11 @@ uint step_of(vec3 light, vec3 normal, uint steps) {
 }
 
 #include "unit.glsl"
+#include "common/half.glsl"
 
 // A channel that has a logarithm: what is not a number or below 0 is 0.
 float lit(float channel) {
-    return (channel > 0.0 ? min(channel, 65504.0) : 0.0) + LEAST_COLOUR;
+    return (channel > 0.0 ? min(channel, MOST_HALF) : 0.0) + LEAST_COLOUR;
 }
 
 uint sum_of(ivec3 change) {

@@ -1,5 +1,5 @@
-// Fire that is much farther away than it is deep: its depths from where it begins, in which single precision still tells its particles apart, and
-// their range.
+// Fire that is much farther away than it is deep: its depths from where it begins, in which single precision still tells
+// its particles apart, and their range.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
@@ -8,7 +8,8 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 
-// How many times its depth a fire is away, from where on depths are counted from it. Nearer, rounding is a thousandth of the narrowest bins.
+// How many times its depth a fire is away, from where on depths are counted from it. Nearer, rounding is a thousandth of
+// the narrowest bins.
 const float FAR_OFF = 64.0;
 
 shared uint ends[2];

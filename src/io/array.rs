@@ -367,17 +367,6 @@ fn each_number<T: Number>(header: &Header, bytes: &[u8], mut take: impl FnMut(T)
     }
 }
 
-/// Whether a `.npy` file is as long as its header says.
-pub fn is_whole_npy(path: &Path) -> bool {
-    let is_whole = || {
-        let file = file::open(path).ok()?;
-        let length = file.metadata().ok()?.len();
-        let (header, start) = read_header(&mut BufReader::new(file), &Fault { path, name: "" }).ok()?;
-        Some(header.data_bytes()?.checked_add(start)? == length)
-    };
-    is_whole().unwrap_or(false)
-}
-
 /// Reorders an array whose first axis runs fastest.
 pub(super) fn in_c_order<T: Copy>(array: Array<T>, fortran_order: bool) -> Array<T> {
     if !fortran_order || array.shape.len() < 2 {
@@ -614,22 +603,6 @@ pub(crate) mod tests {
         assert_eq!(archive.shape("a", 1, Kind::Whole, "").unwrap(), Some(vec![2, 2]));
         assert!(archive.shape("a", 2, Kind::Float, "floats").unwrap_err().to_string().contains("are integers"));
     }
-
-    #[test]
-    fn a_file_that_is_not_as_long_as_it_says_is_not_whole() {
-        let folder = Folder::new();
-        let path = folder.0.join("a.npy");
-        write_npy(&path, &[2, 3], &[1.0; 6]).unwrap();
-        let whole = fs::read(&path).unwrap();
-        assert!(is_whole_npy(&path));
-        let lying = npy("'<f4'", false, "(99999999, 99999999)", &[0; 4]);
-        for bytes in [&whole[..whole.len() - 1], &[&whole[..], &[0]].concat(), &lying, b"", b"\x93NUMPY"] {
-            fs::write(&path, bytes).unwrap();
-            assert!(!is_whole_npy(&path));
-        }
-        assert!(!is_whole_npy(&folder.0.join("none.npy")));
-    }
-
     #[test]
     fn npy_files_hold_what_was_written() {
         let folder = Folder::new();

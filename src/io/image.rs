@@ -19,7 +19,7 @@ use super::{WriteError, file, write_atomic};
 pub use coded::read_png;
 pub(super) use coded::{decode, read_coded};
 pub(super) use openexr::read_colours;
-pub use openexr::{Channels, read_exr, read_exr_sized};
+pub use openexr::{Channels, read_exr};
 
 /// Name of the text that a picture may hold beside its pixels.
 const NOTE: &str = "celfx";

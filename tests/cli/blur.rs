@@ -310,3 +310,24 @@ fn a_shot_of_it_can_be_printed_and_inspected() {
         assert!(succeeds(&folder, &["inspect", shot]).contains("effects: blur"), "{shot}");
     }
 }
+
+/// The brightest colours that are taken, in after-images, too, whose image is in half precision.
+#[test]
+fn the_brightest_images_make_finite_pictures() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    folder.write("shot.toml", &format!("{SHOT}images = \"in/####.exr\"\n[blur.ghosts]\ncount = 3\nopacity = 1.0\n"));
+    let pixels = vec![[1e6_f32, 1e6, 1e6, 1.0]; (SIZE[0] * SIZE[1]) as usize];
+    for frame in 3..=7 {
+        image::write_exr(&folder.0.join(format!("in/{frame:04}.exr")), SIZE, &pixels).expect("temporary folder");
+    }
+    let render = ["render", "shot.toml", "-q", "--frames", "5-6", "-o", "o/####.exr", run::validate()];
+    succeeds(&folder, &render);
+    for frame in 5..=6 {
+        let pixels = picture::read(&folder.0.join(format!("o/{frame:04}.exr"))).expect("a picture").pixels;
+        assert!(pixels.as_flattened().iter().all(|channel| channel.is_finite()), "frame {frame}");
+        assert!(pixels.iter().any(|pixel| pixel[0] > 0.0 && pixel[0] < 1e6), "after-images are seen in frame {frame}");
+    }
+}

@@ -41,11 +41,6 @@ pub fn read_exr(path: &Path) -> Result<Channels, ReadError> {
     read(path, Fit::ANY, |headers| Ok(Pick::all(headers)))
 }
 
-/// As [`read_exr`], of that size.
-pub fn read_exr_sized(path: &Path, size: [u32; 2]) -> Result<Channels, ReadError> {
-    read(path, Fit::Exactly(size), |headers| Ok(Pick::all(headers)))
-}
-
 /// Reads colours: of the layer and part that has them (see [`Pick::colours`]), opaque where it has no alpha.
 pub(in crate::io) fn read_colours(path: &Path, fit: Fit) -> Result<Picture<[f32; 4]>, ReadError> {
     let Channels { size, channels } = read(path, fit, Pick::colours)?;

@@ -11,7 +11,7 @@ pub(super) const KEYS: &[(&str, &str)] = &[
     ("camera.eye", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("camera.target", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("camera.up", "[x, y, z], none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
-    ("camera.vertical_fov", "degrees, above 0 and below 180, or keyframes [[frame, degrees], ...], ascending"),
+    ("camera.vertical_fov", "degrees, 1e-9 to 179.999999999, or keyframes [[frame, degrees], ...], ascending"),
     ("camera.near", "metres, above 0, or keyframes [[frame, metres], ...], ascending"),
     ("camera.far", "metres, above camera.near, may be inf, or keyframes [[frame, metres], ...], ascending"),
     (
