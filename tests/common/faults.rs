@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::ffi::c_void;
-use std::sync::OnceLock;
+use std::sync::RwLock;
 
 use ash::vk;
 
@@ -46,9 +46,10 @@ macro_rules! failing {
             let (mut core, v11) = (device.fp_v1_0().clone(), device.fp_v1_1().clone());
             let (v12, mut core_1_3) = (device.fp_v1_2().clone(), device.fp_v1_3().clone());
             $({
-                static REAL: OnceLock<unsafe extern "system" fn($($kind),*) -> vk::Result> = OnceLock::new();
+                // Of the newest device: drivers and layers may be unloaded between two, and lie elsewhere then.
+                static REAL: RwLock<Option<unsafe extern "system" fn($($kind),*) -> vk::Result>> = RwLock::new(None);
                 unsafe extern "system" fn call($($argument: $kind),*) -> vk::Result {
-                    let real = REAL.get().expect("it was replaced");
+                    let real = REAL.read().ok().and_then(|real| *real).expect("it was replaced");
                     let fails = fails($name);
                     // SAFETY: the caller's.
                     while fails && $late && unsafe { real($($argument),*) } == vk::Result::TIMEOUT {}
@@ -56,7 +57,7 @@ macro_rules! failing {
                     if fails { vk::Result::$result } else { unsafe { real($($argument),*) } }
                 }
                 let replaced = table_of!($table, core, core_1_3);
-                REAL.get_or_init(|| replaced.$field);
+                *REAL.write().expect("nobody panicked") = Some(replaced.$field);
                 replaced.$field = call;
             })*
             ash::Device::from_parts_1_3(device.handle(), core, v11, v12, core_1_3)
