@@ -25,17 +25,6 @@ macro_rules! buffers {
 }
 pub(crate) use buffers;
 
-/// Declares the push constants of kernels.
-macro_rules! push_constants {
-    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? })*) => {$(
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-        pub struct $name { $(pub $field: $type),* }
-    )*};
-}
-pub(crate) use push_constants;
-
 /// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
 pub const LOOP_BUDGET: u32 = 48_000;
 

@@ -66,14 +66,16 @@ struct Knot {
 
 // Points that are smeared as one.
 struct Cluster {
-    uint object;
+    uint object;      // of all its points
     uint hull_begin;  // in the order of the convex outline: what is on it, and what is so near that rounding can make it extreme
-    uint hull_end;
-    uint teeth;
-    uint points;
+    uint hull_end;    // the one after the last
+    uint teeth;       // random numbers N across it, 1 to 4096
+    uint points;      // number of its points
 };
 
-// A piece of a trajectory: y(u) = y(0) + u D + ((1 - u)^3 - (1 - u)) / 6 M0 + (u^3 - u) / 6 M1, u from 0 to 1.
+// A piece of a point's trajectory: y(u) = y(0) + u D + ((1 - u)^3 - (1 - u)) / 6 M0 + (u^3 - u) / 6 M1, where u is 0 to 1
+// from the segment's begin to its end. Components x, y, w; the fourth is 0. In homogeneous space these are pixel clip
+// coordinates: x / w and y / w are pixels, y down, and w is the view depth in metres. In screen space x and y are pixels.
 struct Piece {
     vec4 origin;      // y(0): of the segment from 0 as it is, of all others less what it is in frame i
     vec4 step;        // D

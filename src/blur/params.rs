@@ -1,28 +1,16 @@
-//! The structures of `glsl/blur/params.glsl` and the kernels' push constants. Offsets and sizes are compared with the
-//! shaders' when the crate is built; what the fields mean stands there.
-#![allow(missing_docs)] // the shader's declarations document the fields
+//! What the host tells the kernels of `glsl/blur`. The structures and constants are the shaders' own (build.rs).
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 use glam::{DMat3, DVec3};
 
 use crate::blur::frame::{self, Desc, Frame, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
-pub use crate::blur::motion::{Cluster, Piece};
 use crate::blur::settings::{Settings, Toon};
 use crate::host::Background;
-use crate::layout::push_constants;
+pub use crate::shaders::blur::blocks::*;
+pub use crate::shaders::blur::constants::*;
 use crate::view::{Camera, Light, LightSource};
 
-/// Triangles of a workgroup of the refinement.
-pub const BLOCK: u32 = 128;
-/// Rounds of the refinement.
-pub const ROUNDS: u32 = 16;
-/// A finished triangle's last word: its base triangle.
-pub const BASE_MASK: u32 = 0x03ff_ffff;
-/// Where in a triangle's last word its object begins; below, which side of it is outside ([`crate::blur::Interval::fronts`]).
-pub const OBJECT_SHIFT: u32 = 3;
-/// A finished triangle's last word: it is never seen.
-pub const CULLED: u32 = 1 << 26;
 /// The most segments of a trajectory.
 pub const MOST_SEGMENTS: usize = 32;
 /// The most that are made of poses.
@@ -43,130 +31,6 @@ pub const MOST_SITES: [u32; 2] = [32_768, 8_192];
 pub const LIGHT_CANDIDATES: [u32; 6] = [1024, 81, 81, 81, 25, 25];
 /// The least length of an edge that is divided, in pixels.
 const LEAST_LENGTH: f32 = 0.25;
-
-/// `View`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct View {
-    pub across: [f32; 4],
-    pub down: [f32; 4],
-    pub along: [f32; 4],
-    pub across_low: [f32; 4],
-    pub down_low: [f32; 4],
-    pub along_low: [f32; 4],
-    pub eye: [f32; 4],
-    pub eye_low: [f32; 4],
-    pub slot: [u32; 4],
-}
-
-/// `BlurParams`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct BlurParams {
-    pub views: [View; 4],
-    pub image: [u32; 4],
-    pub counts: [u32; 4],
-    pub pieces: [u32; 4],
-    pub model: [f32; 4],
-    pub lens: [f32; 4],
-    pub modes: [u32; 4],
-    pub background: [f32; 4],
-    pub segments: [[f32; 4]; MOST_SEGMENTS],
-    pub completion: [u32; 4],
-}
-
-/// `Knot`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Knot {
-    pub across: [f32; 4],
-    pub down: [f32; 4],
-    pub along: [f32; 4],
-    pub across_low: [f32; 4],
-    pub down_low: [f32; 4],
-    pub along_low: [f32; 4],
-    pub across_turn: [f32; 4],
-    pub down_turn: [f32; 4],
-    pub along_turn: [f32; 4],
-    pub across_turn_low: [f32; 4],
-    pub down_turn_low: [f32; 4],
-    pub along_turn_low: [f32; 4],
-    pub slot: [u32; 4],
-    pub weights: [[f32; 4]; PIECE_SEGMENTS],
-}
-
-/// `Vertex`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Vertex {
-    pub motion: [f32; 4],
-    pub extent: [f32; 4],
-    pub drawn: [f32; 4],
-    pub place: [u32; 4],
-}
-
-/// `Round`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Round {
-    pub groups: [u32; 4],
-    pub scan: [u32; 4],
-    pub made: [u32; 4],
-}
-
-/// `Control`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Control {
-    pub draw: [u32; 4],
-    pub refined: [u32; 4],
-}
-
-/// `ToonParams`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct ToonParams {
-    pub light: [f32; 4],
-    pub ink: [f32; 4],
-    pub lens: [f32; 4],
-    pub counts: [u32; 4],
-    pub tones: [[f32; 4]; MOST_TONES],
-}
-
-/// `Site`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Site {
-    pub normals: [[f32; 4]; 2],
-    pub change: [i32; 4],
-}
-
-push_constants! {
-    /// Of `light`.
-    LightConstants { round: u32 }
-    /// Of `tone`.
-    ToneConstants { is_own: u32 }
-    /// Of `lines_choose`.
-    ChooseConstants { round: u32, strips: u32 }
-    /// Of `lines`.
-    LinesConstants { colour: [f32; 4], length_of: f32, width: f32 }
-    /// Of `ghosts` and `ghosts_blend`.
-    GhostConstants { back: f32, opacity: f32 }
-    /// Of `composite_depth` and `depth`: the terms of the host's depth.
-    HostDepthConstants { terms: [f32; 2] }
-    /// Of `background` and `surface`.
-    BackgroundConstants { background: [f32; 4], has_image: u32 }
-    /// Of `seams`.
-    SeamConstants { from: u32 }
-    /// Of `settle`.
-    SettleConstants { from: u32 }
-    /// Of `count`, `scan` and `emit`.
-    RoundConstants { round: u32 }
-    /// Of `visibility` and `toon`.
-    VisibilityConstants { frame: u32 }
-    /// Of the benchmark's `bench_extent`.
-    BenchExtentConstants { first: u32, end: u32 }
-}
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.

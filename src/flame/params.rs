@@ -1,24 +1,15 @@
-//! The structures of `glsl/flame/params.glsl` and the kernels' push constants. Offsets and sizes are compared with the
-//! shaders' when the crate is built; what the fields mean stands there.
-#![allow(missing_docs)] // the shader's declarations document the fields
+//! What the host tells the kernels of `glsl/flame`. The structures and constants are the shaders' own (build.rs).
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 
 use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, Frame};
 use crate::flame::layout::Layout;
 use crate::flame::settings::{Mode, Shape};
-use crate::layout::push_constants;
+pub use crate::shaders::flame::blocks::*;
+pub use crate::shaders::flame::constants::*;
 use crate::view::CameraRows;
 
-/// Side of a screen tile in pixels.
-pub const TILE: u32 = 16;
-/// A particle stands at the level of cells where it touches at most so many across and down.
-pub const CELLS_ACROSS: u32 = 4;
-/// Texels of the mask along a side.
-pub const MASK_SIDE: u32 = 64;
-/// Levels of the mask.
-pub const MASK_LEVELS: u32 = 7;
 /// Levels that the cells of the screen can have.
 pub const MAX_LEVELS: usize = 12;
 /// Classes of the kernel table, by threshold: bits of a word.
@@ -27,104 +18,8 @@ pub const KERNEL_CLASSES: u32 = 32;
 pub const KERNEL_PLACES: u32 = 97;
 /// Its depths.
 pub const KERNEL_DEPTHS: u32 = 16;
-/// Most texels of pass shares along a side.
-pub const SHARE_SIDE: u32 = 32;
 /// Depth buckets of the stochastic mode.
 pub const BUCKETS: u32 = 32;
-
-/// `FlameParams`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct FlameParams {
-    pub eye: [f32; 4],
-    pub eye_low: [f32; 4],
-    pub right: [f32; 4],
-    pub up: [f32; 4],
-    pub forward: [f32; 4],
-    pub right_low: [f32; 4],
-    pub up_low: [f32; 4],
-    pub forward_low: [f32; 4],
-    pub lens: [f32; 4],
-    pub focal: [f32; 4],
-    pub image: [u32; 4],
-    pub counts: [u32; 4],
-    pub draw: [u32; 4],
-    pub flags: [u32; 4],
-    pub model: [f32; 4],
-    pub space: [f32; 4],
-    pub light: [f32; 4],
-    pub colour: [f32; 4],
-    pub shift: [f32; 4],
-    pub levels: [[u32; 4]; MAX_LEVELS],
-}
-
-/// `Control`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Control {
-    pub brightest: u32,
-    pub nearest: u32,
-    pub range_low: u32,
-    pub range_high: u32,
-    pub visible: u32,
-    pub most: u32,
-    pub segments: u32,
-    pub segment_entries: u32,
-    pub part_repetitions: u32,
-    pub listed: u32,
-    pub classes: u32,
-    pub new_classes: u32,
-    pub base: u32,
-    pub depth_low: u32,
-    pub depth_high: u32,
-    pub unused: u32,
-    pub tile_groups: [u32; 4],
-    pub active_groups: [u32; 4],
-    pub tile_draw: [u32; 4],
-    pub share_groups: [u32; 4],
-    pub kernel_groups: [u32; 4],
-    pub screen_draw: [u32; 4],
-    pub sprite_draw: [u32; 4],
-}
-
-/// `Particle`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Particle {
-    pub view: [f32; 4],
-    pub centre: [f32; 4],
-    pub slope: [f32; 4],
-    pub colour: [f32; 4],
-    pub draw: [u32; 4],
-    pub light: [u32; 4],
-}
-
-/// `Lamp`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Lamp {
-    pub place: [f32; 4],
-    pub colour: [f32; 4],
-}
-
-push_constants! {
-    /// Of `scan`.
-    ScanConstants { cells: u32, turns: u32, base: u32, visit: u32, eighths: u32, repetitions: u32 }
-    /// Of `tiles` and `adapt`.
-    PartsConstants { first: u32, most: u32, repetitions: u32, stages: u32 }
-    /// Of `mips`.
-    MipsConstants { level: u32 }
-    /// Of `scene`.
-    SceneConstants { terms: [f32; 2], kind: u32 }
-    /// Of `raster`.
-    RasterConstants { repetition: u32 }
-    /// Of `add`.
-    AddConstants { is_first: u32 }
-    /// Of `rebuild`.
-    RebuildConstants { force: u32 }
-    /// Of `accumulate` and `expected`, whose repetitions are bins.
-    AccumulateConstants { part: u32, repetitions: u32, last: u32, before: u32 }
-}
 
 impl Control {
     /// What a frame starts with.

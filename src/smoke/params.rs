@@ -1,138 +1,17 @@
-//! The structures of `glsl/smoke/params.glsl` and the kernels' push constants. Offsets and sizes are compared with the
-//! shaders' when the crate is built; what the fields mean stands there.
-#![allow(missing_docs)] // the shader's declarations document the fields
+//! What the host tells the kernels of `glsl/smoke`. The structures and constants are the shaders' own (build.rs).
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
 
-use crate::layout::push_constants;
+pub use crate::shaders::smoke::blocks::*;
+pub use crate::shaders::smoke::constants::*;
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::{Layout, Pyramid};
 use crate::smoke::settings::{Emitter, Settings};
 use crate::view::{Camera, CameraRows, Light, LightSource};
 
-/// Side of a screen tile in pixels.
-pub const TILE: u32 = 32;
-/// Blocks along a tile's side.
-pub const TILE_BLOCKS: u32 = 4;
-/// Side of a block in pixels.
-pub const BLOCK: u32 = 8;
-/// Pixels of a tile.
-pub const SLOT_PIXELS: u32 = TILE * TILE;
-/// Words of occupancy whose births are counted together.
-pub const BIRTH_BLOCK: u32 = 256;
-/// Sphere slots that one invocation counts and lists.
-pub const LIST_RUN: u32 = 16;
-/// Buckets of a light-space tile's list.
-pub const BUCKETS: u32 = 64;
 /// Levels that the occupancy pyramid can have.
 pub const MAX_LEVELS: usize = 12;
-
-/// `SmokeParams`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct SmokeParams {
-    pub eye: [f32; 4],
-    pub eye_low: [f32; 4],
-    pub right: [f32; 4],
-    pub up: [f32; 4],
-    pub forward: [f32; 4],
-    pub right_low: [f32; 4],
-    pub up_low: [f32; 4],
-    pub forward_low: [f32; 4],
-    pub lens: [f32; 4],
-    pub image: [u32; 4],
-    pub grid: [u32; 4],
-    pub voxel: [f32; 4],
-    pub origin: [f32; 4],
-    pub emitter_first: [i32; 4],
-    pub emitter_last: [i32; 4],
-    pub emitter_low: [f32; 4],
-    pub emitter_high: [f32; 4],
-    pub light: [f32; 4],
-    pub light_right: [f32; 4],
-    pub light_up: [f32; 4],
-    pub light_frame: [f32; 4],
-    pub light_range: [f32; 4],
-    pub shade: [f32; 4],
-    pub motion: [f32; 4],
-    pub counts: [u32; 4],
-    pub frame: [u32; 4],
-    pub shadow: [u32; 4],
-    pub filtering: [u32; 4],
-    pub ink: [f32; 4],
-    pub ink_colour: [f32; 4],
-    pub blocks: [u32; 4],
-    pub levels: [[u32; 4]; MAX_LEVELS],
-}
-
-/// `Control`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Control {
-    pub live: u32,
-    pub visible: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
-    pub live_groups: [u32; 4],
-    pub draw: [u32; 4],
-    pub light_draw: [u32; 4],
-    pub tile_groups: [u32; 4],
-    pub tile_draw: [u32; 4],
-    pub depth_low: u32,
-    pub depth_high: u32,
-    pub light_low_x: u32,
-    pub light_low_y: u32,
-    pub light_low_z: u32,
-    pub light_high_x: u32,
-    pub light_high_y: u32,
-    pub light_high_z: u32,
-}
-
-/// `History`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct History {
-    pub range_low: f32,
-    pub range_high: f32,
-    pub started: u32,
-    pub births: u32,
-    pub longest: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
-    pub unused_c: u32,
-}
-
-/// `Particle`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Particle {
-    pub position_age: [f32; 4],
-    pub step_generation: [f32; 4],
-}
-
-push_constants! {
-    /// Of `composite_depth`.
-    CompositeConstants { terms: [f32; 2], edges: u32 }
-    /// Of `births`.
-    BirthsConstants { blocks: u32 }
-    /// Of `pyramid`.
-    PyramidConstants { level: u32 }
-    /// Of `grow_pyramid` and `grow_growth`.
-    SearchConstants { part: u32, turns: u32, ball: u32, last: u32 }
-    /// Of `occupied`.
-    OccupiedConstants { parts: u32, part_turns: u32 }
-    /// Of `luminance_exact`.
-    LuminanceConstants { part: u32, turns: u32 }
-    /// Of `luminance_map`.
-    MapConstants { texels: u32 }
-    /// Of the shadow map's shaders.
-    ShadowConstants { face: u32, texels: f32 }
-    /// Of `items`.
-    ItemsConstants { batch: u32, first_group: u32, group_count: u32, capacity: u32 }
-    /// Of `rows` and `columns`.
-    GaussianConstants { base: u32, first_group: u32 }
-}
 
 impl Control {
     /// What a frame starts with.

@@ -20,7 +20,7 @@ fn straight(motion: Vec<[f32; 4]>) -> Interval {
     let pieces = motion.iter().map(|[x, y, vx, vy]| Piece {
         origin: [4.0 * x, 4.0 * y, 4.0, 0.0],
         step: [4.0 * vx, 4.0 * vy, 0.0, 0.0],
-        ..Piece::default()
+        ..bytemuck::Zeroable::zeroed()
     });
     Interval {
         pieces: pieces.collect(),

@@ -25,6 +25,7 @@ pub use seams::MOST_NEIGHBOURS;
 use super::mesh::Mesh;
 use super::settings::{Settings, Trajectory};
 use crate::error::{Error, Result};
+pub use crate::shaders::blur::blocks::{Cluster, Piece};
 use crate::view::Camera;
 
 /// The mesh in one frame, and what sees it.
@@ -59,22 +60,6 @@ pub const WINDOW: usize = 12;
 /// Frames to each side that are looked at for different poses.
 const FARTHEST: usize = 4 * WINDOW;
 
-/// Points that are smeared as one. Its hull is `hull[hull_begin..hull_end]`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Cluster {
-    /// The object of all its points.
-    pub object: u32,
-    /// Where its extreme points begin in [`Interval::hull`], in the order of [`outline`].
-    pub hull_begin: u32,
-    /// Where its extreme points end.
-    pub hull_end: u32,
-    /// Random numbers N across it, 1 to 4096.
-    pub teeth: u32,
-    /// Number of its points.
-    pub points: u32,
-}
-
 /// A piece of the trajectories, from one time to another, in frames after frame i.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -83,24 +68,6 @@ pub struct Segment {
     pub begin: f32,
     /// Its last time, above `begin`.
     pub end: f32,
-}
-
-/// A piece of one point's trajectory: y(u) = y(0) + u D + ((1 - u)^3 - (1 - u)) / 6 M0 + (u^3 - u) / 6 M1, where u is 0
-/// to 1 from the segment's begin to its end.
-///
-/// Components x, y, w; the fourth is 0. In homogeneous space these are pixel clip coordinates: x / w and y / w are
-/// pixels, y down, and w is the view depth in metres. In screen space x and y are pixels.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Piece {
-    /// y(0). Of the segment that begins at 0: as it is in frame i; of all others: less what it is in frame i.
-    pub origin: [f32; 4],
-    /// D = y(1) - y(0).
-    pub step: [f32; 4],
-    /// M0, the second derivative at u = 0.
-    pub bend_begin: [f32; 4],
-    /// M1, the second derivative at u = 1.
-    pub bend_end: [f32; 4],
 }
 
 /// All that the device needs of an animation for output i + 1.

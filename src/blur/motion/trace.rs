@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
 
 use super::projection::Projection;
@@ -79,7 +80,7 @@ impl Traces {
         let mut traces = Traces {
             motion: vec![[0.0; 4]; points],
             moves: vec![[f32::NAN; 2]; points],
-            pieces: vec![Piece::default(); points * spans],
+            pieces: vec![Piece::zeroed(); points * spans],
         };
         let shared = Shared::new(task);
         let mut slabs: Vec<_> = traces.pieces.chunks_mut(points).map(|slab| slab.chunks_mut(BLOCK)).collect();

@@ -1,0 +1,86 @@
+//! The Rust text of a shader, of blocks and of constants.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use crate::reflect::{Block, Blocks};
+use crate::source::Constant;
+use crate::{Compiled, Reflection};
+
+/// A shader as the module `module`.
+pub fn shader(table: &mut String, file: &str, module: &str, Compiled { stage, words, reflection }: &Compiled) {
+    let Reflection { local_size, push_size, slots, .. } = reflection;
+    let _ = writeln!(table, "/// `glsl/{file}`.\npub mod {module} {{\nuse crate::plan::*;");
+    let _ = writeln!(table, "/// SPIR-V and what it binds.\npub static SHADER: Shader = Shader {{");
+    let _ = writeln!(table, "file: {file:?}, stage: Stage::{stage}, local_size: {local_size:?},");
+    let _ = writeln!(table, "push_size: {push_size}, slots: &[");
+    for (name, ..) in slots.values() {
+        let _ = write!(table, "{},", upper_case(name));
+    }
+    let _ = writeln!(table, "], words: &{words:?} }};");
+    for (binding, (name, kind, access)) in slots {
+        let constant = upper_case(name);
+        let _ = writeln!(table, "/// `{name}`.\npub const {constant}: Slot = Slot {{");
+        let _ =
+            writeln!(table, "name: {name:?}, binding: {binding}, kind: SlotKind::{kind}, access: Access::{access} }};");
+    }
+    table.push_str("}\n");
+}
+
+/// `LiveSpheres` and `live_spheres` become `LIVE_SPHERES`.
+fn upper_case(name: &str) -> String {
+    let mut out = String::new();
+    let mut previous = '_';
+    for c in name.chars() {
+        if c.is_uppercase() && (previous.is_lowercase() || previous.is_ascii_digit()) {
+            out.push('_');
+        }
+        out.extend(c.to_uppercase());
+        previous = c;
+    }
+    out
+}
+
+/// Structures with the members, offsets and sizes of blocks, documented as the shaders document them.
+pub fn blocks(table: &mut String, blocks: &Blocks, comments: &BTreeMap<(String, String), String>) {
+    table.push_str("/// Structures that host and shaders share.\npub mod blocks {\nuse bytemuck::{Pod, Zeroable};\n");
+    for (name, Block { members, size }) in blocks {
+        let comment = |member: &str| comments.get(&(name.clone(), member.to_owned())).filter(|text| !text.is_empty());
+        let doc = |member: &str, shown: &str| match comment(member) {
+            Some(text) => format!("#[doc = {text:?}]"),
+            None => format!("/// `{shown}`."),
+        };
+        let derived = "#[repr(C)]\n#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]";
+        let _ = writeln!(table, "{}\n{derived}\npub struct {name} {{", doc("", name));
+        let mut end = 0;
+        for member in members {
+            pad(table, end, member.offset);
+            let _ = writeln!(table, "{}\npub {}: {},", doc(&member.name, &member.name), member.name, member.rust);
+            end = member.offset + member.size;
+        }
+        pad(table, end, *size);
+        table.push_str("}\n");
+        let _ = writeln!(table, "const _: () = {{\nassert!(size_of::<{name}>() == {size});");
+        for member in members {
+            let _ = writeln!(table, "assert!(core::mem::offset_of!({name}, {}) == {});", member.name, member.offset);
+        }
+        table.push_str("};\n");
+    }
+    table.push_str("}\n");
+}
+
+fn pad(table: &mut String, from: usize, to: usize) {
+    if to > from {
+        let _ = writeln!(table, "/// Unused.\npub padding_{from}: [u32; {}],", (to - from) / 4);
+    }
+}
+
+/// Constants of GLSL files as those of Rust.
+pub fn constants(table: &mut String, constants: &[Constant]) {
+    table.push_str("/// Constants that host and shaders share.\npub mod constants {\n");
+    for Constant { name, rust, value, comment } in constants {
+        let doc = if comment.is_empty() { format!("`{name}`.") } else { comment.clone() };
+        let _ = writeln!(table, "#[doc = {doc:?}]\npub const {name}: {rust} = {value};");
+    }
+    table.push_str("}\n");
+}
