@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
+#include "common/bits.glsl"
 #include "samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "seeing.glsl"
@@ -184,8 +185,8 @@ void main() {
     uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
     vec4 own = is_behind ? behind : sum;
     // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
-    uint mark = is_behind && is_next ? 0x80000000u : 0u;
-    picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & 0x7fffffffu | mark));
+    uint mark = is_behind && is_next ? SIGN_BIT : 0u;
+    picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & ~SIGN_BIT | mark));
     if (DEPTH == 1u) {
         float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
         vec4 front = vec4(greaterThanEqual(seen, vec4(FRONT * nearest)));

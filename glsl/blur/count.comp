@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "common/bits.glsl"
 layout(local_size_x = 128) in;
 layout(std430, binding = 1) readonly buffer Splines { Piece splines[]; };
 layout(std430, binding = 2) readonly buffer Vertices { Vertex vertices[]; };
@@ -48,7 +49,7 @@ bool is_split(uint a, uint b) {
     vec2 from = vertices[a].drawn.xy;
     vec2 to = vertices[b].drawn.xy;
     float length2 = distance2(from, to);
-    bool is_long = length2 >= params.lens.y * params.lens.y && length2 < uintBitsToFloat(0x7f800000u);
+    bool is_long = length2 >= params.lens.y * params.lens.y && length2 < INFINITY;
     if (!is_long || max(vertices[a].place.x, vertices[b].place.x) == 0u) {
         return false;
     }

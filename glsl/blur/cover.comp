@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
+#include "common/bits.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1) uniform utexture2D seen_previous;
 layout(binding = 2) uniform utexture2D seen_next;
@@ -73,7 +74,7 @@ uint shown_at(uint frame, ivec2 at) {
 
 void measure(vec4 colour, uint frame) {
     float brightest = max(max(colour.x, colour.y), colour.z);
-    float infinite = uintBitsToFloat(0x7f800000u);
+    float infinite = INFINITY;
     for (uint i = 0u; i < 4u; ++i) {
         // What is not a number or below 1 is not above it.
         if (colour[i] > 1.0 && colour[i] < infinite) {

@@ -1,4 +1,5 @@
 // What sums of triangles' normals are made of.
+#include "common/bits.glsl"
 layout(std430, binding = 1) readonly buffer Poses { float poses[]; };
 layout(std430, binding = 2) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 3) readonly buffer GroupStarts { uint group_starts[]; };
@@ -45,7 +46,7 @@ float largest(uint frame, uint begin, uint end, uint stride) {
 // of which has a component above `most`, does not overflow.
 bool has_units(float most, uint count, out int bits) {
     bits = 0;
-    if (!(most > 0.0 && most < uintBitsToFloat(0x7f800000u))) {
+    if (!(most > 0.0 && most < INFINITY)) {
         return false;
     }
     int above;

@@ -16,6 +16,7 @@ layout(std430, binding = 13) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 14) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 15) readonly buffer Tiles { uint tiles[]; };
 #include "tiles.glsl"
+#include "common/bits.glsl"
 
 const float SAME_DEPTH = 0.003;   // share of its depth by which a surface may be off and still be the same
 const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
@@ -45,7 +46,7 @@ float depth_at(uint frame, ivec2 at) {
         case 2u: depth = texelFetch(depth_next, at, 0).x; break;
         default: depth = texelFetch(depth_after, at, 0).x; break;
     }
-    return depth > 0.0 ? params.lens.x / depth : uintBitsToFloat(0x7f800000u);
+    return depth > 0.0 ? params.lens.x / depth : INFINITY;
 }
 
 vec4 colour_at(uint frame, ivec2 at) {

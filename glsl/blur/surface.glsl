@@ -1,5 +1,6 @@
 // What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
 #include "common/half.glsl"
+#include "common/bits.glsl"
 layout(std430, binding = 26) writeonly buffer Surface {
     // Colour, premultiplied by the share that is covered, and that share, as halves; view depth; that behind which all of the
     // pixel is covered. Of what of the mesh is nearest; another part of it may be behind that. Where there is none: depth of
@@ -15,7 +16,7 @@ vec4 next_at(ivec2 pixel);
 float nearness_at(ivec2 at);
 
 float depth_of(float nearness) {
-    return nearness > 0.0 ? params.lens.x / nearness : uintBitsToFloat(0x7f800000u);
+    return nearness > 0.0 ? params.lens.x / nearness : INFINITY;
 }
 
 void covers(uint index, vec4 colour, float nearest, float behind) {

@@ -1,4 +1,5 @@
 // Colours by world normal: what is typical of each object in each of frames i (0) and i + 1 (1).
+#include "common/bits.glsl"
 
 const uint SIDE = 32u;
 const uint BINS = SIDE * SIDE;
@@ -18,7 +19,7 @@ float sign_of(float value) {
 // The bin of a normal of any length in the octahedral map.
 uint bin_of(vec3 normal) {
     float most = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
-    if (!(most > 0.0 && most < uintBitsToFloat(0x7f800000u))) {
+    if (!(most > 0.0 && most < INFINITY)) {
         return NO_BIN;
     }
     normal /= most;

@@ -94,7 +94,7 @@ uint entry_at(uint index) {
 // them yet: behind the front of a fire, most of a list is.
 uint find_batch(inout uint at, uint end, bool is_first) {
     uint lane = gl_LocalInvocationID.x;
-    uint most = is_first ? FAR_AWAY : max(max(farthest.x, farthest.y), max(farthest.z, farthest.w));
+    uint most = is_first ? INFINITY_BITS : max(max(farthest.x, farthest.y), max(farthest.z, farthest.w));
     uint found;
     do {
         if (at + lane < end) {
@@ -218,7 +218,7 @@ void begin_round(uint block, bool skips) {
     barrier();
     if (lane % BLOCK == 0u) {
         uvec4 both = max(column_farthest[lane / 4u], column_farthest[lane / 4u + 1u]);
-        farthest[block] = skips ? max(max(both.x, both.y), max(both.z, both.w)) : FAR_AWAY;
+        farthest[block] = skips ? max(max(both.x, both.y), max(both.z, both.w)) : INFINITY_BITS;
     }
     if (lane == 0u) {
         touches = uvec4(0u);
@@ -251,7 +251,7 @@ void main() {
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         inside[y] = pixel.x < params.image.x && pixel.y + uint(y) < params.image.y;
         uint at = column + uint(y) * params.image.x;
-        scene_depth[y] = inside[y] ? FAR_AWAY : 0u;
+        scene_depth[y] = inside[y] ? INFINITY_BITS : 0u;
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
                 scene_depth[y] = floatBitsToUint(from_base(scene[at]));

@@ -17,7 +17,7 @@ void main() {
     uint rank = 0u;
     for (uint base = 0u; base < count; base += 256u) {
         uint other = base + lane;
-        depths[lane] = other < count ? particles[other].view.z : uintBitsToFloat(FAR_AWAY);
+        depths[lane] = other < count ? particles[other].view.z : uintBitsToFloat(INFINITY_BITS);
         barrier();
         for (uint i = 0u; i < 256u; ++i) {
             float z = depths[i];

@@ -325,7 +325,7 @@ void main() {
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         inside[y] = pixel.x < params.image.x && pixel.y + uint(y) < params.image.y;
         uint at = column + uint(y) * params.image.x;
-        scene_depth[y] = uintBitsToFloat(FAR_AWAY);
+        scene_depth[y] = uintBitsToFloat(INFINITY_BITS);
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
                 scene_depth[y] = from_base(scene[at]);

@@ -9,7 +9,7 @@ layout(location = 0) out vec4 brighter;
 void main() {
     uvec2 at = uvec2(gl_FragCoord.xy);
     float depth = scene[at.y * params.image.x + at.x];
-    if (!(depth < uintBitsToFloat(FAR_AWAY))) {
+    if (!(depth < uintBitsToFloat(INFINITY_BITS))) {
         discard;
     }
     vec2 slope = (gl_FragCoord.xy - params.focal.yz) * params.focal.w;

@@ -5,12 +5,13 @@
 
 #extension GL_GOOGLE_include_directive : require
 
+#include "common/bits.glsl"
+
 const uint TILE = 16u;          // side of a screen tile in pixels
 const uint BLOCK = 8u;          // side of a block in pixels; a tile is 2 x 2 blocks
 const uint CELLS_ACROSS = 4u;   // a particle stands at the level of cells where it touches at most so many across
 const uint MASK_SIDE = 64u;     // texels of the mask along a side
 const uint MASK_LEVELS = 7u;
-const uint FAR_AWAY = 0x7f800000u;  // bits of infinity: the depth of a pixel that sees nothing
 
 layout(binding = 0) uniform FlameParams {
     vec4 eye;          // position of the camera, high part; w: unused

@@ -57,7 +57,7 @@ Pixel of_repetitions(uint at, float n) {
         pixel.variance[c] = KEEP_LAYERS == 1u ? variance_of(sum, split(square_low[c], square_high[c]), n) / (ONE * ONE) : 0.0;
     }
     pixel.coverage = hits / n;
-    pixel.depth = hits > 0.0 ? uintBitsToFloat(high.w) / hits + uintBitsToFloat(control.base) : uintBitsToFloat(FAR_AWAY);
+    pixel.depth = hits > 0.0 ? uintBitsToFloat(high.w) / hits + uintBitsToFloat(control.base) : uintBitsToFloat(INFINITY_BITS);
     return pixel;
 }
 
@@ -68,7 +68,7 @@ Pixel of_integral(uint at) {
     pixel.mean = a.xyz;
     pixel.variance = max(b.xyz - a.xyz * a.xyz, 0.0);
     pixel.coverage = 1.0 - a.w;
-    pixel.depth = pixel.coverage > 0.0 ? b.w / pixel.coverage + uintBitsToFloat(control.base) : uintBitsToFloat(FAR_AWAY);
+    pixel.depth = pixel.coverage > 0.0 ? b.w / pixel.coverage + uintBitsToFloat(control.base) : uintBitsToFloat(INFINITY_BITS);
     return pixel;
 }
 

@@ -22,5 +22,5 @@ void main() {
         : constants.kind == 1u ? float(word & 0xffffffu) / 16777215.0 : uintBitsToFloat(word);
     float z = constants.terms.y / (depth - constants.terms.x);
     // Nothing is there where the depth is beyond the projection's end.
-    scene[pixel] = is_finite(z) && z > 0.0 ? z : uintBitsToFloat(FAR_AWAY);
+    scene[pixel] = is_finite(z) && z > 0.0 ? z : uintBitsToFloat(INFINITY_BITS);
 }

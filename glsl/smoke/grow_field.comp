@@ -35,7 +35,7 @@ void main() {
     }
     ivec3 voxel = voxel_of(p);
     int reach = field_at(voxel);
-    float best = reach == 0 ? 0.0 : EMPTY;
+    float best = reach == 0 ? 0.0 : INFINITY;
     if (reach > 0) {
         vec3 up, down;
         for (int a = 0; a < 3; ++a) {

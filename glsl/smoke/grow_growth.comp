@@ -13,7 +13,7 @@ uint rows_before(uint shell) {
 }
 
 float shell_distance(vec3 p, ivec3 voxel, int k) {
-    float best = EMPTY;
+    float best = INFINITY;
     for (int a = 0; a < 3; ++a) {
         best = min(best, min(along(p, voxel[a] + k, a), along(p, voxel[a] - k, a)));
     }
@@ -52,7 +52,7 @@ void main() {
         int y = voxel.y + row_of_shell % side - k;
         int z = voxel.z + row_of_shell / side - k;
         if (y >= 0 && y < int(params.grid.y) && z >= 0 && z < int(params.grid.z)) {
-            float dx = EMPTY;
+            float dx = INFINITY;
             if (abs(y - voxel.y) == k || abs(z - voxel.z) == k) {
                 uint row = params.levels[0].x + (uint(z) * params.grid.y + uint(y)) * params.grid.w;
                 float reach = max(along(p, voxel.x + k, 0), along(p, voxel.x - k, 0));
@@ -60,7 +60,7 @@ void main() {
             } else {
                 ivec3 left = ivec3(voxel.x - k, y, z);
                 ivec3 right = ivec3(voxel.x + k, y, z);
-                dx = is_inside(left) && !is_occupied(left) ? along(p, left.x, 0) : EMPTY;
+                dx = is_inside(left) && !is_occupied(left) ? along(p, left.x, 0) : INFINITY;
                 dx = is_inside(right) && !is_occupied(right) ? min(dx, along(p, right.x, 0)) : dx;
             }
             best = min(best, combined(dx, along(p, y, 1), along(p, z, 2)));

@@ -41,7 +41,7 @@ void shade(uvec2 at) {
     surface.offset = surface.normal * sphere.w;
     bool point = params.light.w != 0.0;
     vec3 to_light = point ? (params.light.xyz - sphere.xyz) - surface.offset : params.light.xyz;
-    surface.light_distance = point ? length(to_light) : EMPTY;
+    surface.light_distance = point ? length(to_light) : INFINITY;
     surface.to_light = point ? to_light / max(surface.light_distance, 1e-30) : to_light;
     surface.facing = dot(surface.normal, surface.to_light);
     uint pixel = at.y * params.image.x + at.x;

@@ -16,7 +16,7 @@ layout(std430, binding = 4) buffer Occlusion { uint occlusion[]; };
 float corner_depth(vec2 corner, vec4 view_sphere) {
     float depth;
     vec3 normal;
-    return hit_sphere(pixel_ray(corner), view_sphere, depth, normal) ? depth : EMPTY;
+    return hit_sphere(pixel_ray(corner), view_sphere, depth, normal) ? depth : INFINITY;
 }
 
 void main() {

@@ -16,14 +16,14 @@ float depth_at(ivec2 at) {
 
 float line_at(ivec2 at) {
     float centre = depth_at(at);
-    if (centre == EMPTY) {
+    if (centre == INFINITY) {
         return 0.0;
     }
     float a = depth_at(at + ivec2(-1, 1));
     float b = depth_at(at + ivec2(1, -1));
     float c = depth_at(at + ivec2(-1, -1));
     float d = depth_at(at + ivec2(1, 1));
-    if (a == EMPTY || b == EMPTY || c == EMPTY || d == EMPTY) {
+    if (a == INFINITY || b == INFINITY || c == INFINITY || d == INFINITY) {
         return 1.0;
     }
     float per_unit = 1.0 / max(params.ink.z, 8.0 * params.ink.w * centre);

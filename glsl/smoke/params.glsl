@@ -5,13 +5,14 @@
 
 #extension GL_GOOGLE_include_directive : require
 
+#include "common/bits.glsl"
+
 const uint TILE = 32u;           // side of a screen tile in pixels
 const uint BLOCK = 8u;           // side of a block in pixels; a tile is 4 x 4 blocks
 const uint TILE_BLOCKS = 4u;
 const uint SLOT_PIXELS = 1024u;  // pixels of a tile
 const uint BIRTH_BLOCK = 256u;   // words of occupancy whose births are counted together
 const uint LIST_RUN = 16u;       // sphere slots that one invocation counts and lists
-#define EMPTY uintBitsToFloat(0x7f800000u)  // depth of a pixel that sees nothing
 
 layout(binding = 0) uniform SmokeParams {
     vec4 eye;          // position of the camera, high part; w: unused

@@ -44,7 +44,7 @@ float nearest_in_row(uint row, uint level, vec3 p, int x, float limit) {
     uint here = empties(row, word, level);
     uint left = here & (0xffffffffu >> uint(31 - x % 32));
     uint right = here & (0xffffffffu << uint(x % 32));
-    float best = EMPTY;
+    float best = INFINITY;
     for (int w = word;;) {
         if (left != 0u) {
             best = along(p, w * 32 + findMSB(left), 0);
