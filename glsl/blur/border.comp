@@ -7,7 +7,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "inward.glsl"
 
 void main() {
-    uvec2 size = 2u * params.image.xy;
+    uvec2 size = 2u * params.size;
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, size))) {
         return;
     }

@@ -42,7 +42,7 @@ bool is_beside(ivec2 pixel) {
 
 // Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
 bool is_drawn() {
-    return params.modes.x > 0u;
+    return params.is_drawn != 0u;
 }
 
 // A frame's pixel, finished.
@@ -60,7 +60,7 @@ struct Skirt {
 Skirt skirt_of(ivec2 pixel, float farthest) {
     Skirt skirt;
     skirt.nearness = 0.0;
-    float reach = uintBitsToFloat(params.completion.z);
+    float reach = params.skirt;
     int whole = is_drawn() ? -1 : int(reach);
     float nearest = reach * reach + 0.5;
     for (int y = -whole; y <= whole; ++y) {
@@ -97,10 +97,10 @@ void look_beside(uint frame, Skirt skirt, vec2 place, out vec4 colour, out float
         + shares.z * corner_of(frame, skirt.fragment.base.z);
     colour = vec4(0.0);
     weight = 0.0;
-    if (!(own.z >= params.lens.x)) {
+    if (!(own.z >= params.near)) {
         return;
     }
-    vec2 at = clamp(own.xy / own.z + (place - skirt.centre) - 0.5, vec2(-2.0), vec2(params.image.xy) + 1.0);
+    vec2 at = clamp(own.xy / own.z + (place - skirt.centre) - 0.5, vec2(-2.0), vec2(params.size) + 1.0);
     ivec2 corner = ivec2(floor(at));
     vec2 part = at - vec2(corner);
     for (int i = 0; i < 4; ++i) {
@@ -160,7 +160,7 @@ void main() {
     float opaque = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
-        uint index = uint(at.y) * 2u * params.image.x + uint(at.x);
+        uint index = uint(at.y) * 2u * params.size.x + uint(at.x);
         uint state = sample_states[index];
         vec4 colour = (state & MASK) == 4u ? vec4(0.0) : sample_colours[index];
         bool is_part = (state & MASK) != 4u && !(is_next && (state & STILL) != 0u);
@@ -182,7 +182,7 @@ void main() {
         sum += 0.25 * own;
         of_mesh += 0.25 * colour;
     }
-    uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
+    uint index = uint(pixel.y) * params.size.x + uint(pixel.x);
     vec4 own = is_behind ? behind : sum;
     // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
     uint mark = is_behind && is_next ? SIGN_BIT : 0u;

@@ -7,10 +7,10 @@ layout(location = 0) out vec4 colour;
 // The pixel's place in the picture.
 uint replace() {
     uvec2 at = uvec2(gl_FragCoord.xy);
-    uint index = at.y * params.image.x + at.x;
+    uint index = at.y * params.size.x + at.x;
     colour = picture[index];
     // Nothing has been made of a tile that is not worked on.
-    bool is_made = tiles[flag_of((at.y / 8u) * tiles_across() + at.x / 8u)] != 0u;
+    bool is_made = tiles[flag_of((at.y / 8u) * params.tiles.x + at.x / 8u)] != 0u;
     if (!is_made || floatBitsToUint(colour.a) >> 31u != 0u) {
         discard;
     }

@@ -4,14 +4,13 @@
 #include "params.glsl"
 #include "../common/host_depth.glsl"
 layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;
-layout(std430, binding = 1) readonly buffer Surface { uvec4 surface[]; };
+layout(std430, binding = 1) readonly buffer Surface { Covering surface[]; };
 
 void main() {
     uvec2 at = uvec2(gl_FragCoord.xy);
-    uvec4 own = surface[at.y * params.image.x + at.x];
-    float behind = uintBitsToFloat(own.w);
-    if (isinf(uintBitsToFloat(own.z)) || isinf(behind)) {
+    Covering own = surface[at.y * params.size.x + at.x];
+    if (isinf(own.depth) || isinf(own.behind)) {
         discard;
     }
-    gl_FragDepth = host_depth(constants.terms, behind);
+    gl_FragDepth = host_depth(constants.terms, own.behind);
 }

@@ -56,7 +56,7 @@ bool farthest(Cluster cluster, vec2 d, out float best) {
         forward = forward + 1u == count ? 0u : forward + 1u;
         float p = along(d, hull[first + forward]);
         best = max(best, p);
-        if (p < best - params.lens.z) {
+        if (p < best - params.hull_margin) {
             break;
         }
     }
@@ -65,7 +65,7 @@ bool farthest(Cluster cluster, vec2 d, out float best) {
         back = back == 0u ? count - 1u : back - 1u;
         float p = along(d, hull[first + back]);
         best = max(best, p);
-        if (p < best - params.lens.z) {
+        if (p < best - params.hull_margin) {
             break;
         }
     }
@@ -143,17 +143,17 @@ vec2 shares_of(vec4 found, vec2 x, vec2 d, vec2 u) {
 }
 
 // k and l.
-vec2 extent_of(vec4 motion, uint label) {
+vec2 extent_of(vec2 position, vec2 velocity, uint label) {
     vec2 d;
-    if (label == 0u || !direction_of(motion.zw, d)) {
+    if (label == 0u || !direction_of(velocity, d)) {
         return vec2(1.0, 0.0);
     }
     vec2 u = vec2(d.y, -d.x);
-    return shares_of(extremes(clusters[label - 1u], d, u), motion.xy, d, u);
+    return shares_of(extremes(clusters[label - 1u], d, u), position, d, u);
 }
 
 float tooth(Cluster cluster, uint index) {
-    return unit(hash(params.image.z, cluster.object, index, params.image.w));
+    return unit(hash(params.seed, cluster.object, index, params.generation));
 }
 
 // k' of a vertex by itself.
@@ -172,7 +172,7 @@ float moved_by(vec2 extent, uint label) {
         precise float mixed = from + (x - float(index)) * (tooth(cluster, index + 1u) - from);
         r = mixed;
     }
-    precise float moved = 1.0 - params.model.x * (1.0 - extent.x) * r;
+    precise float moved = 1.0 - params.strength * (1.0 - extent.x) * r;
     return moved;
 }
 
@@ -185,6 +185,6 @@ uint whole_of(float moved) {
 // k' with what smoothing adds, within the range that k' has.
 float shifted(float moved, float added) {
     precise float sum = moved + added;
-    precise float least = 1.0 - params.model.x;
+    precise float least = 1.0 - params.strength;
     return min(max(sum, least), 1.0);
 }

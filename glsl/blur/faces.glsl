@@ -18,7 +18,7 @@ uint frame_of(uint slot) {
 }
 
 vec3 position(uint frame, uint point) {
-    uint at = 3u * (params.views[frame].slot.x * params.counts.x + point);
+    uint at = 3u * (params.pose_places[frame] * params.points + point);
     return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
 }
 

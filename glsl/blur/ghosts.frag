@@ -17,9 +17,9 @@ layout(location = 0) out vec4 colour;
 
 // The pixel that sees a place; outside of the picture there is none.
 bool find(vec3 place, out ivec2 at) {
-    vec2 pixel = clamp(place.xy / place.z, vec2(-1.0), vec2(params.image.xy) + 1.0);
+    vec2 pixel = clamp(place.xy / place.z, vec2(-1.0), vec2(params.size) + 1.0);
     at = ivec2(floor(pixel));
-    return place.z > params.lens.x && all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
+    return place.z > params.near && all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.size)));
 }
 
 void main() {

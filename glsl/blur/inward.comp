@@ -76,7 +76,7 @@ void main() {
         if (now.x == NONE || turns > MOST_TURNS) {
             break;
         }
-        uint list_at = now.x * params.completion.w;
+        uint list_at = now.x * params.list_room;
         for (uint i = now.y + lane; i < now.z; i += LANES) {
             uint index = lists[list_at + i];
             uint state = sample_states[index];

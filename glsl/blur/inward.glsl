@@ -11,7 +11,7 @@ const uint NONE = 0xffffffffu;
 
 // The neighbour of a sample to the left, to the right, above or below.
 uint neighbour(uint index, uint direction) {
-    ivec2 size = ivec2(2u * params.image.xy);
+    ivec2 size = ivec2(2u * params.size);
     ivec2 at = ivec2(index % uint(size.x), index / uint(size.x));
     at += direction < 2u ? ivec2(2 * int(direction) - 1, 0) : ivec2(0, 2 * int(direction) - 5);
     bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
@@ -36,8 +36,8 @@ bool has_colour(uint state) {
 // Puts a sample into the list of those with so many neighbours, 1 to 4.
 void list(uint index, uint count) {
     uint at = atomicAdd(completing[TAILS + 8u * GRADIENT + count - 1u], 1u);
-    if (at < params.completion.w) {
-        lists[(count - 1u) * params.completion.w + at] = index;
+    if (at < params.list_room) {
+        lists[(count - 1u) * params.list_room + at] = index;
     } else {
         atomicOr(completing[OVERFLOWS + GRADIENT], 1u);
     }

@@ -13,10 +13,10 @@ layout(std430, binding = 6) writeonly buffer DistortedNames { uint distorted_nam
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(at, ivec2(params.image.xy)))) {
+    if (any(greaterThanEqual(at, ivec2(params.size)))) {
         return;
     }
-    uint pixel = uint(at.y) * params.image.x + uint(at.x);
+    uint pixel = uint(at.y) * params.size.x + uint(at.x);
     previous_names[pixel] = texelFetch(seen_previous, at, 0).x;
     next_names[pixel] = texelFetch(seen_next, at, 0).x;
     distorted_names[pixel] = texelFetch(distorted, at, 0).x;

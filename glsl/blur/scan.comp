@@ -35,23 +35,24 @@ void main() {
         blocks[i] += before;
     }
     if (lane == 0u) {
-        uint triangles = current.groups.w;
-        bool over = current.made.x + triangles - all.y + all.x > params.pieces.w;
+        uint triangles = current.triangles;
+        bool over = current.finished_before + triangles - all.y + all.x > params.triangle_budget;
         bool ends = over || constants.round == ROUNDS;
         if (all.x > 0u && ends) {
-            rounds[constants.round].scan.w = 1u;
-            control.refined.z = over ? 1u : 2u;
-            control.refined.w = all.y;
+            rounds[constants.round].is_last = 1u;
+            control.ended_by = over ? ENDED_BY_BUDGET : ENDED_BY_ROUNDS;
+            control.undivided = all.y;
             all = uvec2(0u);
         }
-        uint finished = current.made.x + triangles - all.y;
-        uint made = current.made.y + all.x - all.y;
+        uint finished = current.finished_before + triangles - all.y;
+        uint made = current.vertices_before + all.x - all.y;
         uint groups = (all.x + BLOCK - 1u) / BLOCK;
         if (constants.round < ROUNDS) {
-            rounds[constants.round + 1u] = Round(uvec4(groups, 1u, 1u, all.x), uvec4(groups > 0u ? 1u : 0u, 1u, 1u, 0u),
-                                                 uvec4(finished, made, 0u, 0u));
+            rounds[constants.round + 1u] = Round(uvec4(groups, 1u, 1u, 0u), uvec4(groups > 0u ? 1u : 0u, 1u, 1u, 0u),
+                                                 all.x, 0u, finished, made);
         }
-        control.refined.xy = uvec2(finished, made);
+        control.triangles = finished;
+        control.vertices = made;
         control.draw = uvec4(3u * finished, 1u, 0u, 0u);
     }
 }

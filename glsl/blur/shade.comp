@@ -17,7 +17,7 @@ layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]
 vec4 typical(Fragment fragment, uint frame) {
     uint object = fragment.base.w >> OBJECT_SHIFT;
     uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.shares));
-    if (object >= params.completion.x || bin == NO_BIN) {
+    if (object >= params.tables || bin == NO_BIN) {
         return vec4(-1.0);
     }
     uvec4 units = tables[table_of(object, frame) + bin];
@@ -27,7 +27,7 @@ vec4 typical(Fragment fragment, uint frame) {
 // Whether tones explain how colours change: of all at least a quarter, and of an object what it must.
 bool is_explained(uint object) {
     uint own = OBJECTS + 2u * object;
-    bool is_own = object >= params.completion.x || completing[own] <= completing[own + 1u];
+    bool is_own = object >= params.tables || completing[own] <= completing[own + 1u];
     return is_own && 4u * completing[UNEXPLAINED] <= 3u * completing[UNEXPLAINED + 1u];
 }
 
@@ -48,10 +48,10 @@ vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     uint object = fragment.base.w >> OBJECT_SHIFT;
     vec3 hidden = unit(normal_at(frame, fragment.place, fragment.base, fragment.shares));
     vec3 shown = unit(normal_at(1u - frame, fragment.place, fragment.base, fragment.shares));
-    if (params.completion.x == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(object)) {
+    if (params.tables == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(object)) {
         return vec4(-1.0);
     }
-    uint place = object < params.completion.x ? 1u + object : 0u;
+    uint place = object < params.tables ? 1u + object : 0u;
     vec3 change = (tone_at(place, frame, hidden) - tone_at(place, 1u - frame, shown)) / LOGARITHM;
     vec3 colour = (max(known.xyz, vec3(0.0)) + LEAST_COLOUR) * exp(change) - LEAST_COLOUR;
     return vec4(clamp(colour, vec3(0.0), max(vec3(scale_of_images()), known.xyz)), known.w);

@@ -53,7 +53,7 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
     keep(index, sides);
     state = mask | KNOWN;
     if (mask == 0u) {
-        sides = sides_of(fragment, uvec2(0u, 3u), params.completion.y);
+        sides = sides_of(fragment, uvec2(0u, 3u), params.outer_images);
     }
     if (sides.known == 0u && COMPLETION == 1u) {
         for (uint frame = 0u; frame < 2u; ++frame) {
@@ -75,7 +75,7 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
 void main() {
     uvec2 part = 8u * uvec2(gl_WorkGroupID.z & 1u, gl_WorkGroupID.z >> 1);
     ivec2 at = ivec2(2u * tile_origin(gl_WorkGroupID) + part + gl_LocalInvocationID.xy);
-    uvec2 size = 2u * params.image.xy;
+    uvec2 size = 2u * params.size;
     bool is_inside = all(lessThan(at, ivec2(size)));
     if (gl_LocalInvocationIndex < 2u) {
         pending[gl_LocalInvocationIndex] = 0u;

@@ -17,7 +17,7 @@ void main() {
     if (!is_in_picture(at)) {
         return;
     }
-    uint index = uint(at.y) * params.image.x + uint(at.x);
+    uint index = uint(at.y) * params.size.x + uint(at.x);
     uint name = texelFetch(distorted, at, 0).x;
     vec4 colours[2] = vec4[2](vec4(0.0), vec4(0.0));
     uint mask = 4u;

@@ -26,7 +26,7 @@ bool is_beside(ivec2 pixel) {
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(pixel, ivec2(params.image.xy)))) {
+    if (any(greaterThanEqual(pixel, ivec2(params.size)))) {
         return;
     }
     vec4 seen;
@@ -37,7 +37,7 @@ void main() {
     float covered = dot(vec4(greaterThan(seen, vec4(0.0))), vec4(0.25));
     float front = dot(vec4(greaterThanEqual(seen, vec4(FRONT * nearest))), vec4(0.25));
     vec4 colour = nearest > 0.0 ? front / covered * part_of_next(pixel, covered) : vec4(0.0);
-    uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
+    uint index = uint(pixel.y) * params.size.x + uint(pixel.x);
     covers(index, colour, nearest, depth_of(min(min(seen.x, seen.y), min(seen.z, seen.w))));
     if (LAYERS == 1u) {
         picture[index] = over_background(next_at(pixel), pixel);

@@ -29,10 +29,10 @@ void list(uint tile) {
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (gl_LocalInvocationIndex == 0u) {
-        seen = params.modes.z;
+        seen = params.is_whole;
     }
     barrier();
-    if (all(lessThan(at, ivec2(params.image.xy)))) {
+    if (all(lessThan(at, ivec2(params.size)))) {
         uint any_of = texelFetch(seen_previous, at, 0).x | texelFetch(seen_next, at, 0).x;
         for (int i = 0; i < 4; ++i) {
             any_of |= texelFetch(sampled, 2 * at + ivec2(i & 1, i >> 1), 0).x;
@@ -43,9 +43,9 @@ void main() {
     }
     barrier();
     // What lies around the mesh in images reaches as far as the skirt, and borders read what is beside them.
-    int reach = (int(ceil(uintBitsToFloat(params.completion.z))) + 8) / 8;
+    int reach = (int(ceil(params.skirt)) + 8) / 8;
     int side = 2 * reach + 1;
-    ivec2 size = ivec2(tiles_across(), tiles_down());
+    ivec2 size = ivec2(params.tiles);
     for (int i = int(gl_LocalInvocationIndex); i < (seen != 0u ? side * side : 0); i += 64) {
         ivec2 other = ivec2(gl_WorkGroupID.xy) + ivec2(i % side, i / side) - reach;
         if (all(greaterThanEqual(other, ivec2(0))) && all(lessThan(other, size))) {

@@ -5,30 +5,22 @@ const uint ROW = 64u;        // workgroups of a row of a dispatch over tiles
 const uint DISPATCHES = 3u;  // of one workgroup a tile, of two and of four
 const uint NO_PLACE = 1u << 20;
 
-uint tiles_across() {
-    return (params.image.x + 7u) / 8u;
-}
-
-uint tiles_down() {
-    return (params.image.y + 7u) / 8u;
-}
-
 uint flag_of(uint tile) {
     return 16u + tile;
 }
 
 uint place_of(uint place) {
-    return 16u + tiles_across() * tiles_down() + place;
+    return 16u + params.tiles.x * params.tiles.y + place;
 }
 
 uint cover_of(ivec2 pixel) {
-    return 16u + 2u * tiles_across() * tiles_down() + uint(pixel.y) * params.image.x + uint(pixel.x);
+    return 16u + 2u * params.tiles.x * params.tiles.y + uint(pixel.y) * params.size.x + uint(pixel.x);
 }
 
 // The first pixel of the tile that a workgroup works on; far outside of the picture where there is nothing to do.
 uvec2 tile_origin(uvec3 group) {
     uint place = group.y * ROW + group.x;
     uint tile = place < tiles[0] ? tiles[place_of(place)] : 0u;
-    uvec2 origin = 8u * uvec2(tile % tiles_across(), tile / tiles_across());
+    uvec2 origin = 8u * uvec2(tile % params.tiles.x, tile / params.tiles.x);
     return place < tiles[0] ? origin : uvec2(NO_PLACE);
 }

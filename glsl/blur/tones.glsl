@@ -24,7 +24,7 @@ struct Site {
 // What has been found stands behind the tables of colours: of all (place 0), then of each object, 50 rows each: the light's
 // directions in frames i and i + 1, and the logarithm of the tone at each step.
 uint row_of_light(uint place, uint frame) {
-    return 2u * 1024u * params.completion.x + (STEPS + 2u) * place + frame;
+    return 2u * 1024u * params.tables + (STEPS + 2u) * place + frame;
 }
 
 uint row_of_tone(uint place, uint step) {

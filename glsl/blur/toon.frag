@@ -29,12 +29,12 @@ float cross2(vec2 a, vec2 b) {
 vec3 normal_of(uint group) {
     // In the order of i, i + 1, i - 1, i + 2.
     uint slot = constants.frame == 0u ? 2u : constants.frame == 3u ? 3u : constants.frame - 1u;
-    return unit(normals[slot * toon.counts.y + group].xyz);
+    return unit(normals[slot * toon.groups + group].xyz);
 }
 
 vec3 tone_of(uint index, vec2 at) {
     uvec4 triangle = triangles[index];
-    uint first = constants.frame * params.counts.x;
+    uint first = constants.frame * params.points;
     vec3 a = clip[first + triangle.x].xyz;
     vec3 b = clip[first + triangle.y].xyz;
     vec3 c = clip[first + triangle.z].xyz;
@@ -56,13 +56,13 @@ vec3 tone_of(uint index, vec2 at) {
 
 // The line, widened: the strongest of the samples near enough, fading over the last sample.
 float line_of(ivec2 at) {
-    ivec2 size = 2 * ivec2(params.image.xy);
+    ivec2 size = 2 * ivec2(params.size);
     ivec2 low = max(at - REACH, ivec2(0));
     ivec2 high = min(at + REACH, size - 1);
     float opacity = 0.0;
     for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
-            float share = clamp(toon.lens.z - length(vec2(ivec2(x, y) - at)), 0.0, 1.0);
+            float share = clamp(toon.ink_width - length(vec2(ivec2(x, y) - at)), 0.0, 1.0);
             opacity = max(opacity, share * lines[uint(y * size.x + x)]);
         }
     }
@@ -76,7 +76,7 @@ vec4 sample_at(ivec2 at) {
     }
     vec3 tone = tone_of(name - 1u, 0.5 * (vec2(at) + 0.5));
     float line = INKED != 0u ? line_of(at) : 0.0;
-    return vec4(mix(tone, toon.ink.rgb, line), 1.0);
+    return vec4(mix(tone, toon.ink_colour.rgb, line), 1.0);
 }
 
 void main() {

@@ -13,5 +13,5 @@ layout(location = 0) flat out uint name;
 void main() {
     uint index = uint(gl_VertexIndex) / 3u;
     name = index + 1u;
-    gl_Position = position_of(clip[constants.frame * params.counts.x + triangles[index][uint(gl_VertexIndex) % 3u]]);
+    gl_Position = position_of(clip[constants.frame * params.points + triangles[index][uint(gl_VertexIndex) % 3u]].xyz);
 }

@@ -3,6 +3,7 @@
 use ash::vk;
 use celfx::blur::layout;
 use celfx::blur::motion::{Motion, Pose, Window};
+use celfx::blur::params::Vertex;
 use celfx::blur::reference::raster::{Clip, Raster, Shape, raster};
 use celfx::blur::{Background, DepthFormat, Desc, HostDepth, Interval, Settings};
 use celfx::view::Light;
@@ -79,7 +80,8 @@ impl Scene {
     fn distorted(&mut self) -> Samples {
         let (vertices, finished) = (self.rig.vertices(), self.rig.finished());
         let corner = |vertex: u32| {
-            let [x, y, w, _] = vertices[vertex as usize].drawn.map(f64::from);
+            let Vertex { drawn: [x, y], drawn_depth, .. } = vertices[vertex as usize];
+            let [x, y, w] = [x, y, drawn_depth].map(f64::from);
             [x * w, y * w, w]
         };
         let corners = finished.iter().map(|t| [corner(t[0]), corner(t[1]), corner(t[2])]);

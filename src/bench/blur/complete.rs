@@ -107,7 +107,7 @@ fn render(
     rig.frame(effect, &shot())?;
     let pixels = scene.size[0] as usize * scene.size[1] as usize;
     let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
-    let triangles = control.first().map_or(0, |control| control.refined[0]);
+    let triangles = control.first().map_or(0, |control| control.triangles);
     let triangles: Vec<[u32; 4]> = rig.read(effect, FINISHED, triangles as usize)?;
     let object = |name: &u32| {
         let triangle = triangles.get((*name as usize).checked_sub(1)?)?;

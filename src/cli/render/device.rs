@@ -4,7 +4,7 @@ use super::input::Step;
 use super::layers;
 use super::outputs::Frame;
 use crate::blur;
-use crate::blur::params::Control;
+use crate::blur::params::{Control, ENDED_BY_BUDGET, ROUNDS};
 use crate::cli::{Common, Failure, interrupt};
 use crate::gpu::headless::{Headless, Messages, Options};
 use crate::io::image::Picture;
@@ -133,18 +133,18 @@ fn ended(offline: &mut Offline, effects: &Effects, number: u32) -> Option<String
     }
     let layers = offline.layers();
     let control: Control = layers.last()?.get(..size_of::<Control>()).map(bytemuck::pod_read_unaligned)?;
-    let [triangles, _, end, open] = control.refined;
+    let Control { triangles, undivided, .. } = control;
     let (key, value) = match desc.settings.refine {
         blur::settings::Refine::Error => ("blur.tolerance", desc.settings.tolerance),
         blur::settings::Refine::Length => ("blur.edge", desc.settings.edge),
     };
-    let why = match end {
+    let why = match control.ended_by {
         0 => return None,
-        1 => "there is room for no more".to_owned(),
-        _ => format!("{} rounds are the most", blur::params::ROUNDS),
+        ENDED_BY_BUDGET => "there is room for no more".to_owned(),
+        _ => format!("{ROUNDS} rounds are the most"),
     };
     Some(format!(
-        "frame {number}: the blur's refinement ended at {triangles} triangles, {open} of which are coarser than \
+        "frame {number}: the blur's refinement ended at {triangles} triangles, {undivided} of which are coarser than \
          {key} = {value} asks for: {why}. Raise {key}, or use a simpler mesh"
     ))
 }

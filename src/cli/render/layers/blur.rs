@@ -44,11 +44,12 @@ pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, blurred: &Blu
     let mesh = &blurred.motion.mesh;
     let [control, vertices, finished, previous, next, subframe, mask, colour, picture] = bytes;
     let control: Vec<Control> = read(control, 1);
-    let [triangles, count, ..] = control.first().map_or([0; 4], |control| control.refined);
+    let [triangles, count] = control.first().map_or([0; 2], |control| [control.triangles, control.vertices]);
     let vertices: Vec<Vertex> = read(vertices, (count as usize).max(mesh.points()));
     let finished: Vec<[u32; 4]> = read(finished, triangles as usize);
     let corners = finished.iter().flat_map(|triangle| &triangle[..3]);
-    let corners: Vec<f32> = corners.filter_map(|corner| vertices.get(*corner as usize)).flat_map(|v| v.drawn).collect();
+    let corner = |v: &Vertex| [v.drawn[0], v.drawn[1], v.drawn_depth, v.drawn_time];
+    let corners: Vec<f32> = corners.filter_map(|place| vertices.get(*place as usize)).flat_map(corner).collect();
     let mask: Vec<u32> = read(mask, pixels);
     let data = [
         LayerData::table(COLUMNS, rows(&vertices, mesh)),
@@ -98,8 +99,8 @@ fn named(data: [LayerData; LAYERS.len()]) -> Vec<Layer> {
 /// A row for each vertex of the file.
 fn rows(vertices: &[Vertex], mesh: &Mesh) -> Vec<f32> {
     let points = mesh.file_to_point().iter().filter_map(|point| vertices.get(*point as usize));
-    let row = |Vertex { motion: [x, y, vx, vy], extent: [k, l, _, moved], place, .. }: &Vertex| {
-        [*x, *y, *vx, *vy, place[0] as f32, *k, *l, *moved]
+    let row = |Vertex { position: [x, y], velocity: [vx, vy], k, l, time, cluster, .. }: &Vertex| {
+        [*x, *y, *vx, *vy, *cluster as f32, *k, *l, *time]
     };
     points.flat_map(row).collect()
 }
