@@ -8,7 +8,7 @@ layout(std430, binding = 1) buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 2) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 3) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 4) writeonly buffer Active { uvec4 active_triangles[]; };
-layout(std430, binding = 5) readonly buffer Fronts { uint fronts[]; };  // eight triangles a word
+layout(std430, binding = 5) readonly buffer Fronts { uint fronts[]; };  // FRONTS_A_WORD triangles a word
 #include "base.glsl"
 
 // Whether a triangle's outside is turned away in frame i (0) or i + 1 (1), as clip coordinates have it: clockwise on a screen
@@ -28,7 +28,7 @@ void main() {
         return;
     }
     uvec4 triangle = triangles[index];
-    uint front = fronts[index / 8u] >> (4u * (index % 8u)) & FRONT_MASK;
+    uint front = fronts[index / FRONTS_A_WORD] >> (FRONT_BITS * (index % FRONTS_A_WORD)) & FRONT_MASK;
     triangles[index].w = triangle.w & ~FRONT_MASK | front;
     bool is_hidden = (front & CLOSED) != 0u && is_away(triangle.xyz, front, 0u) && is_away(triangle.xyz, front, 1u);
     uint state = is_hidden ? CULLED : is_still(triangle) ? 0u : 7u << OPEN_SHIFT;

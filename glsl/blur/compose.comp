@@ -6,7 +6,7 @@
 #include "params.glsl"
 #include "common/bits.glsl"
 #include "samples.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
 layout(binding = 18) uniform utexture2D distorted;
@@ -162,8 +162,8 @@ void main() {
         ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
         uint index = uint(at.y) * 2u * params.size.x + uint(at.x);
         uint state = sample_states[index];
-        vec4 colour = (state & MASK) == 4u ? vec4(0.0) : sample_colours[index];
-        bool is_part = (state & MASK) != 4u && !(is_next && (state & STILL) != 0u);
+        vec4 colour = (state & MASK) == NOTHING_SEEN ? vec4(0.0) : sample_colours[index];
+        bool is_part = (state & MASK) != NOTHING_SEEN && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
         float nearness = nearness_at(at);
         parts[i] = colour;
@@ -182,7 +182,7 @@ void main() {
         sum += 0.25 * own;
         of_mesh += 0.25 * colour;
     }
-    uint index = uint(pixel.y) * params.size.x + uint(pixel.x);
+    uint index = index_of(pixel);
     vec4 own = is_behind ? behind : sum;
     // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
     uint mark = is_behind && is_next ? SIGN_BIT : 0u;

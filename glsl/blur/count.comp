@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "common/bits.glsl"
-layout(local_size_x = 128) in;
+layout(local_size_x = BLOCK) in;
 layout(std430, binding = 1) readonly buffer Splines { Piece splines[]; };
 layout(std430, binding = 2) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
@@ -17,9 +17,6 @@ layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, w
 #include "extent.glsl"
 #include "vertex.glsl"
 #include "block.glsl"
-
-const float LEAST_SURFACE = 1.0 / 64.0;  // pixels at the reference time: less of the surface is not divided
-const uint USUAL_ROUNDS = 11u;           // after these, each round's tolerance is twice the one's before
 
 // What is drawn of an edge at a quarter, half or three quarters of it.
 vec2 straight_at(vec2 from, vec2 to, uint where) {

@@ -2,13 +2,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "picture.glsl"
 #include "../common/host_depth.glsl"
 layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;
 layout(std430, binding = 1) readonly buffer Surface { Covering surface[]; };
 
 void main() {
-    uvec2 at = uvec2(gl_FragCoord.xy);
-    Covering own = surface[at.y * params.size.x + at.x];
+    Covering own = surface[index_of(ivec2(gl_FragCoord.xy))];
     if (isinf(own.depth) || isinf(own.behind)) {
         discard;
     }

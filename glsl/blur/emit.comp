@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 128) in;
+layout(local_size_x = BLOCK) in;
 layout(std430, binding = 1) buffer Splines { Piece splines[]; };
 layout(std430, binding = 2) buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };

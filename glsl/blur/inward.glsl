@@ -7,8 +7,6 @@ coherent layout(std430, binding = 4) buffer Lists { uint lists[]; };
 coherent layout(std430, binding = 5) buffer Completing { uint completing[]; };
 layout(constant_id = 0) const uint GRADIENT = 0;  // 1: of samples that one frame shows; 0: of those that neither does
 
-const uint NONE = 0xffffffffu;
-
 // The neighbour of a sample to the left, to the right, above or below.
 uint neighbour(uint index, uint direction) {
     ivec2 size = ivec2(2u * params.size);
@@ -26,7 +24,7 @@ bool is_wanted(uint state) {
 // Whether a sample can give a wanted one a colour, as soon as it has its own.
 bool is_kin(uint own, uint other) {
     uint mask = other & MASK;
-    return GRADIENT == 1u ? mask != 4u && (mask & own & MASK) != 0u : mask != 4u;
+    return GRADIENT == 1u ? mask != NOTHING_SEEN && (mask & own & MASK) != 0u : mask != NOTHING_SEEN;
 }
 
 bool has_colour(uint state) {

@@ -6,8 +6,11 @@
 
 #extension GL_GOOGLE_include_directive : require
 
+const uint NONE = 0xffffffffu;      // the number of nothing
+const uint TILE = 8u;              // pixels along each side of a tile, and of workgroups over pixels
 const uint BLOCK = 128u;           // triangles of a workgroup of the refinement
-const uint ROUNDS = 16u;           // rounds of it
+const uint ROUNDS = 16u;           // rounds of it, at most
+const uint USUAL_ROUNDS = 11u;     // after these, each round's tolerance is twice the one's before
 const float UNIT = 262144.0;        // 1 - k' is a multiple of 2^-18 while it is smoothed
 const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
@@ -17,10 +20,21 @@ const uint TURNED = 2u;            // its outside is where its corners follow ea
 const uint FRONT_MASK = 7u;        // all of these
 const uint OBJECT_SHIFT = 3u;      // its object is above them
 const uint CULLED = 1u << 26u;     // never seen, because the object is closed
-const uint BETWEEN = 0xffffffffu;  // the cluster of what is between clusters
+// The cluster of a vertex between two clusters, or between such and others: k, l and k' are the mean of its parents', so
+// that k' is continuous. (If it belonged to one of the two, k' would jump beside the other's vertices, and what crosses the
+// jump would be split to the last round: hundreds of triangles for each one at a seam.)
+const uint BETWEEN = 0xffffffffu;
 const uint ENDED_BY_BUDGET = 1u;   // why the refinement ended with triangles that would have gone on
 const uint ENDED_BY_ROUNDS = 2u;
 const float LEAST_EDGE = 0.25;     // length in pixels below which an edge is not divided
+const float LEAST_SURFACE = 1.0 / 64.0; // length in pixels at the reference time: less of the surface is not divided
+const uint FRONT_BITS = 4u;        // of a triangle: FRONT_MASK, and one that is unused
+const uint FRONTS_A_WORD = 32u / FRONT_BITS;
+const uint MOST_SEGMENTS = 32u;    // of a trajectory
+const uint PIECE_SEGMENTS = 12u;   // of one that is made of poses
+const uint MOST_TONES = 256u;      // of a frame that is drawn
+const uint LINE_PARTS = 16u;       // of a speed line
+const uint LINE_VERTICES = 6u * LINE_PARTS; // two triangles a part
 
 // A frame's camera: rows that make X, Y and W of a point, and the eye, each as a sum of two floats.
 struct View {
@@ -45,7 +59,7 @@ layout(binding = 0) uniform BlurParams {
     View views[4];             // frames i - 1, i, i + 1, i + 2
     uvec4 pose_places;         // where their poses are among those on the device
     vec4 background;           // colour where no frame shows anything but the mesh, if there is no image of it
-    SegmentTimes segments[32];
+    SegmentTimes segments[MOST_SEGMENTS];
     uvec2 size;                // of the picture, in pixels
     uvec2 tiles;               // of the picture, across and down
     uint seed;
@@ -88,7 +102,7 @@ struct Knot {
     vec4 across_turn_low;
     vec4 down_turn_low;
     vec4 along_turn_low;
-    vec4 weights[12];      // share of its offset in each row of the pieces, four a segment
+    vec4 weights[PIECE_SEGMENTS]; // share of its offset in each row of the pieces, four a segment
     uint pose_place;       // where its pose is among those on the device
     uint has_other_camera; // its camera is not frame i's
     uvec2 unused;

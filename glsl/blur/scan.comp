@@ -8,13 +8,13 @@ layout(std430, binding = 2) buffer Blocks { uvec2 blocks[]; };
 layout(std430, binding = 3) buffer ControlBuffer { Control control; };
 layout(push_constant) uniform RoundConstants { uint round; } constants;
 
-shared uvec2 sums[256];
+shared uvec2 sums[gl_WorkGroupSize.x];
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
     Round current = rounds[constants.round];
     uint count = current.groups.x;
-    uint share = (count + 255u) / 256u;
+    uint share = (count + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
     uint first = min(lane * share, count);
     uint last = min(first + share, count);
     uvec2 sum = uvec2(0u);
@@ -27,7 +27,7 @@ void main() {
     barrier();
     uvec2 before = uvec2(0u);
     uvec2 all = uvec2(0u);
-    for (uint i = 0u; i < 256u; ++i) {
+    for (uint i = 0u; i < gl_WorkGroupSize.x; ++i) {
         before += i < lane ? sums[i] : uvec2(0u);
         all += sums[i];
     }

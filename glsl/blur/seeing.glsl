@@ -21,11 +21,6 @@ layout(std430, binding = 15) readonly buffer Tiles { uint tiles[]; };
 const float SAME_DEPTH = 0.003;   // share of its depth by which a surface may be off and still be the same
 const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
 
-// What a pixel is, of frame f shifted by f.
-const uint MOVING = 1u;      // it sees what moves
-const uint OUTLINE = 16u;    // it may show the outline of what is before it
-const uint COVERED = 256u;   // it may show the outline of what moves
-
 #include "edges.glsl"
 
 uint seen_at(uint frame, ivec2 at) {
@@ -56,10 +51,6 @@ vec4 colour_at(uint frame, ivec2 at) {
         case 2u: return texelFetch(frame_next, at, 0);
         default: return texelFetch(frame_after, at, 0);
     }
-}
-
-bool is_in_picture(ivec2 at) {
-    return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.size)));
 }
 
 uint cover_at(ivec2 at) {

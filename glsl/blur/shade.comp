@@ -6,7 +6,7 @@
 #include "samples.glsl"
 #include "tones.glsl"
 #include "sides.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
 #include "shade.glsl"
@@ -17,11 +17,11 @@ layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]
 vec4 typical(Fragment fragment, uint frame) {
     uint object = fragment.base.w >> OBJECT_SHIFT;
     uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.shares));
-    if (object >= params.tables || bin == NO_BIN) {
+    if (object >= params.tables || bin == NONE) {
         return vec4(-1.0);
     }
     uvec4 units = tables[table_of(object, frame) + bin];
-    return units.x == NO_COLOUR ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
+    return units.x == NONE ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
 }
 
 // Whether tones explain how colours change: of all at least a quarter, and of an object what it must.
@@ -34,9 +34,9 @@ bool is_explained(uint object) {
 // The logarithm of the tone at a normal. Between neighbours that differ little it changes evenly, between others at once.
 vec3 tone_at(uint place, uint frame, vec3 normal) {
     vec3 light = uintBitsToFloat(tables[row_of_light(place, frame)].xyz);
-    uint nearest = step_of(light, normal, STEPS);
-    float beside = (dot(light, normal) * 0.5 + 0.5) * float(STEPS) - (float(nearest) + 0.5);
-    uint next = uint(clamp(int(nearest) + (beside < 0.0 ? -1 : 1), 0, int(STEPS) - 1));
+    uint nearest = step_of(light, normal, TONE_STEPS);
+    float beside = (dot(light, normal) * 0.5 + 0.5) * float(TONE_STEPS) - (float(nearest) + 0.5);
+    uint next = uint(clamp(int(nearest) + (beside < 0.0 ? -1 : 1), 0, int(TONE_STEPS) - 1));
     ivec3 own = ivec3(tables[row_of_tone(place, nearest)].xyz);
     ivec3 way = ivec3(tables[row_of_tone(place, next)].xyz) - own;
     bool is_even = abs(way.x) + abs(way.y) + abs(way.z) < EVEN;
@@ -58,7 +58,7 @@ vec4 predicted(Fragment fragment, uint frame, vec4 known) {
 }
 
 void keep(uint index, Sides sides) {
-    if (COMPLETION == 2u) {
+    if (COMPLETION == FROM_GRADIENT) {
         sample_sides[index] = uvec4(packed(sides.colours[0]), packed(sides.colours[1]));
     }
 }

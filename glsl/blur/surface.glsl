@@ -1,6 +1,7 @@
 // What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
 #include "common/half.glsl"
 #include "common/bits.glsl"
+#include "picture.glsl"
 layout(std430, binding = 26) writeonly buffer Surface { Covering surface[]; };
 
 const float FRONT = 0.98;  // share of the nearness of what is nearest that what belongs to it has at least
@@ -26,8 +27,7 @@ vec4 part_of_next(ivec2 pixel, float covered) {
     float count = 0.0;
     for (int i = 0; i < 9; ++i) {
         ivec2 other = pixel + ivec2(i % 3, i / 3) - 1;
-        if (covered < 1.0 && all(greaterThanEqual(other, ivec2(0))) && all(lessThan(other, ivec2(params.size)))
-            && is_beside(other)) {
+        if (covered < 1.0 && is_in_picture(other) && is_beside(other)) {
             beside += next_at(other);
             count += 1.0;
         }

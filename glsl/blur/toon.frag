@@ -18,10 +18,7 @@ layout(constant_id = 0) const uint INKED = 1u;  // 0: no line
 layout(constant_id = 1) const int REACH = 1;    // samples from which a line can reach a sample
 layout(location = 0) out vec4 colour;
 
-float cross2(vec2 a, vec2 b) {
-    return a.x * b.y - a.y * b.x;
-}
-
+#include "edges.glsl"
 #include "unit.glsl"
 #include "toon_tone.glsl"
 
@@ -39,10 +36,7 @@ vec3 tone_of(uint index, vec2 at) {
     vec3 b = clip[first + triangle.y].xyz;
     vec3 c = clip[first + triangle.z].xyz;
     // Not divided by depth, so that corners may be behind the camera.
-    vec2 p = a.xy - at * a.z;
-    vec2 q = b.xy - at * b.z;
-    vec2 r = c.xy - at * c.z;
-    vec3 shares = vec3(cross2(q, r), cross2(r, p), cross2(p, q));
+    vec3 shares = edges_at(a, b, c, at);
     float sum = shares.x + shares.y + shares.z;
     shares = sum != 0.0 ? shares / sum : vec3(1.0 / 3.0);
     uvec4 groups = corner_groups[index];

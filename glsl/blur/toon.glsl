@@ -10,7 +10,7 @@ struct ToonParams {
     uint tone_count;
     uint groups;         // normal groups
     uvec2 unused;
-    vec4 tones[256];     // linear RGB that the base colour is multiplied by; w: luminance where it begins
+    vec4 tones[MOST_TONES]; // linear RGB that the base colour is multiplied by; w: luminance where it begins
 };
 layout(std430, binding = 29) readonly buffer ToonBuffer {
     ToonParams toon;

@@ -5,7 +5,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 #include "toon.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(binding = 1) uniform utexture2D sampled;
 layout(binding = 2) uniform texture2D sampled_depth;
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };

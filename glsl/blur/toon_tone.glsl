@@ -1,18 +1,15 @@
 // Flat tones of a frame that is drawn.
-
-vec3 pose(uint frame, uint point) {
-    uint at = 3u * (params.pose_places[frame] * params.points + point);
-    return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
-}
+#include "poses.glsl"
 
 // The way to the light from a place of a triangle in a frame, i - 1 (0) to i + 2 (3).
 vec3 to_light(uint frame, uvec4 triangle, vec3 shares) {
     if (toon.light.w == 0.0) {
         return toon.light.xyz;
     }
-    vec3 a = toon.light.xyz - pose(frame, triangle.x);
-    vec3 b = toon.light.xyz - pose(frame, triangle.y);
-    vec3 c = toon.light.xyz - pose(frame, triangle.z);
+    uint place = params.pose_places[frame];
+    vec3 a = toon.light.xyz - pose(place, triangle.x);
+    vec3 b = toon.light.xyz - pose(place, triangle.y);
+    vec3 c = toon.light.xyz - pose(place, triangle.z);
     vec3 way = shares.x * a + shares.y * b + shares.z * c;
     return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
 }

@@ -12,10 +12,7 @@ layout(std430, binding = 4) writeonly buffer Splines { Piece splines[]; };
 layout(constant_id = 0) const uint SEGMENTS = 1;
 layout(constant_id = 1) const uint SCREEN = 0;  // 1: of pixels and not of clip coordinates
 
-vec3 pose(uint slot, uint point) {
-    uint at = 3u * (slot * params.points + point);
-    return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
-}
+#include "poses.glsl"
 
 // How far a coordinate is off from frame i's: by the point's own way, and by the camera's. The camera's turn and its way
 // take away most of each other where it goes around something.

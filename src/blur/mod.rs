@@ -234,6 +234,6 @@ fn validate(desc: &Desc) -> Result<()> {
     if desc.toon && desc.groups == 0 {
         return Err(Error::setting("blur's normal groups", 0, "at least 1 where frames are drawn"));
     }
-    crate::error::within("blur's segments", desc.segments, 1, MOST_SEGMENTS as u32, "1 to 32")?;
+    crate::error::within("blur's segments", desc.segments, 1, MOST_SEGMENTS, "1 to 32")?;
     crate::error::within("blur's resident frames", desc.frames_resident, 4, 1 << 24, "4 to 16777216")
 }

@@ -7,28 +7,26 @@ use crate::blur::frame::{self, Desc, Frame, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 use crate::blur::settings::{Settings, Toon};
 use crate::host::Background;
+use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
 use crate::view::{Camera, Light, LightSource};
 
-/// The most segments of a trajectory.
-pub const MOST_SEGMENTS: usize = 32;
-/// The most that are made of poses.
-pub const PIECE_SEGMENTS: usize = 12;
-/// The most frames that they go through.
+/// The most frames that trajectories go through.
 pub const MOST_KNOTS: usize = 64;
 /// The most speed lines of a picture.
 pub const MOST_LINES: u32 = 16_384;
-/// Vertices of a speed line: two triangles for each of 16 parts.
-pub const LINE_VERTICES: u32 = 96;
-/// The most tones of a frame that is drawn.
-pub const MOST_TONES: usize = 256;
-/// Steps of the cosine to the light, of which each has its tone.
-pub const TONE_STEPS: usize = 48;
-/// The most places that tones are learnt from, and of them the most that the search for the light begins with.
-pub const MOST_SITES: [u32; 2] = [32_768, 8_192];
-/// Candidates of each round of this search.
-pub const LIGHT_CANDIDATES: [u32; 6] = [1024, 81, 81, 81, 25, 25];
+/// Candidates of each round of the search for the light.
+pub const LIGHT_CANDIDATES: [u32; SEARCHES as usize] = {
+    let mut candidates = [FINE * FINE; SEARCHES as usize];
+    candidates[0] = STARTS;
+    let mut round = 1;
+    while round < COARSE_SEARCHES as usize {
+        candidates[round] = COARSE * COARSE;
+        round += 1;
+    }
+    candidates
+};
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.
@@ -65,9 +63,23 @@ pub fn rounds(desc: &Desc) -> [Round; ROUNDS as usize + 1] {
 /// What completion starts with: dispatches of no groups, that become some where samples need them.
 pub fn completing(desc: &Desc) -> [u32; COMPLETING_WORDS] {
     let mut words = [0; COMPLETING_WORDS];
-    let rows = (2 * desc.size[1]).div_ceil(8);
-    words[..16].copy_from_slice(&[0, rows, 1, 0, 0, rows, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0]);
+    let rows = (2 * desc.size[1]).div_ceil(glsl::border::SHADER.local_size[1]);
+    for gradient in [0, 1] {
+        words[border_dispatch(gradient)..][..3].copy_from_slice(&[0, rows, 1]);
+        words[inward_dispatch(gradient)..][..3].copy_from_slice(&[0, 1, 1]);
+    }
     words
+}
+
+/// The word of what completion works on where the dispatch over samples at borders begins: of those that neither frame shows
+/// (0), and of those that one does (1).
+pub fn border_dispatch(gradient: usize) -> usize {
+    BORDER_DISPATCHES as usize + 4 * gradient
+}
+
+/// That of the dispatches that go inward from there.
+pub fn inward_dispatch(gradient: usize) -> usize {
+    INWARD_DISPATCHES as usize + 4 * gradient
 }
 
 /// Rows that make the pixel clip coordinates X, Y and W of a point less the eye.
@@ -163,7 +175,7 @@ impl BlurParams {
             frame::Trajectories::Pieces(_) => 0,
         };
         let ahead = interval.segments.iter().take_while(|segment| segment.begin >= 0.0).count().max(1);
-        let mut segments = [SegmentTimes::zeroed(); MOST_SEGMENTS];
+        let mut segments = [SegmentTimes::zeroed(); MOST_SEGMENTS as usize];
         for (to, segment) in segments.iter_mut().zip(interval.segments) {
             *to = SegmentTimes { begin: segment.begin, end: segment.end, unused: [0; 2] };
         }
@@ -200,7 +212,7 @@ impl BlurParams {
             views: views.map(|view| View::new(&view, desc)),
             pose_places: views.map(|view| pose_place(&view, desc)),
             size: desc.size,
-            tiles: desc.size.map(|side| side.div_ceil(8)),
+            tiles: desc.size.map(|side| side.div_ceil(TILE)),
             seed: desc.seed,
             points: desc.points,
             triangles: desc.triangles,

@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::layout::*;
-use crate::blur::params::{PIECE_SEGMENTS, ink_reach};
+use crate::blur::params::{FROM_GRADIENT, FROM_SURFACE, PIECE_SEGMENTS, ink_reach};
 use crate::blur::settings::{Completion, Operator, Refine, Space};
 use crate::host::DepthFormat;
 use crate::plan::{
@@ -106,10 +106,10 @@ impl Passes {
         let by_length = u32::from(desc.settings.refine == Refine::Length);
         let completion = match desc.settings.completion {
             Completion::None => 0,
-            Completion::Surface => 1,
-            Completion::Gradient => 2,
+            Completion::Surface => FROM_SURFACE,
+            Completion::Gradient => FROM_GRADIENT,
         };
-        let segments = desc.segments.min(PIECE_SEGMENTS as u32);
+        let segments = desc.segments.min(PIECE_SEGMENTS);
         Passes {
             params: d.writes("blur.params", &[PARAMS, CONTROL, ROUND_LIST]),
             mesh: d.transfer("blur.mesh", &copies(HOST_TOPOLOGY, [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS])),

@@ -6,16 +6,16 @@ use crate::blur::frame::{
     DepthInput, Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories,
 };
 use crate::blur::layout::*;
-use crate::blur::motion::FRONTS_A_WORD;
 use crate::blur::params::{
-    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
-    LIGHT_CANDIDATES, LINE_VERTICES, LightConstants, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round,
-    RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, FRONTS_A_WORD, GhostConstants, HostDepthConstants,
+    Knot, LIGHT_CANDIDATES, LINE_VERTICES, LightConstants, LinesConstants, MOST_KNOTS, MOST_LINES, NONE, NOTHING_SEEN,
+    ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
 use crate::host::Background;
-use crate::plan::{Command, PassId, Plan};
+use crate::plan::{Command, PassId, Plan, Shader};
+use crate::shaders::blur as glsl;
 
 /// What follows from motion: left out where nothing moves.
 const MOTION_STEPS: [&str; 12] = [
@@ -45,12 +45,6 @@ const PICTURE_STEPS: [&str; 9] = [
     "blur.composite",
 ];
 
-/// State of a sample that sees nothing (`glsl/blur/samples.glsl`).
-const NOTHING_SEEN: u32 = 4;
-/// Lanes of a workgroup of `fill`, of which there is one a table, and of `tone`, of which there is one an object.
-const TABLE_LANES: u32 = 256;
-/// Of `light`, of which there is one a candidate.
-const LIGHT_LANES: u32 = 64;
 /// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
 /// stays as it is.
 const GRADIENT_DISPATCHES: u32 = 16;
@@ -196,7 +190,7 @@ impl Steps<'_> {
         if strips == 0 {
             return self.plan.skip("blur.lines", "there are too many clusters");
         }
-        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: u32::MAX });
+        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: NONE });
         for round in 0..3 {
             let constants = ChooseConstants { round, strips };
             self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
@@ -345,7 +339,7 @@ impl Steps<'_> {
             size_of::<params::Cluster>() as u64 * u64::from(counts.clusters),
             8 * u64::from(counts.hull),
             4 * u64::from(counts.seams),
-            4 * u64::from(self.desc.triangles.div_ceil(FRONTS_A_WORD as u32)),
+            4 * u64::from(self.desc.triangles.div_ceil(FRONTS_A_WORD)),
         ];
         let to = [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS];
         for ((from, to), bytes) in HOST_INTERVAL.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
@@ -456,14 +450,21 @@ impl Steps<'_> {
 
     /// A dispatch over tiles, of one, two or four workgroups each.
     fn over_tiles(kind: usize) -> Command {
-        Command::DispatchIndirect { arguments: TILES, offset: TILE_DISPATCHES[kind] }
+        Command::DispatchIndirect { arguments: TILES, offset: 4 * tile_dispatch(kind) as u64 }
+    }
+
+    /// So many workgroups.
+    fn groups_of(shader: &Shader, count: u32) -> Command {
+        Command::Dispatch { threads: [shader.local_size[0] * count, 1, 1] }
     }
 
     /// Which tiles are worked on; what the others have is nothing.
     fn tiles(&mut self) {
         let [width, height] = self.desc.size;
         let mut head = [0; TILE_WORDS];
-        (head[6], head[10], head[14]) = (1, 2, 4);
+        for (kind, workgroups) in [1, 2, 4].into_iter().enumerate() {
+            head[tile_dispatch(kind) + 2] = workgroups;
+        }
         self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: TILES, word: 0 });
         self.plan.update_slice(self.passes.tiles_begin, TILES, &head);
         self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: SAMPLE_STATES, word: NOTHING_SEEN });
@@ -495,14 +496,14 @@ impl Steps<'_> {
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Self::over_tiles(1);
         self.plan.step(self.passes.learn, pixels);
-        self.plan.step(self.passes.fill, Command::Dispatch { threads: [TABLE_LANES * 2 * self.layout.tables, 1, 1] });
+        self.plan.step(self.passes.fill, Self::groups_of(&glsl::fill::SHADER, 2 * self.layout.tables));
         self.plan.step(self.passes.pairs, pixels);
         for (round, candidates) in (0..).zip(LIGHT_CANDIDATES) {
-            let command = Command::Dispatch { threads: [LIGHT_LANES * candidates, 1, 1] };
+            let command = Self::groups_of(&glsl::light::SHADER, candidates);
             self.plan.step_with(self.passes.light, command, &LightConstants { round });
         }
         for (is_own, groups) in [(0, 1), (1, self.layout.tables)] {
-            let command = Command::Dispatch { threads: [TABLE_LANES * groups, 1, 1] };
+            let command = Self::groups_of(&glsl::tone::SHADER, groups);
             self.plan.step_with(self.passes.tone, command, &ToneConstants { is_own });
         }
     }
@@ -510,9 +511,9 @@ impl Steps<'_> {
     /// Samples that get their colour from neighbours: no group runs where there are none.
     fn inward(&mut self, gradient: usize, dispatches: u32) {
         let at = |word: usize| Command::DispatchIndirect { arguments: COMPLETING, offset: 4 * word as u64 };
-        self.plan.step(self.passes.border[gradient], at(4 * gradient));
+        self.plan.step(self.passes.border[gradient], at(params::border_dispatch(gradient)));
         for _ in 0..dispatches {
-            self.plan.step(self.passes.inward[gradient], at(8 + 4 * gradient));
+            self.plan.step(self.passes.inward[gradient], at(params::inward_dispatch(gradient)));
         }
     }
 

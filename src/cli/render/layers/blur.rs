@@ -3,7 +3,7 @@
 use super::{Blurred, LayerName, read};
 use crate::blur::Mesh;
 use crate::blur::layout;
-use crate::blur::params::{Control, Vertex};
+use crate::blur::params::{Control, SHOWN_NEXT, Vertex};
 use crate::cli::render::outputs::{Layer, LayerData};
 use crate::plan::BufferId;
 
@@ -37,7 +37,7 @@ const COLUMNS: u64 = 8;
 /// Values of each corner in `blur.triangles`: x, y, view depth, k'.
 const CORNER: u64 = 4;
 /// In `blur.mask`: frame i + 1 alone shows it.
-const NEXT: f32 = 2.0;
+const NEXT: f32 = SHOWN_NEXT as f32;
 
 /// Makes the layers of a picture of `pixels` pixels.
 pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, blurred: &Blurred) -> Vec<Layer> {
