@@ -6,6 +6,7 @@ layout(std430, binding = 3) readonly buffer Finished { uvec4 finished[]; };
 layout(std430, binding = 4) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 5) readonly buffer Triangles { uvec4 triangles[]; };
 #include "base.glsl"
+#include "picture.glsl"
 
 bool is_behind(ivec2 at, float nearness) {
     uint name = texelFetch(sampled, at, 0).x;

@@ -11,7 +11,7 @@ void main() {
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, size))) {
         return;
     }
-    uint index = gl_GlobalInvocationID.y * size.x + gl_GlobalInvocationID.x;
+    uint index = index_of_sample(ivec2(gl_GlobalInvocationID.xy));
     uint state = sample_states[index];
     if (!is_wanted(state)) {
         return;

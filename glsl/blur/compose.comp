@@ -149,7 +149,7 @@ void main() {
         : is_free(1u, cover) ? finished_at(texelFetch(frame_previous, pixel, 0), pixel) : background_at(pixel);
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
-        farthest = min(farthest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));
+        farthest = min(farthest, nearness_at(sample_of(pixel, i)));
     }
     Skirt skirt = skirt_of(pixel, farthest);
     vec4 sum = vec4(0.0);
@@ -159,8 +159,8 @@ void main() {
     vec4 seen = vec4(0.0);  // how near they are
     float opaque = 0.0;
     for (int i = 0; i < 4; ++i) {
-        ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
-        uint index = uint(at.y) * 2u * params.size.x + uint(at.x);
+        ivec2 at = sample_of(pixel, i);
+        uint index = index_of_sample(at);
         uint state = sample_states[index];
         vec4 colour = (state & MASK) == NOTHING_SEEN ? vec4(0.0) : sample_colours[index];
         bool is_part = (state & MASK) != NOTHING_SEEN && !(is_next && (state & STILL) != 0u);

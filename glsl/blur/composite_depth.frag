@@ -2,9 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "../common/host_depth.glsl"
+#include "host_depth.glsl"
 #include "composite.glsl"
-layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;
 layout(std430, binding = 2) readonly buffer Surface { Covering surface[]; };
 
 void main() {

@@ -11,7 +11,7 @@ layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
 layout(std430, binding = 5) readonly buffer Rounds { Round rounds[]; };
 layout(std430, binding = 6) buffer Active { uvec4 active_triangles[]; };
 layout(std430, binding = 7) writeonly buffer Blocks { uvec2 blocks[]; };
-layout(push_constant) uniform RoundConstants { uint round; } constants;
+#include "round.glsl"
 layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, whatever they look like
 #include "curve.glsl"
 #include "extent.glsl"

@@ -3,8 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "picture.glsl"
-#include "../common/host_depth.glsl"
-layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;
+#include "host_depth.glsl"
 layout(std430, binding = 1) readonly buffer Surface { Covering surface[]; };
 
 void main() {

@@ -13,7 +13,7 @@ layout(std430, binding = 7) writeonly buffer Next { uvec4 next_triangles[]; };
 layout(std430, binding = 8) writeonly buffer Finished { uvec4 finished[]; };
 layout(std430, binding = 9) readonly buffer Blocks { uvec2 blocks[]; };
 layout(std430, binding = 10) readonly buffer Triangles { uvec4 triangles[]; };
-layout(push_constant) uniform RoundConstants { uint round; } constants;
+#include "round.glsl"
 #include "curve.glsl"
 #include "extent.glsl"
 #include "vertex.glsl"

@@ -12,10 +12,7 @@ layout(constant_id = 0) const uint GROUPS = 0;
 const uint FEW_TRIANGLES = 1024u;  // of a group, that one invocation sums up; of more, a workgroup does
 const int SUM_BITS = 30;           // of the sum of what an invocation sums up
 
-// Normals of frames i, i + 1, i - 1, i + 2 come in this order.
-uint frame_of(uint slot) {
-    return slot < 2u ? slot + 1u : slot == 2u ? 0u : 3u;
-}
+#include "normal_order.glsl"
 
 #include "poses.glsl"
 

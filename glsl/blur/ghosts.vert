@@ -7,10 +7,7 @@ layout(std430, binding = 2) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 4) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 5) readonly buffer Splines { Piece splines[]; };
-layout(push_constant) uniform GhostConstants {
-    float back;     // frames before
-    float opacity;
-} constants;
+#include "ghosts.glsl"
 layout(location = 0) out vec3 previous;  // where it is in frame i
 layout(location = 1) out vec3 next;      // and in frame i + 1
 layout(location = 2) out float moved;    // k'

@@ -1,4 +1,5 @@
 // Colours that are made from those of neighbours, from the samples with most of these inward.
+#include "picture.glsl"
 
 coherent layout(std430, binding = 1) buffer SampleColours { vec4 sample_colours[]; };
 coherent layout(std430, binding = 2) buffer SampleStates { uint sample_states[]; };
@@ -13,7 +14,7 @@ uint neighbour(uint index, uint direction) {
     ivec2 at = ivec2(index % uint(size.x), index / uint(size.x));
     at += direction < 2u ? ivec2(2 * int(direction) - 1, 0) : ivec2(0, 2 * int(direction) - 5);
     bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
-    return is_inside ? uint(at.y) * uint(size.x) + uint(at.x) : NONE;
+    return is_inside ? index_of_sample(at) : NONE;
 }
 
 // Whether a sample is one that this fills.

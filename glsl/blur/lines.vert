@@ -5,11 +5,7 @@
 layout(std430, binding = 6) readonly buffer Splines { Piece splines[]; };
 layout(std430, binding = 4) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 7) readonly buffer Trailing { Trail trailing[]; };
-layout(push_constant) uniform LinesConstants {
-    vec4 colour;    // linear RGB, opacity where a line begins
-    float length_of;  // frames
-    float width;      // pixels where it begins
-} constants;
+#include "lines.glsl"
 layout(location = 0) out float aside;                // pixels from the middle
 layout(location = 1) out float share;  // of the way from its beginning
 #include "curve.glsl"

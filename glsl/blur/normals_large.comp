@@ -14,7 +14,7 @@ shared int sums[9];  // of the higher bits of whole units, of the lower ones, an
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint group = large_groups[gl_WorkGroupID.x];
-    uint frame = frame_of(gl_WorkGroupID.y);
+    uint frame = frame_of_normals(gl_WorkGroupID.y);
     uint begin = group_starts[group];
     uint end = group_starts[group + 1u];
     if (lane < 9u) {

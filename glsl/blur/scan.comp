@@ -6,7 +6,7 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 1) buffer Rounds { Round rounds[]; };
 layout(std430, binding = 2) buffer Blocks { uvec2 blocks[]; };
 layout(std430, binding = 3) buffer ControlBuffer { Control control; };
-layout(push_constant) uniform RoundConstants { uint round; } constants;
+#include "round.glsl"
 
 shared uvec2 sums[gl_WorkGroupSize.x];
 

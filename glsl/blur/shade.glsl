@@ -86,7 +86,7 @@ void main() {
     uint name = is_inside ? texelFetch(sampled, at, 0).x : 0u;
     uint state = NOTHING_SEEN;
     vec4 colour = vec4(0.0);
-    uint index = uint(at.y) * size.x + uint(at.x);
+    uint index = index_of_sample(at);
     if (name > 0u) {
         Fragment fragment = fragment_at(name, 0.5 * (vec2(at) + 0.5));
         colour = shade(fragment, index, state);

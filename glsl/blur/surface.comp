@@ -31,7 +31,7 @@ void main() {
     }
     vec4 seen;
     for (int i = 0; i < 4; ++i) {
-        seen[i] = nearness_at(2 * pixel + ivec2(i & 1, i >> 1));
+        seen[i] = nearness_at(sample_of(pixel, i));
     }
     float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
     float covered = dot(vec4(greaterThan(seen, vec4(0.0))), vec4(0.25));

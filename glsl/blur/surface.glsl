@@ -39,7 +39,7 @@ vec4 part_of_next(ivec2 pixel, float covered) {
 bool is_empty(ivec2 pixel) {
     float nearest = 0.0;
     for (int i = 0; i < 4; ++i) {
-        nearest = max(nearest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));
+        nearest = max(nearest, nearness_at(sample_of(pixel, i)));
     }
     return nearest == 0.0;
 }

@@ -35,7 +35,7 @@ void main() {
     if (all(lessThan(at, ivec2(params.size)))) {
         uint any_of = texelFetch(seen_previous, at, 0).x | texelFetch(seen_next, at, 0).x;
         for (int i = 0; i < 4; ++i) {
-            any_of |= texelFetch(sampled, 2 * at + ivec2(i & 1, i >> 1), 0).x;
+            any_of |= texelFetch(sampled, sample_of(at, i), 0).x;
         }
         if (any_of != 0u) {
             atomicOr(seen, 1u);

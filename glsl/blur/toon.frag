@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
+#include "picture.glsl"
 #include "toon.glsl"
 layout(binding = 1) uniform utexture2D sampled;
 layout(std430, binding = 2) readonly buffer Triangles { uvec4 triangles[]; };
@@ -11,22 +12,19 @@ layout(std430, binding = 4) readonly buffer Poses { float poses[]; };
 layout(std430, binding = 6) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 7) readonly buffer Lines { float lines[]; };
 layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]; };
-layout(push_constant) uniform VisibilityConstants {
-    uint frame;  // 0 to 3: frames i - 1 to i + 2
-} constants;
+#include "frame.glsl"
 layout(constant_id = 0) const uint INKED = 1u;  // 0: no line
 layout(constant_id = 1) const int REACH = 1;    // samples from which a line can reach a sample
 layout(location = 0) out vec4 colour;
 
 #include "edges.glsl"
+#include "normal_order.glsl"
 #include "unit.glsl"
 #include "toon_tone.glsl"
 
 // Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
-    // In the order of i, i + 1, i - 1, i + 2.
-    uint slot = constants.frame == 0u ? 2u : constants.frame == 3u ? 3u : constants.frame - 1u;
-    return unit(normals[slot * toon.groups + group].xyz);
+    return unit(normals[place_of_normals(constants.frame) * toon.groups + group].xyz);
 }
 
 vec3 tone_of(uint index, vec2 at) {
@@ -57,7 +55,7 @@ float line_of(ivec2 at) {
     for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
             float share = clamp(toon.ink_width - length(vec2(ivec2(x, y) - at)), 0.0, 1.0);
-            opacity = max(opacity, share * lines[uint(y * size.x + x)]);
+            opacity = max(opacity, share * lines[index_of_sample(ivec2(x, y))]);
         }
     }
     return opacity;

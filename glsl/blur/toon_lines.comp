@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
+#include "picture.glsl"
 #include "toon.glsl"
 layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(binding = 1) uniform utexture2D sampled;
@@ -48,5 +49,5 @@ void main() {
     if (any(greaterThanEqual(at, 2 * ivec2(params.size)))) {
         return;
     }
-    lines[uint(at.y) * 2u * params.size.x + uint(at.x)] = line_at(at);
+    lines[index_of_sample(at)] = line_at(at);
 }
