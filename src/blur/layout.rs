@@ -14,7 +14,7 @@ use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{Sizes, buffers};
-use crate::plan::{BufferId, ImageId, Resource, Slot};
+use crate::plan::{Binding, BufferId, ImageId, Resource};
 
 /// Workgroups that any device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
@@ -164,9 +164,9 @@ pub const HOST_BACKGROUND: ImageId = ImageId(IMAGES + 6);
 /// Images of the host's.
 pub const HOST_IMAGES: usize = 7;
 
-/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
-pub fn resource(slot: &Slot) -> Option<Resource> {
-    let image = match slot.name {
+/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+pub fn resource(binding: &Binding) -> Option<Resource> {
+    let image = match binding.name {
         "seen_previous" => Some(SEEN[0]),
         "seen_next" => Some(SEEN[1]),
         "distorted" => Some(DISTORTED),
@@ -188,7 +188,7 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "background_image" => Some(BACKGROUND),
         _ => None,
     };
-    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    let buffer = BLOCKS.iter().position(|name| *name == binding.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 

@@ -3,14 +3,13 @@
 use super::input::Step;
 use super::layers;
 use super::outputs::Frame;
-use crate::blur;
 use crate::blur::params::Control;
+use crate::blur::{self, Blur};
 use crate::cli::{Common, Failure, interrupt};
 use crate::gpu::headless::{Headless, Messages, Options};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{BlurScene, EffectBuffer, Effects, Offline, Scene};
-use crate::plan::Plan;
 use crate::profile::FrameTimes;
 use crate::smoke::Sequence;
 
@@ -91,7 +90,7 @@ impl<'a> Renderer<'a> {
         })?;
         check(&self.messages)?;
         *particles = step.particles.as_ref().map_or(*particles, |particles| particles.position.len());
-        let is_still = offline.blur().is_some_and(|blur| is_skipped(blur.plan(), "blur.refine"));
+        let is_still = offline.blur().is_some_and(|blur| is_still(blur));
         *warning = step.blur.as_ref().and_then(|_| ended(offline, effects, number));
         let frame = rendered.then(|| {
             let is_alone = effects.smoke.is_none() && effects.flame.is_none();
@@ -121,14 +120,15 @@ impl<'a> Renderer<'a> {
     }
 }
 
-fn is_skipped(plan: &Plan, name: &str) -> bool {
-    plan.skipped.iter().any(|(skipped, _)| *skipped == name)
+/// Whether nothing moved in the frame recorded last.
+fn is_still(blur: &Blur) -> bool {
+    blur.skipped().any(|(pass, _)| pass == "blur.refine")
 }
 
 /// Says it where a frame's refinement did not come to its own end.
 fn ended(offline: &mut Offline, effects: &Effects, number: u32) -> Option<String> {
     let desc = effects.blur.as_ref()?;
-    if is_skipped(offline.blur()?.plan(), "blur.refine") {
+    if is_still(offline.blur()?) {
         return None;
     }
     let layers = offline.layers();
