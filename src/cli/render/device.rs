@@ -13,6 +13,9 @@ use crate::offline::{BlurScene, EffectBuffer, Effects, Offline, Scene};
 use crate::profile::FrameTimes;
 use crate::smoke::Sequence;
 
+/// What the device has decided of a blurred frame.
+const CONTROL: EffectBuffer = EffectBuffer::Blur(blur::layout::CONTROL);
+
 /// Renders the frames of one shot, in order.
 pub(super) struct Renderer<'a> {
     offline: Offline,
@@ -43,7 +46,7 @@ impl<'a> Renderer<'a> {
         let mut offline = Offline::new(headless, effects.clone())?;
         let mut buffers = if layers { layers::buffers(&effects) } else { Vec::new() };
         // The last one tells how the refinement ended.
-        buffers.extend(effects.blur.iter().map(|_| EffectBuffer::Blur(blur::layout::CONTROL)));
+        buffers.extend(effects.blur.iter().map(|_| CONTROL));
         offline.set_layers(&buffers)?;
         match (&shot.background, background) {
             (_, Some(picture)) => offline.set_backdrop(&picture.pixels)?,
@@ -97,7 +100,7 @@ impl<'a> Renderer<'a> {
             let picture = offline.picture();
             let motion = step.blur.as_ref().map(|blur| &blur.frame);
             let blurred = motion.map(|motion| layers::Blurred { motion, picture, is_alone, is_still });
-            let layers = layers::decode(effects, &offline.layers(), *particles, blurred.as_ref());
+            let layers = layers::decode(effects, &offline.layers(), *particles, shot.size, blurred);
             Frame { number, origin, pixels: offline.picture().to_vec(), layers }
         });
         Ok((frame, offline.times()))
