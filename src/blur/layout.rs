@@ -14,7 +14,7 @@ use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{Sizes, buffers};
-use crate::plan::{BufferId, ImageId, Resource, Slot};
+use crate::plan::{Binding, BufferId, ImageId, Resource};
 use crate::shaders::blur as glsl;
 
 /// Workgroups that any device can dispatch along an axis.
@@ -162,9 +162,9 @@ pub const HOST_BACKGROUND: ImageId = ImageId(IMAGES + 6);
 /// Images of the host's.
 pub const HOST_IMAGES: usize = 7;
 
-/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
-pub fn resource(slot: &Slot) -> Option<Resource> {
-    let image = match slot.name {
+/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+pub fn resource(binding: &Binding) -> Option<Resource> {
+    let image = match binding.name {
         "seen_previous" => Some(SEEN[0]),
         "seen_next" => Some(SEEN[1]),
         "distorted" => Some(DISTORTED),
@@ -186,7 +186,7 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "background_image" => Some(BACKGROUND),
         _ => None,
     };
-    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    let buffer = BLOCKS.iter().position(|name| *name == binding.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 

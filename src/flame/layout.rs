@@ -14,7 +14,7 @@ use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{LOOP_BUDGET, Sizes, buffers};
-use crate::plan::{BufferId, ImageId, Resource, Slot};
+use crate::plan::{Binding, BufferId, ImageId, Resource};
 
 /// Loop turns that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
 pub const TURNS: u32 = 44_000;
@@ -72,22 +72,26 @@ pub const KERNEL: ImageId = ImageId(1);
 pub const DRAWN: ImageId = ImageId(2);
 /// Its depth buffer.
 pub const DRAWN_DEPTH: ImageId = ImageId(3);
+/// Buffers of the host's.
+pub const HOST_BUFFERS: usize = 3;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(4);
 /// The host's background.
 pub const BACKGROUND: ImageId = ImageId(5);
 /// The host's depth image.
 pub const HOST_DEPTH: ImageId = ImageId(6);
+/// Images of the host's.
+pub const HOST_IMAGES: usize = 3;
 
-/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
-pub fn resource(slot: &Slot) -> Option<Resource> {
-    let image = match slot.name {
+/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+pub fn resource(binding: &Binding) -> Option<Resource> {
+    let image = match binding.name {
         "levels" => Some(LEVELS),
         "kernel" => Some(KERNEL),
         "drawn" => Some(DRAWN),
         _ => None,
     };
-    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    let buffer = BLOCKS.iter().position(|name| *name == binding.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 

@@ -17,17 +17,6 @@ use crate::host::{Background, HostDepth};
 use crate::plan::{Command, Plan};
 use crate::view::Camera;
 
-/// What follows from particles: left out where none can be seen.
-const FIRE_STEPS: [&str; 7] = [
-    "flame.scene",
-    "flame.prepare",
-    "flame.bin",
-    "flame.accumulate",
-    "flame.light",
-    "flame.resolve",
-    "flame.composite",
-];
-
 /// What this frame is to the ones before.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
@@ -52,7 +41,6 @@ pub(super) struct Steps<'a> {
 
 impl Steps<'_> {
     pub(super) fn fill(&mut self, frame: &Frame, params: &FlameParams, table: &Table) {
-        self.plan.clear();
         self.background(&frame.background);
         self.particles(frame);
         self.clear();
@@ -65,12 +53,11 @@ impl Steps<'_> {
             self.mask();
         } else {
             let reason = dark.unwrap_or("size and seed unchanged");
-            self.plan.skip("flame.tables", reason);
-            self.plan.skip("flame.mask", reason);
+            self.plan.skip(self.passes.tables, reason);
+            self.plan.skip(self.passes.mask, reason);
         }
         if let Some(reason) = dark {
-            FIRE_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
-            return;
+            return self.skip_fire(reason);
         }
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.scene(frame);
@@ -82,10 +69,18 @@ impl Steps<'_> {
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }
 
+    /// What follows from particles is left out where none can be seen.
+    fn skip_fire(&mut self, reason: &'static str) {
+        let Passes { scene, prepare, count, converge, light, resolve, composite, .. } = self.passes;
+        for pass in [scene, prepare, count, converge, light, resolve, composite] {
+            self.plan.skip(*pass, reason);
+        }
+    }
+
     fn background(&mut self, background: &Background) {
         let (image, from, extent) = (TARGET, BACKGROUND, self.desc.size);
         let command = match background {
-            Background::Keep => return self.plan.skip("flame.background", "the target is kept"),
+            Background::Keep => return self.plan.skip(self.passes.background, "the target is kept"),
             Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits) },
             Background::Copy(_) => Command::CopyImage { from, to: image, extent },
         };
@@ -94,7 +89,7 @@ impl Steps<'_> {
 
     fn particles(&mut self, frame: &Frame) {
         let Some(particles) = frame.particles.filter(|particles| particles.count > 0) else {
-            return self.plan.skip("flame.particles", "unchanged, or none");
+            return self.plan.skip(self.passes.particles, "unchanged, or none");
         };
         let count = u64::from(particles.count);
         let (from, to) = (HOST_POSITIONS, POSITIONS);
@@ -109,7 +104,7 @@ impl Steps<'_> {
     /// what the memory held before, is left in the list either.
     fn clear(&mut self) {
         if !self.desc.layers {
-            return self.plan.skip("flame.clear", "no layers are kept");
+            return self.plan.skip(self.passes.clear, "no layers are kept");
         }
         let particles = self.moment.dark.map(|_| PARTICLES);
         for buffer in [PICTURE, MEAN, VARIANCE].into_iter().chain(particles) {
@@ -146,7 +141,7 @@ impl Steps<'_> {
                 let constants = SceneConstants { terms, kind };
                 self.plan.step_with(self.passes.scene, Command::Dispatch { threads: [pixels, 1, 1] }, &constants);
             }
-            _ => self.plan.skip("flame.scene", "nothing else is in the scene"),
+            _ => self.plan.skip(self.passes.scene, "nothing else is in the scene"),
         }
     }
 
@@ -175,7 +170,7 @@ impl Steps<'_> {
     fn kernel(&mut self, frame: &Frame) {
         let settings = &self.desc.settings;
         if settings.mode == Mode::Stochastic {
-            return self.plan.skip("flame.kernel", "mode is \"stochastic\"");
+            return self.plan.skip(self.passes.kernel, "mode is \"stochastic\"");
         }
         // A cube is seen from another side by another camera.
         let turned = settings.shape == Shape::Cube && self.moment.camera != Some(frame.camera);
@@ -199,7 +194,8 @@ impl Steps<'_> {
                 let one_group = Command::Dispatch { threads: [256, 1, 1] };
                 self.plan.step_with(self.passes.adapt, one_group, &parts_of(stage));
             }
-            for (kind, pass) in self.passes.accumulate.iter().enumerate() {
+            let kinds = [self.passes.accumulate.first(), self.passes.accumulate.last()];
+            for (kind, pass) in kinds.into_iter().flatten().enumerate() {
                 for part in 0..stage.parts {
                     let argument = stage.arguments + kind as u32 * stage.parts + part;
                     let offset = 16 * u64::from(argument);
@@ -228,7 +224,7 @@ impl Steps<'_> {
     /// What the fire does to the scene around it.
     fn light(&mut self) {
         if self.desc.settings.light == 0.0 || self.desc.scene.is_none() {
-            return self.plan.skip("flame.light", "light is 0, or nothing else is in the scene");
+            return self.plan.skip(self.passes.light, "light is 0, or nothing else is in the scene");
         }
         self.plan.step(self.passes.lamp, Command::Dispatch { threads: [256, 1, 1] });
         self.plan.step(self.passes.light, draw(offset_of!(Control, screen_draw)));
@@ -252,11 +248,4 @@ fn dispatch(member: usize) -> Command {
 /// A draw whose quads the device has counted.
 fn draw(member: usize) -> Command {
     Command::DrawIndirect { arguments: CONTROL, offset: member as u64 }
-}
-
-/// Room that a plan of this effect needs: steps, and bytes of updates.
-pub fn capacity(layout: &Layout, table: &Table) -> (usize, usize) {
-    let parts: u32 = layout.stages.iter().map(|stage| 2 * stage.parts.max(stage.drawn()) + 2).sum();
-    let bytes = size_of::<FlameParams>() + size_of::<Control>() + 16 * table.entries.len();
-    (40 + parts as usize, bytes)
 }

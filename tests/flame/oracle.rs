@@ -66,8 +66,7 @@ pub fn control(rig: &mut FlameRig) -> Control {
 
 /// Whether the frame rendered last was known to be without fire, so that the device has not looked for any.
 pub fn is_dark(rig: &mut FlameRig) -> bool {
-    let skipped = &rig.offline().flame().expect("a flame").plan().skipped;
-    skipped.iter().any(|(name, _)| *name == "flame.accumulate")
+    rig.offline().flame().expect("a flame").skipped().any(|(name, _)| name == "flame.accumulate")
 }
 
 /// Tiles that something may be seen in.

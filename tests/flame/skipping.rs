@@ -40,8 +40,8 @@ fn steps(rig: &mut FlameRig, name: &str) -> usize {
 }
 
 fn reason(rig: &mut FlameRig, name: &str) -> Option<&'static str> {
-    let skipped = &rig.offline().flame().expect("a flame").plan().skipped;
-    skipped.iter().find(|(skipped, _)| *skipped == name).map(|(_, reason)| *reason)
+    let mut skipped = rig.offline().flame().expect("a flame").skipped();
+    skipped.find(|(skipped, _)| *skipped == name).map(|(_, reason)| reason)
 }
 
 /// Nothing but the background, bit for bit, and layers that say so.
