@@ -15,7 +15,7 @@ layout(std430, binding = 6) writeonly buffer PartArguments { uvec4 part_argument
 shared uint sums[256];
 
 bool goes_on(uint tile) {
-    return tile_open[tile] != 0u && tile_repetitions[tile] == stage.stages;
+    return tile_open[tile] != 0u && tile_repetitions[tile] == stage.done;
 }
 
 void main() {
@@ -40,7 +40,7 @@ void main() {
         uint tile = occupied_tiles[i];
         if (goes_on(tile)) {
             active_tiles[before++] = tile;
-            tile_repetitions[tile] = stage.stages + stage.repetitions;
+            tile_repetitions[tile] = stage.done + stage.repetitions;
         }
     }
     if (lane == 0u) {

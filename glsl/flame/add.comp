@@ -12,11 +12,11 @@ layout(push_constant) uniform AddConstants { uint is_first; } constants;
 
 void main() {
     uint at = gl_GlobalInvocationID.x;
-    if (at >= params.image.x * params.image.y) {
+    if (at >= params.size.x * params.size.y) {
         return;
     }
     Sum sum = constants.is_first == 1u ? no_sum() : load_sum(at);
-    uvec2 winner = texelFetch(drawn, ivec2(at % params.image.x, at / params.image.x), 0).xy;
+    uvec2 winner = texelFetch(drawn, ivec2(at % params.size.x, at / params.size.x), 0).xy;
     if (winner.x != 0u) {
         add_winner(sum, particles[winner.x - 1u].light, winner.y);
     }

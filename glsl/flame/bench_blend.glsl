@@ -30,7 +30,7 @@ struct Pixel {
 
 uvec2 own_tile() {
     uint tile = occupied_tiles[gl_WorkGroupID.x];
-    return uvec2(tile % params.image.z, tile / params.image.z);
+    return uvec2(tile % params.tiles.x, tile / params.tiles.x);
 }
 
 // Invocations 64 b .. 64 b + 63 are block b, so that those that run together meet the same particles.
@@ -40,9 +40,9 @@ Pixel own_pixel() {
     pixel.block = lane / (BLOCK * BLOCK);
     uvec2 place = uvec2(lane % BLOCK, lane / BLOCK % BLOCK);
     uvec2 at = own_tile() * TILE + BLOCK * uvec2(pixel.block & 1u, pixel.block >> 1u) + place;
-    pixel.at = at.y * params.image.x + at.x;
-    pixel.inside = all(lessThan(at, params.image.xy));
-    vec2 centre = (vec2(at) + 0.5 - params.focal.yz) * params.focal.w;
+    pixel.at = at.y * params.size.x + at.x;
+    pixel.inside = all(lessThan(at, params.size));
+    vec2 centre = (vec2(at) + 0.5 - params.principal_point) * params.pixel_slope;
     pixel.ray = vec2(centre.x, -centre.y);
     return pixel;
 }
@@ -56,7 +56,7 @@ void clear_present() {
 
 // Notes a particle as number `index` in the blocks that it touches.
 void note(uint row, uint index) {
-    vec4 bounds = pixel_bounds(from_eye(particles[row].view.xyz), 1.0) - vec2(own_tile() * TILE).xyxy;
+    vec4 bounds = pixel_bounds(from_eye(vec3(particles[row].view, particles[row].depth)), 1.0) - vec2(own_tile() * TILE).xyxy;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         vec2 low = float(BLOCK) * vec2(block & 1u, block >> 1u);
         if (all(lessThanEqual(bounds.xy, low + float(BLOCK))) && all(greaterThanEqual(bounds.zw, low))) {
@@ -71,10 +71,10 @@ float far_at(ivec2 place, int class_index) {
 
 // Colour of a particle at a pixel's ray, and its opacity there.
 vec4 fog(uint row, vec2 ray) {
-    vec3 view = from_eye(particles[row].view.xyz);
-    int class_index = int(particles[row].draw.w);
+    vec3 view = from_eye(vec3(particles[row].view, particles[row].depth));
+    int class_index = int(particles[row].class_index);
     float reach = kernel_reach();
-    float narrow = min(reach / max(0.75 * params.focal.w * view.z, 1e-30), 1.0) / reach;
+    float narrow = min(reach / max(0.75 * params.pixel_slope * view.z, 1e-30), 1.0) / reach;
     vec2 offset = view.z * ray - view.xy;
     vec2 place = (vec2(offset.x, -offset.y) * narrow * 0.5 + 0.5) * LAST;
     bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST)));
@@ -83,7 +83,7 @@ vec4 fog(uint row, vec2 ray) {
     vec2 f = place - vec2(low);
     float above = mix(far_at(low, class_index), far_at(low + ivec2(1, 0), class_index), f.x);
     float below = mix(far_at(low + ivec2(0, 1), class_index), far_at(low + ivec2(1, 1), class_index), f.x);
-    float h = inside ? -uintBitsToFloat(particles[row].light.z) * mix(above, below, f.y) : 0.0;
+    float h = inside ? -particles[row].weight * mix(above, below, f.y) : 0.0;
     float opacity = h < 0.02 ? h * (1.0 - h * (0.5 - h * (0.16666667 - h * 0.041666667))) : 1.0 - exp(-h);
     return vec4(particles[row].colour.rgb, opacity);
 }

@@ -19,12 +19,12 @@ void main() {
     }
     vec2 m = kernel_reach() * (2.0 * vec2(place % uint(PLACES), place / uint(PLACES)) / float(PLACES - 1) - 1.0);
     uint side = MASK_SIDE >> kernel_level;
-    float texel_side = params.space.y / float(side);
-    float radius = max(params.space.x, 2.0 * texel_side);
+    float texel_side = params.sprite_size / float(side);
+    float radius = max(params.spread, 2.0 * texel_side);
     float chords = 0.0;
     for (uint texel = 0u; texel < side * side; ++texel) {
         vec2 u = (vec2(texel % side, texel / side) + 0.5) / float(side) - 0.5;
-        vec2 at = m - params.space.y * u;
+        vec2 at = m - params.sprite_size * u;
         chords += shares[class_index * side * side + texel] * 2.0 * sqrt(max(radius * radius - dot(at, at), 0.0));
     }
     float p = min(texel_side * texel_side * chords / (4.18879020478639 * radius * radius * radius), 1.0);

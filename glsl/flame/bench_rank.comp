@@ -12,12 +12,12 @@ shared float depths[256];
 void main() {
     uint row = gl_GlobalInvocationID.x;
     uint lane = gl_LocalInvocationID.x;
-    uint count = params.counts.x;
-    float own = row < count ? particles[row].view.z : 0.0;
+    uint count = params.particle_count;
+    float own = row < count ? particles[row].depth : 0.0;
     uint rank = 0u;
     for (uint base = 0u; base < count; base += 256u) {
         uint other = base + lane;
-        depths[lane] = other < count ? particles[other].view.z : uintBitsToFloat(INFINITY_BITS);
+        depths[lane] = other < count ? particles[other].depth : uintBitsToFloat(INFINITY_BITS);
         barrier();
         for (uint i = 0u; i < 256u; ++i) {
             float z = depths[i];

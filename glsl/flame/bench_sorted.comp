@@ -10,7 +10,7 @@ const float OPAQUE = 1e-6;  // transmittance below which nothing is seen any mor
 
 void main() {
     clear_present();
-    for (uint level = 0u; level < params.counts.z; ++level) {
+    for (uint level = 0u; level < params.cell_level_count; ++level) {
         uvec2 list = list_range(own_tile(), level);
         for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += LANES) {
             note(entries[at], ranks[entries[at]]);
@@ -20,7 +20,7 @@ void main() {
     Pixel pixel = own_pixel();
     vec3 mean = vec3(0.0);
     float left = 1.0;
-    uint words = (params.counts.x + 31u) / 32u;
+    uint words = (params.particle_count + 31u) / 32u;
     for (uint word = 0u; word < words && left > OPAQUE; ++word) {
         for (uint bits = present[pixel.block][word]; bits != 0u; bits &= bits - 1u) {
             vec4 one = fog(order[32u * word + uint(findLSB(bits))], pixel.ray);

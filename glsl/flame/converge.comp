@@ -17,17 +17,17 @@ const float ONE = 65535.0;
 
 void main() {
     uint tile = active_tiles[gl_WorkGroupID.x];
-    uvec2 corner = TILE * uvec2(tile % params.image.z, tile / params.image.z);
+    uvec2 corner = TILE * uvec2(tile % params.tiles.x, tile / params.tiles.x);
     float n = float(tile_repetitions[tile]) + 2.0;
-    vec4 unit = vec4(vec3(uintBitsToFloat(control.brightest) * params.light.x), 1.0);
+    vec4 unit = vec4(vec3(uintBitsToFloat(control.brightest) * params.intensity), 1.0);
     if (gl_LocalInvocationID.x == 0u) {
         is_open = 0u;
     }
     barrier();
     for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += 64u) {
         uvec2 pixel = corner + uvec2(i % TILE, i / TILE);
-        if (all(lessThan(pixel, params.image.xy))) {
-            uint at = 4u * (pixel.y * params.image.x + pixel.x);
+        if (all(lessThan(pixel, params.size))) {
+            uint at = 4u * (pixel.y * params.size.x + pixel.x);
             uvec4 low = sums[at];
             float hits = float(low.w);
             vec3 sum = (vec3(low.xyz) + WORD * vec3(sums[at + 1u].xyz)) / ONE;
@@ -36,7 +36,7 @@ void main() {
             vec4 variance = max((vec4(squares, hits) + 1.0) / n - mean * mean, 0.0);
             vec4 interval = 1.96 * unit * sqrt(variance / n);
             float widest = max(max(interval.x, interval.y), max(interval.z, interval.w));
-            if (widest >= params.light.z) {
+            if (widest >= params.adaptive) {
                 atomicOr(is_open, 1u);
             }
         }

@@ -43,15 +43,15 @@ void main() {
     vec2 m = reach * (2.0 * vec2(grid) / float(PLACES - 1) - 1.0);
     uint side = MASK_SIDE >> kernel_level;
     // Coarse texels are areas: each is looked at in several places.
-    bool is_thin = params.space.x < 2.0 * params.space.y / float(PLACES_OF_MASK.x);
+    bool is_thin = params.spread < 2.0 * params.sprite_size / float(PLACES_OF_MASK.x);
     uint places = max((is_thin ? PLACES_OF_MASK.y : PLACES_OF_MASK.x) / side, 1u);
     uint across = side * places;
-    float place_side = params.space.y / float(across);
+    float place_side = params.sprite_size / float(across);
     // A space narrower than two places would fall between them.
-    float widest = max(params.space.x, 2.0 * place_side);
-    float radius = CUBE == 1u ? params.space.x + 1e-12 : widest;
+    float widest = max(params.spread, 2.0 * place_side);
+    float radius = CUBE == 1u ? params.spread + 1e-12 : widest;
     float volume = CUBE == 1u ? 8.0 * radius * radius * radius : 4.18879020478639 * radius * radius * radius;
-    float squeeze = params.space.z / (CUBE == 1u ? max(params.space.z, 1e-12) : widest);
+    float squeeze = params.bounding_radius / (CUBE == 1u ? max(params.bounding_radius, 1e-12) : widest);
     float g[DEPTHS];
     [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
         g[k] = 0.0;
@@ -63,7 +63,7 @@ void main() {
             continue;
         }
         vec2 u = (vec2(at_mask) + 0.5) / float(across) - 0.5;
-        vec2 at = m - params.space.y * u;
+        vec2 at = m - params.sprite_size * u;
         // The mask's rows go down, space goes up.
         vec2 range = chord(vec2(at.x, -at.y), radius) * squeeze;
         float length = range.y - range.x;
@@ -71,7 +71,7 @@ void main() {
             continue;
         }
         [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
-            float depth = params.space.z * (2.0 * float(k) / float(DEPTHS - 1) - 1.0);
+            float depth = params.bounding_radius * (2.0 * float(k) / float(DEPTHS - 1) - 1.0);
             g[k] += share * clamp(depth - range.x, 0.0, length);
         }
     }

@@ -7,15 +7,15 @@ const uint SHARE_SIDE = 32u;  // texels of the pass shares along a side; the mas
 
 // How far sprites reach across, in metres.
 float kernel_reach() {
-    return params.space.z + 0.5 * params.space.y;
+    return params.bounding_radius + 0.5 * params.sprite_size;
 }
 
 // Classes are evenly spaced in alpha, 1 / threshold: as temperatures are. The first is where nothing passes any more, the last
 // that of the settings' hottest temperature.
 vec2 class_alphas() {
-    float lowest = 1.0 / max(params.light.y, 1e-6);
+    float lowest = 1.0 / max(params.max_alpha, 1e-6);
     // At a threshold of 0 all of the mask passes, whatever the alpha.
-    float highest = params.model.y > 0.0 ? min(params.model.x / params.model.y, 1e6) : 1e6;
+    float highest = params.threshold > 0.0 ? min(params.alpha_scale / params.threshold, 1e6) : 1e6;
     return vec2(lowest, max(highest, lowest));
 }
 

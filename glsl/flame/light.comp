@@ -17,11 +17,11 @@ void main() {
     float scale = brightest_of_all > 1e6 ? 1.0 / brightest_of_all : 1.0;
     vec4 place = vec4(0.0);
     vec4 colour = vec4(0.0);
-    for (uint row = lane; row < params.counts.x; row += 256u) {
-        float count = particles[row].draw.z == 0u ? 0.0 : float(particles[row].draw.z);
+    for (uint row = lane; row < params.particle_count; row += 256u) {
+        float count = particles[row].count == 0u ? 0.0 : float(particles[row].count);
         vec3 own = count * scale * particles[row].colour.rgb;
         float brightness = max(own.r, max(own.g, own.b));
-        vec3 view = particles[row].view.xyz;
+        vec3 view = vec3(particles[row].view, particles[row].depth);
         place += brightness > 0.0 ? brightness * vec4(view, 1.0) : vec4(0.0);
         colour += brightness > 0.0 ? vec4(own, brightness * dot(view, view)) : vec4(0.0);
     }
@@ -37,7 +37,7 @@ void main() {
         float spread = max(colour.w / max(place.w, 1e-30) - dot(middle, middle), 0.0);
         float brightest = max(colour.r, max(colour.g, colour.b));
         // The fire reaches about two standard deviations from its middle.
-        lamp.place = vec4(middle, max(4.0 * spread, 1e-6));
-        lamp.colour = vec4(params.light.w * colour.rgb / max(brightest, 1e-30), uintBitsToFloat(control.base));
+        vec3 light = params.light * colour.rgb / max(brightest, 1e-30);
+        lamp = Lamp(middle.xy, middle.z, max(4.0 * spread, 1e-6), float[](light.r, light.g, light.b), uintBitsToFloat(control.base));
     }
 }

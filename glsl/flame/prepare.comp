@@ -24,15 +24,15 @@ const float FARTHEST = 1e12;    // coordinate of a particle in metres: squares o
 
 // As `flame::colour::Table` says.
 vec3 colour_of(float t) {
-    float place = clamp(params.colour.x * (FORM == RAMP ? t : 1.0 / t) + params.colour.y, 0.0, params.colour.z);
-    uint below = uint(min(place, params.colour.z - 1.0));
+    float place = clamp(params.table_scale * (FORM == RAMP ? t : 1.0 / t) + params.table_offset, 0.0, params.table_last);
+    uint below = uint(min(place, params.table_last - 1.0));
     vec3 colour = mix(colours[below].rgb, colours[below + 1u].rgb, place - float(below));
     if (FORM != RAMP) {
-        colour = max(exp(colour) - params.shift.rgb, 0.0);
+        colour = max(exp(colour) - params.table_shift.rgb, 0.0);
     }
     if (FORM == CHROMATICITY) {
         float largest = max(max(colour.r, max(colour.g, colour.b)), 1e-30);
-        colour *= pow(min(t / params.model.w, 1.0), params.colour.w) / largest;
+        colour *= pow(min(t / params.hottest, 1.0), params.falloff) / largest;
     }
     return t < 700.0 ? vec3(0.0) : min(colour, MOST_LIGHT);
 }
@@ -44,43 +44,42 @@ void main() {
     }
     barrier();
     uint row = gl_GlobalInvocationID.x;
-    if (row < params.counts.x) {
+    if (row < params.particle_count) {
         vec4 position = positions[row];
         bool is_near = all(lessThanEqual(abs(position.xyz), vec3(FARTHEST)));
         bool valid = is_finite(position.x) && is_finite(position.y) && is_finite(position.z) && is_finite(position.w) && position.w > 0.0 && is_near;
-        float t = valid ? min(position.w, params.space.w) : 1.0;
+        float t = valid ? min(position.w, params.max_temperature) : 1.0;
         vec4 view_and_rest = valid ? to_view_and_rest(position.xyz) : vec4(0.0);
         vec3 view = view_and_rest.xyz;
-        float alpha = params.model.x * t / params.model.w;
-        float mean_count = min(params.model.z * t / params.model.w, float(MOST_COUNT));
-        uint id = (params.flags.w & 2u) != 0u ? ids[row] : row;
+        float alpha = params.alpha_scale * t / params.hottest;
+        float mean_count = min(params.count * t / params.hottest, float(MOST_COUNT));
+        uint id = params.has_ids != 0u ? ids[row] : row;
         uint count = uint(mean_count);
-        count += fract(mean_count) > unit(hash(params.draw.x, id, 0xffffffffu, 0u)) ? 1u : 0u;
+        count += fract(mean_count) > unit(hash(params.seed, id, 0xffffffffu, 0u)) ? 1u : 0u;
         vec3 colour = colour_of(t);
-        bool can_pass = count > 0u && min(alpha * params.light.y, 1.0) >= params.model.y;
+        bool can_pass = count > 0u && min(alpha * params.max_alpha, 1.0) >= params.threshold;
         vec4 bounds = pixel_bounds(view, 1.0);
         bool seen = valid && can_pass && on_screen(bounds);
         if (valid) {
             atomicMax(common_values[0], floatBitsToUint(max(colour.r, max(colour.g, colour.b))));
-            if (view.z >= params.lens.z) {
+            if (view.z >= params.near) {
                 atomicMin(common_values[1], floatBitsToUint(view.z));
             }
         }
         if (seen) {
-            atomicMin(common_values[2], ordered(max(nearest_of(view.z), params.lens.z)));
-            atomicMax(common_values[3], ordered(min(view.z + params.space.z, params.lens.w)));
+            atomicMin(common_values[2], ordered(max(nearest_of(view.z), params.near)));
+            atomicMax(common_values[3], ordered(min(view.z + params.bounding_radius, params.far)));
             atomicAdd(common_values[4], 1u);
         }
-        bool kept = params.flags.x == 1u ? seen : valid && count > 0u && on_screen(bounds);
+        bool kept = params.is_skipping != 0u ? seen : valid && count > 0u && on_screen(bounds);
         count = kept ? count : 0u;
         atomicMax(common_values[5], count);
-        bool near_camera = view.z <= 1.001 * (params.space.z + params.lens.z);
+        bool near_camera = view.z <= 1.001 * (params.bounding_radius + params.near);
         vec2 slope = near_camera ? vec2(0.0) : view.xy / view.z;
-        vec2 centre = params.focal.yz + params.focal.x * vec2(slope.x, -slope.y);
+        vec2 centre = params.principal_point + params.focal_length * vec2(slope.x, -slope.y);
         vec2 whole = floor(centre);
-        particles[row] = Particle(vec4(view, alpha), vec4(whole.x, centre.x - whole.x, whole.y, centre.y - whole.y),
-            vec4(slope, near_camera ? 1.0 : 0.0, 1.0), vec4(colour, mean_count),
-            uvec4(pcg(id + pcg(params.draw.x)), id, count, floatBitsToUint(view_and_rest.w)), uvec4(0u));
+        particles[row] = Particle(view.xy, view.z, mean_count, whole, centre - whole, slope, 1.0, near_camera ? NEAR_CAMERA : 0u,
+            vec4(colour, alpha), pcg(id + pcg(params.seed)), id, count, 0u, uvec2(0u), view_and_rest.w, 0.0);
     }
     barrier();
     if (lane == 0u) {

@@ -29,11 +29,11 @@ void main() {
     if (row == 0u) {
         control.base = floatBitsToUint(low);
     }
-    if (row < params.counts.x && particles[row].draw.z != 0u) {
-        float depth = (particles[row].view.z - low) + uintBitsToFloat(particles[row].draw.w);
-        particles[row].view.z = depth;
-        atomicMin(ends[0], ordered(max(nearest_of(depth), params.lens.z - low)));
-        atomicMax(ends[1], ordered(min(depth + params.space.z, params.lens.w - low)));
+    if (row < params.particle_count && particles[row].count != 0u) {
+        float depth = (particles[row].depth - low) + particles[row].weight;
+        particles[row].depth = depth;
+        atomicMin(ends[0], ordered(max(nearest_of(depth), params.near - low)));
+        atomicMax(ends[1], ordered(min(depth + params.bounding_radius, params.far - low)));
     }
     barrier();
     if (lane == 0u) {

@@ -74,13 +74,13 @@ Pixel of_integral(uint at) {
 
 void main() {
     uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = TILE * uvec2(tile % params.image.z, tile / params.image.z);
+    uvec2 corner = TILE * uvec2(tile % params.tiles.x, tile / params.tiles.x);
     float n = EXPECTED == 1u ? 0.0 : float(tile_repetitions[tile]);
     float brightest = uintBitsToFloat(control.brightest);
     for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += 64u) {
         uvec2 place = corner + uvec2(i % TILE, i / TILE);
-        if (all(lessThan(place, params.image.xy))) {
-            uint at = place.y * params.image.x + place.x;
+        if (all(lessThan(place, params.size))) {
+            uint at = place.y * params.size.x + place.x;
             Pixel pixel;
             if (EXPECTED == 1u) {
                 pixel = of_integral(at);
@@ -88,7 +88,7 @@ void main() {
                 pixel = of_repetitions(at, n);
             }
             vec3 mean = pixel.mean * brightest;
-            picture[at] = vec4(params.light.x * mean, pixel.coverage);
+            picture[at] = vec4(params.intensity * mean, pixel.coverage);
             if (KEEP_LAYERS == 1u) {
                 means[at] = vec4(mean, pixel.coverage);
                 variances[at] = vec4(pixel.variance * brightest * brightest, n);

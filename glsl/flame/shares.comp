@@ -20,8 +20,8 @@ void main() {
         return;
     }
     uint passing = 0u;
-    for (uint variant = 0u; variant < params.draw.y; ++variant) {
+    for (uint variant = 0u; variant < params.variants; ++variant) {
         passing += pass_count(level, uvec2(texel % side, texel / side), variant, class_threshold(class_index));
     }
-    shares[gl_GlobalInvocationID.x] = float(passing) / float(params.draw.y << (2u * level));
+    shares[gl_GlobalInvocationID.x] = float(passing) / float(params.variants << (2u * level));
 }

@@ -11,12 +11,12 @@ shared uint sums[256];
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint share = (params.counts.x + 255u) / 256u;
-    uint first = min(lane * share, params.counts.x);
-    uint last = min(first + share, params.counts.x);
+    uint share = (params.particle_count + 255u) / 256u;
+    uint first = min(lane * share, params.particle_count);
+    uint last = min(first + share, params.particle_count);
     uint sum = 0u;
     for (uint row = first; row < last; ++row) {
-        sum += particles[row].draw.z;
+        sum += particles[row].count;
     }
     sums[lane] = sum;
     barrier();
@@ -25,7 +25,7 @@ void main() {
         at += sums[i];
     }
     for (uint row = first; row < last; ++row) {
-        uint count = particles[row].draw.z;
+        uint count = particles[row].count;
         for (uint k = 0u; k < count; ++k) {
             sprite_list[at++] = uvec2(row, k);
         }

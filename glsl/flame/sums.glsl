@@ -27,7 +27,7 @@ void store_sum(uint pixel, Sum sum) {
     sums[4u * pixel + 3u] = uvec4(sum.square_high, 0u);
 }
 
-void add_winner(inout Sum sum, uvec4 light, uint depth) {
+void add_winner(inout Sum sum, uvec2 light, uint depth) {
     uvec3 colour = uvec3(light.x & 0xffffu, light.x >> 16u, light.y);
     uvec3 square = colour * colour;
     sum.low += colour;

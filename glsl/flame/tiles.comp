@@ -17,9 +17,9 @@ layout(std430, binding = 6) writeonly buffer PartArguments { uvec4 part_argument
 shared uint sums[256];
 
 bool is_occupied(uint tile) {
-    uvec2 at = uvec2(tile % params.image.z, tile / params.image.z);
-    bool any_entry = params.flags.x == 0u;
-    for (uint level = 0u; level < params.counts.z; ++level) {
+    uvec2 at = uvec2(tile % params.tiles.x, tile / params.tiles.x);
+    bool any_entry = params.is_skipping == 0u;
+    for (uint level = 0u; level < params.cell_level_count; ++level) {
         uvec2 range = list_range(at, level);
         any_entry = any_entry || range.x < range.y;
     }
@@ -28,7 +28,7 @@ bool is_occupied(uint tile) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint count = params.image.z * params.image.w;
+    uint count = params.tiles.x * params.tiles.y;
     uint share = (count + 255u) / 256u;
     uint first = min(lane * share, count);
     uint last = min(first + share, count);
@@ -50,7 +50,7 @@ void main() {
             active_tiles[before] = tile;
             ++before;
         }
-        tile_repetitions[tile] = params.flags.z + stage.repetitions;
+        tile_repetitions[tile] = params.repetitions_before + stage.repetitions;
     }
     if (lane == 0u) {
         control.tile_groups = uvec4(total, 1u, 1u, 0u);

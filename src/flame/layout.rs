@@ -6,8 +6,8 @@ use crate::error::{Error, Result};
 use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, SceneFormat};
 use crate::flame::params::{
-    CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS, MASK_SIDE,
-    Particle, SHARE_SIDE, TILE, buckets,
+    CELLS_ACROSS, CellLevel, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS,
+    MASK_SIDE, Particle, SHARE_SIDE, TILE, buckets,
 };
 use crate::flame::settings::{MOST_COUNT, Method, Mode, Sampling, Settings};
 use crate::gpu::buffer::BufferDesc;
@@ -16,7 +16,7 @@ use crate::host::Memory;
 use crate::layout::{LOOP_BUDGET, Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 
-/// Loop turns that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
+/// Loop iterations that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
 pub const TURNS: u32 = 44_000;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
 pub const FIRST_STAGE: u32 = 16;
@@ -91,7 +91,7 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
-/// Loop turns of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
+/// Loop iterations of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
     /// Whatever is in the list.
@@ -142,8 +142,8 @@ impl Stage {
 pub struct Layout {
     /// Screen tiles across and down.
     pub tiles: [u32; 2],
-    /// Cells of each level: first, across, down.
-    pub levels: Vec<[u32; 4]>,
+    /// Levels of cells.
+    pub levels: Vec<CellLevel>,
     /// Cells of all levels.
     pub cells: u32,
     /// Depth buckets.
@@ -369,11 +369,13 @@ pub fn most_count(desc: &Desc) -> u64 {
 }
 
 /// Levels of cells: tiles, and squares of 2 x 2 of the level before, up to where a particle that covers the picture stands.
-fn levels(tiles: [u32; 2]) -> (Vec<[u32; 4]>, u32) {
+fn levels(tiles: [u32; 2]) -> (Vec<CellLevel>, u32) {
     let (mut levels, mut cells, mut sides) = (Vec::new(), 0, tiles);
     loop {
-        levels.push([cells, sides[0], sides[1], 0]);
-        cells += sides[0] * sides[1];
+        let [across, down] = sides;
+        let end = cells + across * down;
+        levels.push(CellLevel { first: cells, across, down, end });
+        cells = end;
         if sides[0].max(sides[1]) <= CELLS_ACROSS {
             return (levels, cells);
         }

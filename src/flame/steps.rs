@@ -158,12 +158,8 @@ impl Steps<'_> {
         self.plan.step(self.passes.range, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
-        let repetitions = match self.desc.settings.mode {
-            Mode::Stochastic => self.desc.settings.repetitions,
-            Mode::Expected => self.desc.settings.bins,
-        };
         let Cost { base, visit, eighths } = Cost::new(self.desc);
-        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, base, visit, eighths, repetitions };
+        let constants = ScanConstants { budget: TURNS, base, visit, eighths };
         self.plan.step_with(self.passes.scan, one_group, &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {
@@ -189,9 +185,8 @@ impl Steps<'_> {
     }
 
     fn repetitions(&mut self) {
-        let before = self.moment.given.before;
         if is_raster(self.desc) {
-            return self.drawn(before);
+            return self.drawn(self.moment.given.before);
         }
         for (index, stage) in self.layout.stages.iter().enumerate() {
             if index > 0 {
@@ -204,8 +199,7 @@ impl Steps<'_> {
                     let argument = stage.arguments + kind as u32 * stage.parts + part;
                     let offset = 16 * u64::from(argument);
                     let command = Command::DispatchIndirect { arguments: PART_ARGUMENTS, offset };
-                    let (repetitions, last) = (stage.first, stage.last);
-                    let constants = AccumulateConstants { part, repetitions, last, before };
+                    let constants = AccumulateConstants { part, first: stage.first, last: stage.last };
                     self.plan.step_with(*pass, command, &constants);
                 }
             }
@@ -238,9 +232,9 @@ impl Steps<'_> {
 fn parts_of(stage: &Stage) -> PartsConstants {
     PartsConstants {
         first: stage.arguments,
-        most: stage.parts,
+        parts: stage.parts,
         repetitions: stage.last - stage.first,
-        stages: stage.first,
+        done: stage.first,
     }
 }
 
