@@ -1,5 +1,5 @@
 // Repetitions of a tile's render particles. A tile owns its pixels: there are no atomics on them, and no render particle
-// ever reaches memory. Particles come in batches, front first. In a round each invocation makes one sprite of a repetition and notes the blocks
+// ever reaches memory. Particles come in batches of so many as there are invocations, front first. In a round each invocation makes one sprite of a repetition and notes the blocks
 // that it touches; then invocations are columns of pixels, and test the sprites that touch their block. Nearest wins, then the smaller id, then
 // the first row: nothing depends on the order of the lists. Sums are integers.
 //
@@ -9,7 +9,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
-layout(local_size_x = 32) in;
+#include "columns.glsl"
+layout(local_size_x = LANES) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
@@ -20,25 +21,15 @@ layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(std430, binding = 8) buffer Winners { uvec4 winners[]; };
 layout(binding = 9, r32f) uniform readonly image2D levels;
 layout(constant_id = 4) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
-layout(push_constant) uniform AccumulateConstants {
-    uint part;   // which dispatch of the stage this is
-    uint first;  // repetition of the stage
-    uint last;   // the repetition after its last
-} constants;
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "lists.glsl"
 #include "mask_level.glsl"
 #include "mask_value.glsl"
 #include "sprite.glsl"
-#include "sums.glsl"
+#include "winner.glsl"
 
-const uint LANES = 32u;  // particles of a batch, render particles of a round, columns of the tile's blocks
-const uint BLOCKS = 4u;
-const int ROWS = int(BLOCK);
-const uint NEVER = 0xffffffffu;
-
-shared uvec2 lists[12];           // where each level's list begins, and its end among all entries of the tile
+shared uvec2 lists[MAX_CELL_LEVELS];           // where each level's list begins, and its end among all entries of the tile
 shared uint waiting;              // entries that are next in a batch
 shared uint waiting_rows[2u * LANES];
 shared uint batch_sums[LANES];    // render particles of a batch up to here, and particles that have any in the upper 8 bits
@@ -147,7 +138,7 @@ Batch load_batch(uint found, vec2 origin) {
         waiting = found - min(found, LANES);
     }
     barrier();
-    return Batch(batch_sums[LANES - 1u] & 0xffffffu, count > 0u ? start : NEVER);
+    return Batch(batch_sums[LANES - 1u] & 0xffffffu, count > 0u ? start : NOTHING);
 }
 
 // Makes render particle `t` of the batch, which is of the particle at `slot`, and notes which blocks it touches.
@@ -300,7 +291,7 @@ void main() {
                 }
                 barrier();
                 uint begun = starts;
-                uint slot = particles_before + uint(bitCount(begun & (NEVER >> (LANES - 1u - lane)))) - 1u;
+                uint slot = particles_before + uint(bitCount(begun & (~0u >> (LANES - 1u - lane)))) - 1u;
                 particles_before += uint(bitCount(begun));
                 if (made + lane < batch.total) {
                     note_sprite(optics, slot, made + lane, before + repetition);

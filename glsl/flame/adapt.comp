@@ -12,7 +12,7 @@ layout(std430, binding = 6) writeonly buffer PartArguments { uvec4 part_argument
 #include "mask_level.glsl"
 #include "parts.glsl"
 
-shared uint sums[256];
+shared uint sums[gl_WorkGroupSize.x];
 
 bool goes_on(uint tile) {
     return tile_open[tile] != 0u && tile_repetitions[tile] == stage.done;
@@ -21,7 +21,7 @@ bool goes_on(uint tile) {
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint count = control.tile_groups.x;
-    uint share = (count + 255u) / 256u;
+    uint share = (count + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
     uint first = min(lane * share, count);
     uint last = min(first + share, count);
     uint sum = 0u;
@@ -32,7 +32,7 @@ void main() {
     barrier();
     uint before = 0u;
     uint total = 0u;
-    for (uint i = 0u; i < 256u; ++i) {
+    for (uint i = 0u; i < gl_WorkGroupSize.x; ++i) {
         before += i < lane ? sums[i] : 0u;
         total += sums[i];
     }

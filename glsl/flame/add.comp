@@ -8,7 +8,7 @@ layout(std430, binding = 2) buffer Sums { uvec4 sums[]; };
 #extension GL_EXT_samplerless_texture_functions : require
 layout(binding = 3) uniform utexture2D drawn;
 layout(push_constant) uniform AddConstants { uint is_first; } constants;
-#include "sums.glsl"
+#include "winner.glsl"
 
 void main() {
     uint at = gl_GlobalInvocationID.x;

@@ -1,7 +1,8 @@
 // Particles as the fog that blending takes them for: each at the one depth of its centre, of opacity 1 - (1 - Q)^n at a pixel. A workgroup
 // is a tile; what touches each of its blocks is a set of bits.
 #include "params.glsl"
-layout(local_size_x = 256) in;
+const uint TILE_PIXELS = TILE * TILE;
+layout(local_size_x = TILE_PIXELS) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
@@ -14,12 +15,10 @@ layout(std430, binding = 7) writeonly buffer Blended { vec4 blended[]; };
 #include "kernel.glsl"
 #include "lists.glsl"
 
-const uint LANES = 256u;
-const uint BLOCKS = 4u;
-const uint WORDS = 256u;  // of 32 bits: as many particles as the benchmark has at most
-const float LAST = float(PLACES - 1);
+const uint PRESENT_WORDS = TILE_PIXELS;          // of a set of particles: an invocation clears one
+const uint PRESENT_BITS = 32u * PRESENT_WORDS;  // as many particles as the benchmark has at most
 
-shared uint present[BLOCKS][WORDS];
+shared uint present[BLOCKS][PRESENT_WORDS];
 
 struct Pixel {
     uint at;
@@ -66,7 +65,7 @@ void note(uint row, uint index) {
 }
 
 float far_at(ivec2 place, int class_index) {
-    return far_table[place.x + PLACES * (place.y + PLACES * class_index)];
+    return far_table[place.x + int(KERNEL_PLACES) * (place.y + int(KERNEL_PLACES) * class_index)];
 }
 
 // Colour of a particle at a pixel's ray, and its opacity there.
@@ -74,12 +73,12 @@ vec4 fog(uint row, vec2 ray) {
     vec3 view = from_eye(vec3(particles[row].view, particles[row].depth));
     int class_index = int(particles[row].class_index);
     float reach = kernel_reach();
-    float narrow = min(reach / max(0.75 * params.pixel_slope * view.z, 1e-30), 1.0) / reach;
+    float narrow = min(reach / max(NARROW * params.pixel_slope * view.z, 1e-30), 1.0) / reach;
     vec2 offset = view.z * ray - view.xy;
-    vec2 place = (vec2(offset.x, -offset.y) * narrow * 0.5 + 0.5) * LAST;
-    bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST)));
-    place = clamp(place, 0.0, LAST);
-    ivec2 low = ivec2(min(place, vec2(LAST - 0.001)));
+    vec2 place = (vec2(offset.x, -offset.y) * narrow * 0.5 + 0.5) * LAST_PLACE;
+    bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST_PLACE)));
+    place = clamp(place, 0.0, LAST_PLACE);
+    ivec2 low = ivec2(min(place, vec2(LAST_PLACE - 0.001)));
     vec2 f = place - vec2(low);
     float above = mix(far_at(low, class_index), far_at(low + ivec2(1, 0), class_index), f.x);
     float below = mix(far_at(low + ivec2(0, 1), class_index), far_at(low + ivec2(1, 1), class_index), f.x);

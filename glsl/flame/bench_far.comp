@@ -3,21 +3,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 64) in;
+#include "kernel.glsl"
+layout(local_size_x = KERNEL_LANES) in;
 layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; };
 layout(std430, binding = 2) readonly buffer Shares { float shares[]; };
 layout(std430, binding = 3) writeonly buffer FarTable { float far_table[]; };
-#include "kernel.glsl"
-
-const float LEAST = -24.0;
 
 void main() {
-    uint place = gl_GlobalInvocationID.x % uint(PLACES * PLACES);
-    uint class_index = gl_GlobalInvocationID.x / uint(PLACES * PLACES);
-    if (class_index >= uint(CLASSES)) {
+    uint place = gl_GlobalInvocationID.x % (KERNEL_PLACES * KERNEL_PLACES);
+    uint class_index = gl_GlobalInvocationID.x / (KERNEL_PLACES * KERNEL_PLACES);
+    if (class_index >= KERNEL_CLASSES) {
         return;
     }
-    vec2 m = kernel_reach() * (2.0 * vec2(place % uint(PLACES), place / uint(PLACES)) / float(PLACES - 1) - 1.0);
+    vec2 m = kernel_reach() * (2.0 * vec2(place % KERNEL_PLACES, place / KERNEL_PLACES) / LAST_PLACE - 1.0);
     uint side = MASK_SIDE >> kernel_level;
     float texel_side = params.sprite_size / float(side);
     float radius = max(params.spread, 2.0 * texel_side);
@@ -29,5 +27,5 @@ void main() {
     }
     float p = min(texel_side * texel_side * chords / (4.18879020478639 * radius * radius * radius), 1.0);
     float value = p < 0.01 ? -p * (1.0 + p * (0.5 + p * (0.33333333 + p * 0.25))) : log(max(1.0 - p, 1e-30));
-    far_table[gl_GlobalInvocationID.x] = max(value, LEAST);
+    far_table[gl_GlobalInvocationID.x] = max(value, LEAST_LOGARITHM);
 }

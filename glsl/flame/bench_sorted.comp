@@ -6,13 +6,11 @@
 layout(std430, binding = 8) readonly buffer Ranks { uint ranks[]; };
 layout(std430, binding = 9) readonly buffer Order { uint order[]; };
 
-const float OPAQUE = 1e-6;  // transmittance below which nothing is seen any more, as in expected.comp
-
 void main() {
     clear_present();
     for (uint level = 0u; level < params.cell_level_count; ++level) {
         uvec2 list = list_range(own_tile(), level);
-        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += LANES) {
+        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += TILE_PIXELS) {
             note(entries[at], ranks[entries[at]]);
         }
     }

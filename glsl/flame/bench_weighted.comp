@@ -9,7 +9,7 @@ void main() {
     clear_present();
     for (uint level = 0u; level < params.cell_level_count; ++level) {
         uvec2 list = list_range(own_tile(), level);
-        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += LANES) {
+        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += TILE_PIXELS) {
             note(entries[at], entries[at]);
         }
     }

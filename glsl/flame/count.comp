@@ -12,7 +12,7 @@ layout(std430, binding = 3) buffer Cells { uint cell_ends[]; };
 #include "mask_level.glsl"
 
 uint share_of(float component, float brightest) {
-    return brightest > 0.0 ? min(uint(component / brightest * 65535.0 + 0.5), 65535u) : 0u;
+    return brightest > 0.0 ? min(uint(component / brightest * LIGHT_STEPS + 0.5), uint(LIGHT_STEPS)) : 0u;
 }
 
 void main() {

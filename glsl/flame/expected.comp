@@ -6,7 +6,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
-layout(local_size_x = 32) in;
+#include "columns.glsl"
+layout(local_size_x = LANES) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
@@ -19,31 +20,22 @@ layout(std430, binding = 9) buffer Winners { uvec4 winners[]; };  // of an unfin
 layout(std430, binding = 10) buffer Unlaid { vec4 unlaid[]; };  // between dispatches: the bin that is not laid yet, and the one before it
 layout(constant_id = 0) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
 layout(constant_id = 1) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
-layout(push_constant) uniform AccumulateConstants {
-    uint part;         // which dispatch this is
-    uint first;  // bin of the stage
-    uint last;   // the bin after its last
-} constants;
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "kernel.glsl"
 #include "bins.glsl"
+#include "sums.glsl"
 
-const uint LANES = 32u;
-const uint BLOCKS = 4u;
-const int ROWS = int(BLOCK);
 const float FIXED = 16777216.0;  // 1 as a fixed-point number
-const float WORD = 4294967296.0 / FIXED;
+const float FIXED_WORD = WORD / FIXED;
 const float FIXED_SQUARES = 0.25 * FIXED;  // a sum of three
 const float MOST_DEPTH = 127.0;  // optical depth of one particle in one bin
-const float LAST = float(PLACES - 1);
-const uint UNLAID = 3u + KEEP_LAYERS;
-const float OPAQUE = 1e-6;       // transmittance below which nothing is seen any more
+const uint UNLAID = UNLAID_VECTORS + KEEP_LAYERS;
 
 shared uint queue[BLOCKS][LANES];
 shared uint queue_length[BLOCKS];
 shared uint clearest;
-shared uvec2 lists[12];
+shared uvec2 lists[MAX_CELL_LEVELS];
 
 // A column of a block.
 vec3 mean[ROWS];
@@ -67,13 +59,13 @@ float corner(ivec2 at, float share) {
 
 // ln(1 - G) at a place of the grid and two depths of it.
 vec2 logarithms(vec2 place, vec2 depths, int class_index) {
-    ivec2 low = ivec2(min(place, vec2(float(PLACES) - 1.001)));
+    ivec2 low = ivec2(min(place, vec2(float(KERNEL_PLACES) - 1.001)));
     vec2 f = place - vec2(low);
-    ivec2 k = ivec2(min(depths, vec2(float(DEPTHS) - 1.001)));
+    ivec2 k = ivec2(min(depths, vec2(float(KERNEL_DEPTHS) - 1.001)));
     vec2 g = depths - vec2(k);
-    ivec2 at = ivec2(DEPTHS * low.x, low.y + PLACES * class_index);
-    ivec2 right = ivec2(DEPTHS, 0);
-    ivec2 down = ivec2(0, 1);
+    ivec2 at = kernel_texel(low, 0, class_index);
+    ivec2 right = kernel_texel(ivec2(1, 0), 0, 0);
+    ivec2 down = kernel_texel(ivec2(0, 1), 0, 0);
     vec2 here = vec2(corner(at + ivec2(k.x, 0), g.x), corner(at + ivec2(k.y, 0), g.y));
     vec2 beside = vec2(corner(at + right + ivec2(k.x, 0), g.x), corner(at + right + ivec2(k.y, 0), g.y));
     at += down;
@@ -84,9 +76,8 @@ vec2 logarithms(vec2 place, vec2 depths, int class_index) {
 
 // The same at the nearest place of the grid.
 float nearest_logarithm(vec2 place, float depth, int class_index) {
-    ivec2 at = ivec2(place + 0.5);
-    int k = int(min(depth, float(DEPTHS) - 1.001));
-    return corner(ivec2(DEPTHS * at.x + k, at.y + PLACES * class_index), depth - float(k));
+    int k = int(min(depth, float(KERNEL_DEPTHS) - 1.001));
+    return corner(kernel_texel(ivec2(place + 0.5), k, class_index), depth - float(k));
 }
 
 // -ln(1 - x), without cancelling.
@@ -98,7 +89,7 @@ float depth_of(float x) {
 
 // Where an offset from a particle's centre (metres, up) lies in the grid.
 vec2 grid_place(vec2 offset) {
-    return (vec2(offset.x, -offset.y) / kernel_reach() * 0.5 + 0.5) * LAST;
+    return (vec2(offset.x, -offset.y) / kernel_reach() * 0.5 + 0.5) * LAST_PLACE;
 }
 
 // The middle of the part of a ball's depth before one (in radii from its centre), in metres from the centre.
@@ -120,8 +111,8 @@ float slab_middle(vec2 depths) {
 // ln(1 - G) before a depth, in radii from the centre: what passed there did so at other offsets than in the bin, on average at the middle of the
 // cap before it.
 float logarithm_before(vec2 centre, vec2 slope, float depth, int class_index) {
-    vec2 place = clamp(grid_place(centre + cap_middle(depth) * slope), 0.0, LAST);
-    return nearest_logarithm(place, (depth * 0.5 + 0.5) * float(DEPTHS - 1), class_index);
+    vec2 place = clamp(grid_place(centre + cap_middle(depth) * slope), 0.0, LAST_PLACE);
+    return nearest_logarithm(place, (depth * 0.5 + 0.5) * float(KERNEL_DEPTHS - 1u), class_index);
 }
 
 // How much G rises between two depths, over what is left of 1 - G. `centre`: of the particle to the ray at the particle's depth;
@@ -130,10 +121,10 @@ float rise(vec2 centre, vec2 slope, vec2 zeta, int class_index) {
     float per_depth = 1.0 / max(params.bounding_radius, 1e-12);
     // The ray slants through the space: its offset from the centre in the middle of what the bin holds of it.
     vec2 place = grid_place(centre + slab_middle(zeta * per_depth) * slope);
-    vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
-    vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
+    vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(KERNEL_DEPTHS - 1u);
+    vec2 ends = logarithms(clamp(place, 0.0, LAST_PLACE), depths, class_index);
     float passed = logarithm_before(centre, slope, zeta.x * per_depth, class_index);
-    bool inside = all(bvec4(greaterThanEqual(place, vec2(0.0)), lessThanEqual(place, vec2(LAST))));
+    bool inside = all(bvec4(greaterThanEqual(place, vec2(0.0)), lessThanEqual(place, vec2(LAST_PLACE))));
     float x = exp(ends.x - passed) * opacity(max(ends.x - ends.y, 0.0));
     return inside ? x : 0.0;
 }
@@ -237,14 +228,14 @@ float middle(uint bin, vec2 scale) {
 // Lays the bin that is not laid yet behind what is nearer; the finished one takes its place. `depth`: of the former.
 void lay_bin(float depth) {
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        vec4 sum = vec4(bin_high[y]) * WORD + vec4(bin_low[y]) / FIXED;
+        vec4 sum = vec4(bin_high[y]) * FIXED_WORD + vec4(bin_low[y]) / FIXED;
         vec4 farther = vec4(sum.rgb / max(sum.w, 1e-30), sum.w);
         float left = transmittance[y] > OPAQUE ? transmittance[y] : 0.0;
         float share = left * opacity(bins[y].w);
         vec3 slope = slope_of(nearer_bins[y], bins[y], farther);
         float leans = left * fade(bins[y], bin_squares[y].w, slope) * leaning(bins[y].w);
         mean[y] += max(share * bins[y].rgb + leans * slope, 0.0);
-        vec4 squares = vec4(square_high[y]) * vec4(vec3(WORD), 4.0 * WORD) + vec4(square_low[y]) / vec4(vec3(FIXED), FIXED_SQUARES);
+        vec4 squares = vec4(square_high[y]) * vec4(vec3(FIXED_WORD), 4.0 * FIXED_WORD) + vec4(square_low[y]) / vec4(vec3(FIXED), FIXED_SQUARES);
         squares /= max(sum.w, 1e-30);
         if (KEEP_LAYERS == 1u) {
             vec4 nearer = vec4(nearer_squares[y], nearer_bins[y].w);
@@ -280,8 +271,8 @@ void load_unlaid(int y, uint at, bool is_there, bool is_unfinished) {
             nearer_squares[y] = unlaid[UNLAID * at + 3u].xyz;
         }
         if (is_unfinished) {
-            square_low[y] = winners[2u * at];
-            square_high[y] = winners[2u * at + 1u];
+            square_low[y] = winners[UNFINISHED_VECTORS * at];
+            square_high[y] = winners[UNFINISHED_VECTORS * at + 1u];
         }
     }
 }
@@ -294,8 +285,8 @@ void store_unlaid(int y, uint at, bool is_finished) {
         unlaid[UNLAID * at + 3u] = vec4(nearer_squares[y], 0.0);
     }
     if (!is_finished) {
-        winners[2u * at] = square_low[y];
-        winners[2u * at + 1u] = square_high[y];
+        winners[UNFINISHED_VECTORS * at] = square_low[y];
+        winners[UNFINISHED_VECTORS * at + 1u] = square_high[y];
     }
 }
 
@@ -331,10 +322,10 @@ void main() {
         }
         uvec4 a = uvec4(0u, 0u, 0u, floatBitsToUint(1.0)), b = uvec4(0u), c = uvec4(0u), d = uvec4(0u);
         if (inside[y] && constants.part > 0u) {
-            a = sums[4u * at];
-            b = sums[4u * at + 1u];
-            c = sums[4u * at + 2u];
-            d = sums[4u * at + 3u];
+            a = sums[SUM_VECTORS * at];
+            b = sums[SUM_VECTORS * at + 1u];
+            c = sums[SUM_VECTORS * at + 2u];
+            d = sums[SUM_VECTORS * at + 3u];
         }
         mean[y] = uintBitsToFloat(a.xyz);
         transmittance[y] = inside[y] ? uintBitsToFloat(a.w) : 0.0;
@@ -434,10 +425,10 @@ void main() {
             store_unlaid(y, at, is_last_segment);
         }
         if (inside[y]) {
-            sums[4u * at] = uvec4(floatBitsToUint(mean[y]), floatBitsToUint(transmittance[y]));
-            sums[4u * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
-            sums[4u * at + 2u] = bin_low[y];
-            sums[4u * at + 3u] = bin_high[y];
+            sums[SUM_VECTORS * at] = uvec4(floatBitsToUint(mean[y]), floatBitsToUint(transmittance[y]));
+            sums[SUM_VECTORS * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
+            sums[SUM_VECTORS * at + 2u] = bin_low[y];
+            sums[SUM_VECTORS * at + 3u] = bin_high[y];
         }
     }
 }

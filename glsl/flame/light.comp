@@ -7,8 +7,8 @@ layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) writeonly buffer LampBuffer { Lamp lamp; };
 layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };
 
-shared vec4 places[256];   // brightness times position; brightness
-shared vec4 colours[256];  // sum of colours; brightness times squared distance
+shared vec4 places[gl_WorkGroupSize.x];   // brightness times position; brightness
+shared vec4 colours[gl_WorkGroupSize.x];  // sum of colours; brightness times squared distance
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
@@ -17,7 +17,7 @@ void main() {
     float scale = brightest_of_all > 1e6 ? 1.0 / brightest_of_all : 1.0;
     vec4 place = vec4(0.0);
     vec4 colour = vec4(0.0);
-    for (uint row = lane; row < params.particle_count; row += 256u) {
+    for (uint row = lane; row < params.particle_count; row += gl_WorkGroupSize.x) {
         float count = particles[row].count == 0u ? 0.0 : float(particles[row].count);
         vec3 own = count * scale * particles[row].colour.rgb;
         float brightness = max(own.r, max(own.g, own.b));
@@ -29,7 +29,7 @@ void main() {
     colours[lane] = colour;
     barrier();
     if (lane == 0u) {
-        for (uint i = 1u; i < 256u; ++i) {
+        for (uint i = 1u; i < gl_WorkGroupSize.x; ++i) {
             place += places[i];
             colour += colours[i];
         }

@@ -8,8 +8,6 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) writeonly buffer Mask { float mask[]; };
 layout(binding = 2, r32f) uniform writeonly image2D levels;
 
-const float NOISE_CELLS = 4.0;  // across a sprite
-
 void main() {
     uint index = gl_GlobalInvocationID.x;
     uint variant = index / (MASK_SIDE * MASK_SIDE);

@@ -8,13 +8,41 @@
 
 const uint TILE = 16u;          // side of a screen tile in pixels
 const uint BLOCK = 8u;          // side of a block in pixels; a tile is 2 x 2 blocks
+const uint BLOCKS = TILE * TILE / BLOCK / BLOCK;  // of a tile
 const uint CELLS_ACROSS = 4u;   // a particle stands at the level of cells where it touches at most so many across
+const uint MAX_CELL_LEVELS = 12u;
+
 const uint MASK_SIDE = 64u;     // texels of the mask along a side
 const uint MASK_LEVELS = 7u;
-const uint MAX_CELL_LEVELS = 12u;
+const float NOISE_CELLS = 4.0;  // of the mask's noise, across a sprite
+
+const float COLDEST = 700.0;        // what is colder emits nothing, in kelvin
+const float MOST_COUNT = 32768.0;   // render particles of a particle in a repetition
+const float LIGHT_STEPS = 65535.0;  // of a colour's component, up to the brightest of the frame
+
+const uint COUNT_KEY = 0xffffffffu;  // keys of draws that are no repetition's: the fraction of a count,
+const uint PHASE_KEY = 0xffffffffu;  // when the flicker renews a render particle,
+const uint SOBOL_KEY = 0xfffffffeu;  // its Sobol sequence
+const uint RENEWAL = 0x9e3779b9u;    // what is added to the words of a draw that is renewed
+
+const uint NOTHING = 0xffffffffu;  // the minimum of no numbers
 
 const uint NEAR_CAMERA = 1u;  // flags of a particle: too near the camera for slopes
 const uint LISTED = 2u;       // it is in the lists of cells
+
+const uint RADIANCE = 0u;      // what the entries of the colour table are, as `flame::colour::Form` says
+const uint CHROMATICITY = 1u;
+const uint RAMP = 2u;
+
+const uint UNORM_16 = 0u;  // what the host's depth image holds
+const uint UNORM_24 = 1u;
+const uint FLOATS = 2u;
+
+const uint SUM_VECTORS = 4u;         // of a pixel's sums: vectors of four words
+const uint UNFINISHED_VECTORS = 2u;  // of a bin of the expected image that is not finished
+const uint UNLAID_VECTORS = 3u;      // of its last two bins, between dispatches; one more with layers
+
+const uint QUAD_VERTICES = 4u;
 
 // A level of the screen's cells.
 struct CellLevel {

@@ -11,7 +11,7 @@ void write_parts(uint lane, uint tiles) {
     uint chunks = (stage.repetitions + control.part_repetitions - 1u) / max(control.part_repetitions, 1u);
     uint needed = control.listed == 0u ? 0u : chunks * control.segments;
     bool magnified = mask_level() == 0u;
-    for (uint part = lane; part < stage.parts; part += 256u) {
+    for (uint part = lane; part < stage.parts; part += gl_WorkGroupSize.x) {
         uvec4 arguments = uvec4(part < needed ? tiles : 0u, 1u, 1u, 0u);
         part_arguments[stage.first + part] = magnified ? uvec4(0u, 1u, 1u, 0u) : arguments;
         part_arguments[stage.first + stage.parts + part] = magnified ? arguments : uvec4(0u, 1u, 1u, 0u);

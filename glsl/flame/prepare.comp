@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "../common/limits.glsl"
 #include "../common/random.glsl"
 #include "../common/view.glsl"
 #include "cells.glsl"
@@ -13,14 +14,10 @@ layout(std430, binding = 3) readonly buffer Colours { vec4 colours[]; };
 layout(std430, binding = 4) writeonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 5) buffer ControlBuffer { Control control; };
 layout(constant_id = 0) const uint FORM = 0;  // what the entries of the colour table are
-const uint CHROMATICITY = 1u;
-const uint RAMP = 2u;
 
 shared uint common_values[6];
 
-const uint MOST_COUNT = 32768u;
 const float MOST_LIGHT = 1e15;  // of a particle: squares of sums of it are finite
-const float FARTHEST = 1e12;    // coordinate of a particle in metres: squares of it are finite
 
 // As `flame::colour::Table` says.
 vec3 colour_of(float t) {
@@ -34,13 +31,13 @@ vec3 colour_of(float t) {
         float largest = max(max(colour.r, max(colour.g, colour.b)), 1e-30);
         colour *= pow(min(t / params.hottest, 1.0), params.falloff) / largest;
     }
-    return t < 700.0 ? vec3(0.0) : min(colour, MOST_LIGHT);
+    return t < COLDEST ? vec3(0.0) : min(colour, MOST_LIGHT);
 }
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
     if (lane < 6u) {
-        common_values[lane] = lane == 1u || lane == 2u ? 0xffffffffu : 0u;
+        common_values[lane] = lane == 1u || lane == 2u ? NOTHING : 0u;
     }
     barrier();
     uint row = gl_GlobalInvocationID.x;
@@ -52,10 +49,10 @@ void main() {
         vec4 view_and_rest = valid ? to_view_and_rest(position.xyz) : vec4(0.0);
         vec3 view = view_and_rest.xyz;
         float alpha = params.alpha_scale * t / params.hottest;
-        float mean_count = min(params.count * t / params.hottest, float(MOST_COUNT));
+        float mean_count = min(params.count * t / params.hottest, MOST_COUNT);
         uint id = params.has_ids != 0u ? ids[row] : row;
         uint count = uint(mean_count);
-        count += fract(mean_count) > unit(hash(params.seed, id, 0xffffffffu, 0u)) ? 1u : 0u;
+        count += fract(mean_count) > unit(hash(params.seed, id, COUNT_KEY, 0u)) ? 1u : 0u;
         vec3 colour = colour_of(t);
         bool can_pass = count > 0u && min(alpha * params.max_alpha, 1.0) >= params.threshold;
         vec4 bounds = pixel_bounds(view, 1.0);

@@ -22,7 +22,7 @@ void main() {
         return;
     }
     if (lane < 2u) {
-        ends[lane] = lane == 0u ? 0xffffffffu : 0u;
+        ends[lane] = lane == 0u ? NOTHING : 0u;
     }
     barrier();
     uint row = gl_GlobalInvocationID.x;

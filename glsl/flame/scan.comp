@@ -14,17 +14,17 @@ layout(push_constant) uniform ScanConstants {
     uint eighths;  // eighths of an iteration that each of those takes
 } constants;
 
-shared uint sums[256];
-shared uint longest[12];
+shared uint sums[gl_WorkGroupSize.x];
+shared uint longest[MAX_CELL_LEVELS];
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint buckets = params.bucket_count;
-    uint share = (params.cell_count + 255u) / 256u * buckets;
+    uint share = (params.cell_count + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x * buckets;
     uint count = params.cell_count * buckets;
     uint first = min(lane * share, count);
     uint last = min(first + share, count);
-    if (lane < 12u) {
+    if (lane < MAX_CELL_LEVELS) {
         longest[lane] = 0u;
     }
     barrier();

@@ -7,11 +7,11 @@ layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) writeonly buffer SpriteList { uvec2 sprite_list[]; };
 
-shared uint sums[256];
+shared uint sums[gl_WorkGroupSize.x];
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint share = (params.particle_count + 255u) / 256u;
+    uint share = (params.particle_count + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
     uint first = min(lane * share, params.particle_count);
     uint last = min(first + share, params.particle_count);
     uint sum = 0u;
@@ -30,7 +30,7 @@ void main() {
             sprite_list[at++] = uvec2(row, k);
         }
     }
-    if (lane == 255u) {
-        control.sprite_draw = uvec4(4u, at, 0u, 0u);
+    if (lane == gl_WorkGroupSize.x - 1u) {
+        control.sprite_draw = uvec4(QUAD_VERTICES, at, 0u, 0u);
     }
 }

@@ -14,7 +14,7 @@ layout(std430, binding = 6) writeonly buffer PartArguments { uvec4 part_argument
 #include "mask_level.glsl"
 #include "parts.glsl"
 
-shared uint sums[256];
+shared uint sums[gl_WorkGroupSize.x];
 
 bool is_occupied(uint tile) {
     uvec2 at = uvec2(tile % params.tiles.x, tile / params.tiles.x);
@@ -29,7 +29,7 @@ bool is_occupied(uint tile) {
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint count = params.tiles.x * params.tiles.y;
-    uint share = (count + 255u) / 256u;
+    uint share = (count + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
     uint first = min(lane * share, count);
     uint last = min(first + share, count);
     uint sum = 0u;
@@ -40,7 +40,7 @@ void main() {
     barrier();
     uint before = 0u;
     uint total = 0u;
-    for (uint i = 0u; i < 256u; ++i) {
+    for (uint i = 0u; i < gl_WorkGroupSize.x; ++i) {
         before += i < lane ? sums[i] : 0u;
         total += sums[i];
     }
@@ -55,7 +55,7 @@ void main() {
     if (lane == 0u) {
         control.tile_groups = uvec4(total, 1u, 1u, 0u);
         control.active_groups = control.tile_groups;
-        control.tile_draw = uvec4(4u, total, 0u, 0u);
+        control.tile_draw = uvec4(QUAD_VERTICES, total, 0u, 0u);
     }
     write_parts(lane, total);
 }

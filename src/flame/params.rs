@@ -5,17 +5,12 @@ use bytemuck::Zeroable;
 use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, Frame};
 use crate::flame::layout::Layout;
+use crate::flame::reference::draws::sobol_bits;
 use crate::flame::settings::{Mode, Shape};
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
 use crate::view::CameraRows;
 
-/// Classes of the kernel table, by threshold: bits of a word.
-pub const KERNEL_CLASSES: u32 = 32;
-/// Its places along x and along y.
-pub const KERNEL_PLACES: u32 = 97;
-/// Its depths.
-pub const KERNEL_DEPTHS: u32 = 16;
 /// Depth buckets of the stochastic mode.
 pub const BUCKETS: u32 = 32;
 
@@ -23,14 +18,14 @@ impl Control {
     /// What a frame starts with.
     pub fn reset() -> Control {
         Control {
-            nearest: u32::MAX,
-            range_low: u32::MAX,
-            depth_low: u32::MAX,
+            nearest: NOTHING,
+            range_low: NOTHING,
+            depth_low: NOTHING,
             tile_groups: [0, 1, 1, 0],
             active_groups: [0, 1, 1, 0],
-            tile_draw: [4, 0, 0, 0],
-            screen_draw: [4, 1, 0, 0],
-            sprite_draw: [4, 0, 0, 0],
+            tile_draw: [QUAD_VERTICES, 0, 0, 0],
+            screen_draw: [QUAD_VERTICES, 1, 0, 0],
+            sprite_draw: [QUAD_VERTICES, 0, 0, 0],
             ..Control::zeroed()
         }
     }
@@ -91,7 +86,7 @@ impl FlameParams {
             particle_count: given.count,
             seed: desc.seed,
             variants: settings.variants,
-            sobol_bits: settings.repetitions.next_power_of_two().trailing_zeros().clamp(1, 20),
+            sobol_bits: sobol_bits(settings.repetitions),
             flicker_whole: (flickered >> 16) as u32,
             flicker_fraction: (flickered & 0xffff) as u32,
             is_skipping: desc.skipping.into(),

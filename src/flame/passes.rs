@@ -5,6 +5,7 @@ use ash::vk;
 use crate::flame::colour::{Form, Table};
 use crate::flame::frame::Desc;
 use crate::flame::layout::*;
+use crate::flame::params::{CHROMATICITY, EITHER, MAGNIFIED, MINIFIED, RADIANCE, RAMP};
 use crate::flame::settings::{Mode, Sampling, Shape};
 use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Topology, Usage};
 use crate::shaders::flame as glsl;
@@ -53,9 +54,9 @@ impl Passes {
         let mut d = Declare::new(resource);
         let (from, to) = (Usage::COPY_SOURCE, Usage::COPY_TARGET);
         let form = match table.form {
-            Form::Radiance => 0,
-            Form::Chromaticity => 1,
-            Form::Ramp => 2,
+            Form::Radiance => RADIANCE,
+            Form::Chromaticity => CHROMATICITY,
+            Form::Ramp => RAMP,
         };
         Passes {
             params: d.writes("flame.params", &[PARAMS, CONTROL]),
@@ -80,7 +81,7 @@ impl Passes {
             fill: d.compute("flame.bin", &glsl::fill::SHADER),
             tiles: d.compute("flame.bin", &glsl::tiles::SHADER),
             accumulate: match desc.settings.mode {
-                Mode::Stochastic => [0, 1].map(|magnified| d.add(accumulate(desc, magnified))),
+                Mode::Stochastic => [MINIFIED, MAGNIFIED].map(|look_up| d.add(accumulate(desc, look_up))),
                 Mode::Expected => [d.add(expected(desc)); 2],
             },
             converge: d.compute("flame.accumulate", &glsl::converge::SHADER),
@@ -109,19 +110,19 @@ impl Passes {
 }
 
 /// What kernels that make sprites are specialised by.
-fn variant(desc: &Desc, magnified: u32) -> [u32; 5] {
+fn variant(desc: &Desc, look_up: u32) -> [u32; 5] {
     let settings = &desc.settings;
     [
         u32::from(settings.shape == Shape::Cube),
         u32::from(settings.sampling == Sampling::ShuffledSobol),
         u32::from(settings.flicker > 0.0),
-        magnified,
+        look_up,
         u32::from(desc.scene.is_some()),
     ]
 }
 
-fn accumulate(desc: &Desc, magnified: u32) -> Pass {
-    Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, magnified))
+fn accumulate(desc: &Desc, look_up: u32) -> Pass {
+    Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, look_up))
 }
 
 /// One repetition, drawn.
@@ -137,7 +138,7 @@ fn raster(desc: &Desc) -> Pass {
         extent,
     };
     // Which look-up a sprite needs is its own to find out: the mask may be magnified in one frame and not in another.
-    Pass::raster("flame.raster", raster).specialise(variant(desc, 2))
+    Pass::raster("flame.raster", raster).specialise(variant(desc, EITHER))
 }
 
 /// What the fire does to the scene around it.

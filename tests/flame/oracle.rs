@@ -84,7 +84,7 @@ pub fn sums(rig: &mut FlameRig, repetitions: u32) -> Sums {
         let tiles = if is_dark(rig) { Vec::new() } else { occupied(rig) };
         move |pixel: u32| tiles.binary_search(&(pixel / width / TILE * tiles_across + pixel % width / TILE)).is_ok()
     };
-    let words: Vec<[[u32; 4]; 4]> = rig
+    let words: Vec<[[u32; 4]; params::SUM_VECTORS as usize]> = rig
         .offline()
         .read_as(EffectBuffer::Flame(layout::SUMS), (width * height) as usize)
         .expect("the buffer can be read");
@@ -158,7 +158,7 @@ fn assert_prepared(expected: &Particle, found: &params::Particle, brightest: f64
     for c in 0..3 {
         assert!(near(colour[c], expected.colour[c], tolerance), "{expected:?}: {found:?}");
         // The same of two colours, and half a step of rounding.
-        let whole = if brightest > 0.0 { 65535.0 / brightest } else { 0.0 };
+        let whole = if brightest > 0.0 { f64::from(params::LIGHT_STEPS) / brightest } else { 0.0 };
         let apart = (f64::from(shares[c]) - expected.colour[c] * whole).abs();
         assert!(apart <= 2.0 * tolerance * whole + 0.501, "{expected:?}: {found:?}");
     }
