@@ -157,7 +157,7 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition) {
     uvec4 limits = farthest;
     uint touched = 0u;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
-        vec2 corner = float(BLOCK) * vec2(block & 1u, block >> 1u);
+        vec2 corner = vec2(block_corner(block));
         bool is_near = all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5))) && all(greaterThanEqual(bounds.zw, corner + 0.5));
         touched |= is_near && depth <= limits[block] ? 1u << (8u * block) : 0u;
     }
@@ -216,8 +216,7 @@ void begin_round(uint block, bool skips) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint tile_index = active_tiles[gl_WorkGroupID.x];
-    uvec2 tile = uvec2(tile_index % params.tiles.x, tile_index / params.tiles.x);
+    uvec2 tile = tile_at(active_tiles[gl_WorkGroupID.x]);
     uint level = mask_level();
     uint entries_of_tile = join_lists(tile);
     uint segment = constants.part % control.segments;
@@ -228,11 +227,11 @@ void main() {
     bool is_last_segment = segment + 1u == control.segments;
 
     uint block = lane / BLOCK;
-    uvec2 corner = BLOCK * uvec2(block & 1u, block >> 1u);
+    uvec2 corner = block_corner(block);
     uvec2 pixel = tile * TILE + corner + uvec2(lane % BLOCK, 0u);
     vec2 centre = vec2(corner) + vec2(float(lane % BLOCK) + 0.5, 0.5);
     vec2 origin = vec2(tile * TILE);
-    uint column = pixel.y * params.size.x + pixel.x;
+    uint column = pixel_index(pixel);
     bool inside[ROWS];
     uint scene_depth[ROWS];
     Sum sum[ROWS];

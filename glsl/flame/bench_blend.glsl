@@ -10,6 +10,7 @@ layout(std430, binding = 4) readonly buffer Entries { uint entries[]; };
 layout(std430, binding = 5) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
 layout(std430, binding = 6) readonly buffer FarTable { float far_table[]; };
 layout(std430, binding = 7) writeonly buffer Blended { vec4 blended[]; };
+#include "bins.glsl"
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "kernel.glsl"
@@ -28,8 +29,7 @@ struct Pixel {
 };
 
 uvec2 own_tile() {
-    uint tile = occupied_tiles[gl_WorkGroupID.x];
-    return uvec2(tile % params.tiles.x, tile / params.tiles.x);
+    return tile_at(occupied_tiles[gl_WorkGroupID.x]);
 }
 
 // Invocations 64 b .. 64 b + 63 are block b, so that those that run together meet the same particles.
@@ -38,11 +38,10 @@ Pixel own_pixel() {
     Pixel pixel;
     pixel.block = lane / (BLOCK * BLOCK);
     uvec2 place = uvec2(lane % BLOCK, lane / BLOCK % BLOCK);
-    uvec2 at = own_tile() * TILE + BLOCK * uvec2(pixel.block & 1u, pixel.block >> 1u) + place;
-    pixel.at = at.y * params.size.x + at.x;
+    uvec2 at = own_tile() * TILE + block_corner(pixel.block) + place;
+    pixel.at = pixel_index(at);
     pixel.inside = all(lessThan(at, params.size));
-    vec2 centre = (vec2(at) + 0.5 - params.principal_point) * params.pixel_slope;
-    pixel.ray = vec2(centre.x, -centre.y);
+    pixel.ray = ray_at(vec2(at) + 0.5);
     return pixel;
 }
 
@@ -57,7 +56,7 @@ void clear_present() {
 void note(uint row, uint index) {
     vec4 bounds = pixel_bounds(from_eye(vec3(particles[row].view, particles[row].depth)), 1.0) - vec2(own_tile() * TILE).xyxy;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
-        vec2 low = float(BLOCK) * vec2(block & 1u, block >> 1u);
+        vec2 low = vec2(block_corner(block));
         if (all(lessThanEqual(bounds.xy, low + float(BLOCK))) && all(greaterThanEqual(bounds.zw, low))) {
             atomicOr(present[block][index / 32u], 1u << (index & 31u));
         }
@@ -83,6 +82,5 @@ vec4 fog(uint row, vec2 ray) {
     float above = mix(far_at(low, class_index), far_at(low + ivec2(1, 0), class_index), f.x);
     float below = mix(far_at(low + ivec2(0, 1), class_index), far_at(low + ivec2(1, 1), class_index), f.x);
     float h = inside ? -particles[row].weight * mix(above, below, f.y) : 0.0;
-    float opacity = h < 0.02 ? h * (1.0 - h * (0.5 - h * (0.16666667 - h * 0.041666667))) : 1.0 - exp(-h);
-    return vec4(particles[row].colour.rgb, opacity);
+    return vec4(particles[row].colour.rgb, opacity(h));
 }

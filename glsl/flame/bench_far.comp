@@ -25,7 +25,6 @@ void main() {
         vec2 at = m - params.sprite_size * u;
         chords += shares[class_index * side * side + texel] * 2.0 * sqrt(max(radius * radius - dot(at, at), 0.0));
     }
-    float p = min(texel_side * texel_side * chords / (4.18879020478639 * radius * radius * radius), 1.0);
-    float value = p < 0.01 ? -p * (1.0 + p * (0.5 + p * (0.33333333 + p * 0.25))) : log(max(1.0 - p, 1e-30));
-    far_table[gl_GlobalInvocationID.x] = max(value, LEAST_LOGARITHM);
+    float p = min(texel_side * texel_side * chords / ball_volume(radius), 1.0);
+    far_table[gl_GlobalInvocationID.x] = max(logarithm_of_rest(p), LEAST_LOGARITHM);
 }

@@ -15,7 +15,7 @@ shared uint is_open;
 
 void main() {
     uint tile = active_tiles[gl_WorkGroupID.x];
-    uvec2 corner = TILE * uvec2(tile % params.tiles.x, tile / params.tiles.x);
+    uvec2 corner = TILE * tile_at(tile);
     float n = float(tile_repetitions[tile]) + 2.0;
     vec4 unit = vec4(vec3(uintBitsToFloat(control.brightest) * params.intensity), 1.0);
     if (gl_LocalInvocationID.x == 0u) {
@@ -25,7 +25,7 @@ void main() {
     for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += gl_WorkGroupSize.x) {
         uvec2 pixel = corner + uvec2(i % TILE, i / TILE);
         if (all(lessThan(pixel, params.size))) {
-            Sum sum = load_sum(pixel.y * params.size.x + pixel.x);
+            Sum sum = load_sum(pixel_index(pixel));
             float hits = float(sum.hits);
             vec3 colours = (vec3(sum.low) + WORD * vec3(sum.high)) / LIGHT_STEPS;
             vec3 squares = (vec3(sum.square_low) + WORD * vec3(sum.square_high)) / (LIGHT_STEPS * LIGHT_STEPS);

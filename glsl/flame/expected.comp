@@ -292,8 +292,7 @@ void store_unlaid(int y, uint at, bool is_finished) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint tile_index = active_tiles[gl_WorkGroupID.x];
-    uvec2 tile = uvec2(tile_index % params.tiles.x, tile_index / params.tiles.x);
+    uvec2 tile = tile_at(active_tiles[gl_WorkGroupID.x]);
     uint buckets = params.bucket_count;
     float brightest = max(uintBitsToFloat(control.brightest), 1e-30);
     vec2 scale = bucket_scale();
@@ -305,11 +304,9 @@ void main() {
     bool is_last_segment = segment + 1u == control.segments;
 
     uint block = lane / BLOCK;
-    uvec2 block_corner = BLOCK * uvec2(block & 1u, block >> 1u);
-    uvec2 pixel = tile * TILE + block_corner + uvec2(lane % BLOCK, 0u);
-    vec2 centre = (vec2(pixel) + 0.5 - params.principal_point) * params.pixel_slope;
-    vec2 ray = vec2(centre.x, -centre.y);
-    uint column = pixel.y * params.size.x + pixel.x;
+    uvec2 pixel = tile * TILE + block_corner(block) + uvec2(lane % BLOCK, 0u);
+    vec2 ray = ray_at(vec2(pixel) + 0.5);
+    uint column = pixel_index(pixel);
     bool inside[ROWS];
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         inside[y] = pixel.x < params.size.x && pixel.y + uint(y) < params.size.y;
@@ -375,7 +372,7 @@ void main() {
                 vec4 bounds = pixel_bounds(from_eye(view), 1.0) - vec4(vec2(tile * TILE), vec2(tile * TILE));
                 bool reaches = view.z + params.bounding_radius >= depths.x && view.z - params.bounding_radius <= depths.y;
                 [[unroll]] for (uint other = 0u; other < BLOCKS; ++other) {
-                    vec2 low = float(BLOCK) * vec2(other & 1u, other >> 1u);
+                    vec2 low = vec2(block_corner(other));
                     bvec4 touches = bvec4(lessThanEqual(bounds.xy, low + float(BLOCK)), greaterThanEqual(bounds.zw, low));
                     if (all(touches) && reaches) {
                         queue[other][atomicAdd(queue_length[other], 1u)] = row;

@@ -47,7 +47,7 @@ void main() {
     // A space narrower than two places would fall between them.
     float widest = max(params.spread, 2.0 * place_side);
     float radius = CUBE == 1u ? params.spread + 1e-12 : widest;
-    float volume = CUBE == 1u ? 8.0 * radius * radius * radius : 4.18879020478639 * radius * radius * radius;
+    float volume = CUBE == 1u ? 8.0 * radius * radius * radius : ball_volume(radius);
     float squeeze = params.bounding_radius / (CUBE == 1u ? max(params.bounding_radius, 1e-12) : widest);
     float g[KERNEL_DEPTHS];
     [[unroll]] for (uint k = 0u; k < KERNEL_DEPTHS; ++k) {
@@ -75,8 +75,7 @@ void main() {
     float weight = place_side * place_side / volume / max(squeeze, 1e-12);
     [[unroll]] for (uint k = 0u; k < KERNEL_DEPTHS; ++k) {
         float p = min(weight * g[k], 1.0);
-        // The series where 1 - p would lose p's digits.
-        float value = p < 0.01 ? -p * (1.0 + p * (0.5 + p * (0.33333333 + p * 0.25))) : log(max(1.0 - p, 1e-30));
+        float value = logarithm_of_rest(p);
         imageStore(kernel, kernel_texel(grid, int(k), int(class_index)), vec4(max(value, LEAST_LOGARITHM)));
     }
 }

@@ -12,6 +12,15 @@ const uint KERNEL_LANES = 64u;    // of the workgroups that make the table
 const float LAST_PLACE = float(KERNEL_PLACES - 1u);
 const float OPAQUE = 1e-6;        // transmittance below which nothing is seen any more
 
+// ln(1 - p): the series where 1 - p would lose p's digits.
+float logarithm_of_rest(float p) {
+    return p < 0.01 ? -p * (1.0 + p * (0.5 + p * (0.33333333 + p * 0.25))) : log(max(1.0 - p, 1e-30));
+}
+
+float ball_volume(float radius) {
+    return 4.18879020478639 * radius * radius * radius;
+}
+
 // Where the table has a place, depth and class.
 ivec2 kernel_texel(ivec2 place, int depth, int class_index) {
     return ivec2(int(KERNEL_DEPTHS) * place.x + depth, place.y + int(KERNEL_PLACES) * class_index);

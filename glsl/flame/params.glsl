@@ -158,4 +158,23 @@ struct Lamp {
     float base;           // the frame's
 };
 
+uvec2 tile_at(uint index) {
+    return uvec2(index % params.tiles.x, index / params.tiles.x);
+}
+
+// Where a block's first pixel lies in its tile.
+uvec2 block_corner(uint block) {
+    return BLOCK * uvec2(block & 1u, block >> 1u);
+}
+
+uint pixel_index(uvec2 pixel) {
+    return pixel.y * params.size.x + pixel.x;
+}
+
+// x / z and y / z of what is seen at a place of the picture, in pixels.
+vec2 ray_at(vec2 place) {
+    vec2 slope = (place - params.principal_point) * params.pixel_slope;
+    return vec2(slope.x, -slope.y);
+}
+
 #endif

@@ -15,7 +15,13 @@ layout(std430, binding = 4) writeonly buffer Particles { Particle particles[]; }
 layout(std430, binding = 5) buffer ControlBuffer { Control control; };
 layout(constant_id = 0) const uint FORM = 0;  // what the entries of the colour table are
 
-shared uint common_values[6];
+// Of the workgroup's particles, as `Control` has them of all.
+shared uint brightest;
+shared uint nearest;
+shared uint range_low;
+shared uint range_high;
+shared uint visible;
+shared uint most;
 
 const float MOST_LIGHT = 1e15;  // of a particle: squares of sums of it are finite
 
@@ -36,8 +42,13 @@ vec3 colour_of(float t) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    if (lane < 6u) {
-        common_values[lane] = lane == 1u || lane == 2u ? NOTHING : 0u;
+    if (lane == 0u) {
+        brightest = 0u;
+        nearest = NOTHING;
+        range_low = NOTHING;
+        range_high = 0u;
+        visible = 0u;
+        most = 0u;
     }
     barrier();
     uint row = gl_GlobalInvocationID.x;
@@ -58,19 +69,19 @@ void main() {
         vec4 bounds = pixel_bounds(view, 1.0);
         bool seen = valid && can_pass && on_screen(bounds);
         if (valid) {
-            atomicMax(common_values[0], floatBitsToUint(max(colour.r, max(colour.g, colour.b))));
+            atomicMax(brightest, floatBitsToUint(max(colour.r, max(colour.g, colour.b))));
             if (view.z >= params.near) {
-                atomicMin(common_values[1], floatBitsToUint(view.z));
+                atomicMin(nearest, floatBitsToUint(view.z));
             }
         }
         if (seen) {
-            atomicMin(common_values[2], ordered(max(nearest_of(view.z), params.near)));
-            atomicMax(common_values[3], ordered(min(view.z + params.bounding_radius, params.far)));
-            atomicAdd(common_values[4], 1u);
+            atomicMin(range_low, ordered(max(nearest_of(view.z), params.near)));
+            atomicMax(range_high, ordered(min(view.z + params.bounding_radius, params.far)));
+            atomicAdd(visible, 1u);
         }
         bool kept = params.is_skipping != 0u ? seen : valid && count > 0u && on_screen(bounds);
         count = kept ? count : 0u;
-        atomicMax(common_values[5], count);
+        atomicMax(most, count);
         bool near_camera = view.z <= 1.001 * (params.bounding_radius + params.near);
         vec2 slope = near_camera ? vec2(0.0) : view.xy / view.z;
         vec2 centre = params.principal_point + params.focal_length * vec2(slope.x, -slope.y);
@@ -80,11 +91,11 @@ void main() {
     }
     barrier();
     if (lane == 0u) {
-        atomicMax(control.brightest, common_values[0]);
-        atomicMin(control.nearest, common_values[1]);
-        atomicMin(control.range_low, common_values[2]);
-        atomicMax(control.range_high, common_values[3]);
-        atomicAdd(control.visible, common_values[4]);
-        atomicMax(control.most, common_values[5]);
+        atomicMax(control.brightest, brightest);
+        atomicMin(control.nearest, nearest);
+        atomicMin(control.range_low, range_low);
+        atomicMax(control.range_high, range_high);
+        atomicAdd(control.visible, visible);
+        atomicMax(control.most, most);
     }
 }

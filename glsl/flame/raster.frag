@@ -19,7 +19,7 @@ void main() {
     float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {
-        passes = passes && place.z < from_base(scene[uint(gl_FragCoord.y) * params.size.x + uint(gl_FragCoord.x)]);
+        passes = passes && place.z < from_base(scene[pixel_index(uvec2(gl_FragCoord.xy))]);
     }
     if (!passes) {
         discard;

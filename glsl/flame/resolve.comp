@@ -70,13 +70,13 @@ Pixel of_integral(uint at) {
 
 void main() {
     uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = TILE * uvec2(tile % params.tiles.x, tile / params.tiles.x);
+    uvec2 corner = TILE * tile_at(tile);
     float n = EXPECTED == 1u ? 0.0 : float(tile_repetitions[tile]);
     float brightest = uintBitsToFloat(control.brightest);
     for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += gl_WorkGroupSize.x) {
         uvec2 place = corner + uvec2(i % TILE, i / TILE);
         if (all(lessThan(place, params.size))) {
-            uint at = place.y * params.size.x + place.x;
+            uint at = pixel_index(place);
             Pixel pixel;
             if (EXPECTED == 1u) {
                 pixel = of_integral(at);

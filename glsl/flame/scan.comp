@@ -13,17 +13,14 @@ layout(push_constant) uniform ScanConstants {
     uint visit;    // iterations that an entry takes besides its render particles
     uint eighths;  // eighths of an iteration that each of those takes
 } constants;
+#include "share.glsl"
 
-shared uint sums[gl_WorkGroupSize.x];
 shared uint longest[MAX_CELL_LEVELS];
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint buckets = params.bucket_count;
-    uint share = (params.cell_count + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x * buckets;
-    uint count = params.cell_count * buckets;
-    uint first = min(lane * share, count);
-    uint last = min(first + share, count);
+    uvec2 share = share_of_list(params.cell_count) * buckets;
     if (lane < MAX_CELL_LEVELS) {
         longest[lane] = 0u;
     }
@@ -31,7 +28,7 @@ void main() {
     uint sum = 0u;
     uint in_cell = 0u;
     uint level = 0u;
-    for (uint i = first; i < last; ++i) {
+    for (uint i = share.x; i < share.y; ++i) {
         uint in_bucket = cell_ends[i];
         cell_ends[i] = sum;
         sum += in_bucket;
@@ -45,13 +42,8 @@ void main() {
             in_cell = 0u;
         }
     }
-    sums[lane] = sum;
-    barrier();
-    uint before = 0u;
-    for (uint i = 0u; i < lane; ++i) {
-        before += sums[i];
-    }
-    for (uint i = first; i < last; ++i) {
+    uint before = prefix_sum(sum).x;
+    for (uint i = share.x; i < share.y; ++i) {
         cell_ends[i] += before;
     }
     if (lane == 0u) {

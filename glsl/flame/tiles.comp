@@ -13,14 +13,12 @@ layout(std430, binding = 6) writeonly buffer PartArguments { uvec4 part_argument
 #include "lists.glsl"
 #include "mask_level.glsl"
 #include "parts.glsl"
-
-shared uint sums[gl_WorkGroupSize.x];
+#include "share.glsl"
 
 bool is_occupied(uint tile) {
-    uvec2 at = uvec2(tile % params.tiles.x, tile / params.tiles.x);
     bool any_entry = params.is_skipping == 0u;
     for (uint level = 0u; level < params.cell_level_count; ++level) {
-        uvec2 range = list_range(at, level);
+        uvec2 range = list_range(tile_at(tile), level);
         any_entry = any_entry || range.x < range.y;
     }
     return any_entry;
@@ -28,27 +26,19 @@ bool is_occupied(uint tile) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint count = params.tiles.x * params.tiles.y;
-    uint share = (count + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
-    uint first = min(lane * share, count);
-    uint last = min(first + share, count);
+    uvec2 share = share_of_list(params.tiles.x * params.tiles.y);
     uint sum = 0u;
-    for (uint tile = first; tile < last; ++tile) {
+    for (uint tile = share.x; tile < share.y; ++tile) {
         sum += is_occupied(tile) ? 1u : 0u;
     }
-    sums[lane] = sum;
-    barrier();
-    uint before = 0u;
-    uint total = 0u;
-    for (uint i = 0u; i < gl_WorkGroupSize.x; ++i) {
-        before += i < lane ? sums[i] : 0u;
-        total += sums[i];
-    }
-    for (uint tile = first; tile < last; ++tile) {
+    uvec2 sums = prefix_sum(sum);
+    uint at = sums.x;
+    uint total = sums.y;
+    for (uint tile = share.x; tile < share.y; ++tile) {
         if (is_occupied(tile)) {
-            occupied_tiles[before] = tile;
-            active_tiles[before] = tile;
-            ++before;
+            occupied_tiles[at] = tile;
+            active_tiles[at] = tile;
+            ++at;
         }
         tile_repetitions[tile] = params.repetitions_before + stage.repetitions;
     }
