@@ -3,16 +3,14 @@
 use bytemuck::Zeroable;
 
 use crate::flame::colour::Table;
-use crate::flame::frame::{Desc, Frame};
+use crate::flame::desc::Desc;
+use crate::flame::frame::Frame;
 use crate::flame::layout::Layout;
 use crate::flame::reference::draws::sobol_bits;
 use crate::flame::settings::{Mode, Shape};
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
 use crate::view::CameraRows;
-
-/// Depth buckets of the stochastic mode.
-pub const BUCKETS: u32 = 32;
 
 impl Control {
     /// What a frame starts with.
@@ -111,13 +109,5 @@ impl FlameParams {
             table_shift: [red, green, blue, 0.0],
             cell_levels,
         }
-    }
-}
-
-/// Depth buckets of an effect.
-pub fn buckets(mode: Mode, bins: u32) -> u32 {
-    match mode {
-        Mode::Stochastic => BUCKETS,
-        Mode::Expected => bins,
     }
 }

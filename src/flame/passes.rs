@@ -3,8 +3,9 @@
 use ash::vk;
 
 use crate::flame::colour::{Form, Table};
-use crate::flame::frame::Desc;
+use crate::flame::desc::Desc;
 use crate::flame::layout::*;
+use crate::flame::limits::is_raster;
 use crate::flame::params::{
     CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP,
 };

@@ -1,7 +1,7 @@
 //! The settings of the flame effect: one field per key of `[flame]`, with unit, range and default.
 
 use crate::error::{Error, Result, within};
-use crate::flame::params::{COLDEST, MOST_COUNT};
+use crate::shaders::flame::constants::{COLDEST, MOST_COUNT};
 use crate::view::BRIGHTEST;
 
 /// What a pixel's colour is made of.

@@ -5,8 +5,10 @@ use std::mem::offset_of;
 use ash::vk;
 
 use crate::flame::colour::Table;
-use crate::flame::frame::{Desc, Frame, SceneDepth, SceneFormat};
+use crate::flame::desc::{Desc, SceneFormat};
+use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
+use crate::flame::limits::{Cost, Stage, TURNS, is_raster};
 use crate::flame::params::{
     AccumulateConstants, AddConstants, Control, FLOATS, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
     PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants, UNORM_16, UNORM_24,
