@@ -3,14 +3,14 @@
 
 use ash::vk;
 use celfx::error::Error;
-use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_TURNS, Layout, Pyramid, growth_rows};
+use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_ENTRIES, Layout, Pyramid, growth_rows};
 use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE};
 use celfx::smoke::settings::{Emitter, Grow, Outline, Placement, Radius, Shadow, Tone};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 
 /// Lavapipe's range of a storage buffer; the least that Vulkan allows is 128 MiB, too.
 const RANGE: u64 = 128 << 20;
-/// Loop turns after which lavapipe ends an invocation's loops is 65,535; this is the engine's own budget.
+/// Loop iterations after which lavapipe ends an invocation's loops is 65,535; this is the engine's own budget.
 const BUDGET: u64 = 50_000;
 
 fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
@@ -144,10 +144,10 @@ fn what_is_too_large_is_refused_by_name() {
 #[test]
 fn pyramids_halve_rows_along_y_and_z() {
     let pyramid = Pyramid::new([70, 5, 9]);
-    let sizes: Vec<[u32; 2]> = pyramid.levels[..pyramid.count as usize].iter().map(|l| [l[1], l[2]]).collect();
+    let sizes: Vec<[u32; 2]> = pyramid.levels[..pyramid.count as usize].iter().map(|l| [l.rows_y, l.rows_z]).collect();
     assert_eq!(sizes, [[5, 9], [3, 5], [2, 3], [1, 2], [1, 1]]);
     assert_eq!(pyramid.row_words, 3);
-    let words: Vec<u32> = pyramid.levels[..5].iter().map(|l| l[0]).collect();
+    let words: Vec<u32> = pyramid.levels[..5].iter().map(|l| l.first_word).collect();
     assert_eq!(words, [0, 135, 180, 198, 204]);
     assert_eq!(pyramid.words, 207);
     assert_eq!(pyramid.leaves(), 256);
@@ -163,18 +163,18 @@ fn loops_stay_within_their_budget() {
         // Each turn of a search may look at every word of a row, to the left and to the right; the first dispatch looks
         // at the particle's own row before.
         let turn = 1 + 2 * u64::from(pyramid.row_words);
-        let worst = u64::from(pyramid.turns()) * turn + turn;
-        assert!(worst <= BUDGET, "{x} voxels along x: {worst} turns");
+        let worst = u64::from(pyramid.iterations()) * turn + turn;
+        assert!(worst <= BUDGET, "{x} voxels along x: {worst} iterations");
     }
     // An invocation of `luminance` shades the pixels of a tile that are as many rows apart as its workgroup is high,
     // and walks over the levels for each.
     let rows = u64::from(TILE / celfx::shaders::smoke::luminance_exact::SHADER.local_size[1]);
     assert_eq!(rows, 4);
-    assert!(rows * (u64::from(LUMINANCE_TURNS) + 9 + 1) <= BUDGET);
+    assert!(rows * (u64::from(LUMINANCE_ENTRIES) + 9 + 1) <= BUDGET);
     for (particles, fade) in [(1, 0), (500, 6), (20_000, 6), (1_000_000, 0)] {
         let layout = Layout::new(&desc([64, 64], [8; 3], many(particles, fade)), RANGE).unwrap();
         assert!(layout.light_levels <= 9);
-        assert!(u64::from(layout.luminance_parts) * u64::from(LUMINANCE_TURNS) >= u64::from(layout.spheres));
+        assert!(u64::from(layout.luminance_parts) * u64::from(LUMINANCE_ENTRIES) >= u64::from(layout.spheres));
     }
     // Rows and columns: blocks to each side of the window, eight taps for eight results each.
     let wide = Settings { sigma: 64.0, cutoff: 4.0, ..many(10, 0) };
@@ -197,14 +197,14 @@ fn searches_have_as_many_dispatches_as_they_may_need() {
             let settings = Settings { grow, radius, ..many(10, 0) };
             let layout = Layout::new(&Desc { velocity: false, ..desc([64, 64], dimensions, settings) }, RANGE).unwrap();
             let pyramid = Pyramid::new(dimensions);
-            let turns = u64::from(layout.search_parts) * u64::from(pyramid.turns());
+            let iterations = u64::from(layout.search_parts) * u64::from(pyramid.iterations());
             let shape = Shape { dimensions, voxel_size: [1.0; 3], origin: [0.0; 3] };
             // Nodes of the whole walk: leaves and a third of that above them.
             let needed = match grow {
                 Grow::Growth => u64::from(growth_rows(&shape)),
                 _ => (0..pyramid.count).map(|level| u64::from(pyramid.leaves()) >> (2 * level)).sum(),
             };
-            assert!(turns >= needed, "{dimensions:?}, {grow:?}: {turns} of {needed}");
+            assert!(iterations >= needed, "{dimensions:?}, {grow:?}: {iterations} of {needed}");
             assert_eq!(layout.size(layout::CONTINUATIONS), 16 * u64::from(layout.search_parts));
         }
     }

@@ -6,7 +6,7 @@ layout(std430, binding = 1) readonly buffer Weights { float weights[]; };  // by
 layout(std430, binding = 2) readonly buffer Pixels { uint pixels[]; };
 
 int window() {
-    return int(params.filtering.x);
+    return int(params.window);
 }
 
 // Coordinates of this invocation's pixel.
@@ -15,9 +15,9 @@ ivec2 own_pixel() {
 }
 
 bool is_in_image(ivec2 at) {
-    return all(lessThan(at, ivec2(params.image.xy)));
+    return all(lessThan(at, ivec2(params.size)));
 }
 
 uint pixel_at(ivec2 at) {
-    return pixels[uint(at.y) * params.image.x + uint(at.x)];
+    return pixels[uint(at.y) * params.size.x + uint(at.x)];
 }

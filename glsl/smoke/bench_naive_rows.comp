@@ -13,11 +13,11 @@ void main() {
     vec2 sums = vec2(0.0);
     if (id != 0u) {
         int r = window();
-        for (int x = max(at.x - r, 0); x <= min(at.x + r, int(params.image.x) - 1); ++x) {
+        for (int x = max(at.x - r, 0); x <= min(at.x + r, int(params.size.x) - 1); ++x) {
             uint pixel = pixel_at(ivec2(x, at.y));
             float weight = pixel_id(pixel) == id ? weights[abs(x - at.x)] : 0.0;
             sums += weight * vec2(pixel_luminance(pixel), 1.0);
         }
     }
-    row_sums[uint(at.y) * params.image.x + uint(at.x)] = sums;
+    row_sums[uint(at.y) * params.size.x + uint(at.x)] = sums;
 }

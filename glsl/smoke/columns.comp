@@ -27,36 +27,36 @@ void main() {
     uint group = item & 255u;
     uint tile = item >> 8;
     uint block = gl_LocalInvocationID.y;
-    uvec2 tile_at = uvec2(tile % params.image.z, tile / params.image.z);
+    uvec2 tile_at = uvec2(tile % params.tiles.x, tile / params.tiles.x);
     uvec2 at = tile_at * TILE_BLOCKS + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS);
-    uint across = params.image.z * TILE_BLOCKS;
-    uint down = params.image.w * TILE_BLOCKS;
+    uint across = params.tiles.x * TILE_BLOCKS;
+    uint down = params.tiles.y * TILE_BLOCKS;
     uint bit = 1u << (group & 31u);
     uint x = at.x * BLOCK + gl_LocalInvocationID.x;
-    if ((block_masks[at.y * across + at.x] & bit) == 0u || x >= params.image.x) {
+    if ((block_masks[at.y * across + at.x] & bit) == 0u || x >= params.size.x) {
         return;
     }
     for (int o = 0; o < 8; ++o) {
         numerator[o] = 0.0;
         denominator[o] = 0.0;
     }
-    uint slots = constants.base + (group - constants.first_group) * params.image.z * params.image.w;
-    for (int distance = int(params.filtering.y); distance >= 0; --distance) {
+    uint slots = constants.base + (group - constants.first_group) * params.tiles.x * params.tiles.y;
+    for (int distance = int(params.window_blocks); distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
             int y = int(at.y) + side * distance;
             bool used = y >= 0 && y < int(down) && (distance > 0 || side > 0);
-            if (used && (reached[uint(y) * across + at.x].x & bit) != 0u) {
-                uint slot = row_slots[slots + uint(y) / TILE_BLOCKS * params.image.z + tile_at.x];
+            if (used && (reached[uint(y) * across + at.x].beside & bit) != 0u) {
+                uint slot = row_slots[slots + uint(y) / TILE_BLOCKS * params.tiles.x + tile_at.x];
                 uint local = uint(y) % TILE_BLOCKS * BLOCK * TILE + x % TILE;
-                uint rows = min(BLOCK, params.image.y - min(uint(y) * BLOCK, params.image.y));
+                uint rows = min(BLOCK, params.size.y - min(uint(y) * BLOCK, params.size.y));
                 add_block(side * distance, slot * SLOT_PIXELS + local, rows);
             }
         }
     }
     for (uint o = 0u; o < 8u; ++o) {
         uint y = at.y * BLOCK + o;
-        if (y < params.image.y && pixel_id(pixels[y * params.image.x + x]) == group) {
-            smooth_luminance[y * params.image.x + x] = numerator[o] / denominator[o];
+        if (y < params.size.y && pixel_id(pixels[y * params.size.x + x]) == group) {
+            smooth_luminance[y * params.size.x + x] = numerator[o] / denominator[o];
         }
     }
 }

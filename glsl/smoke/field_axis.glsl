@@ -9,16 +9,16 @@ ivec4 unpack(uint v) {
 }
 
 void main() {
-    uint packed_row = (params.grid.x + 3u) / 4u;
+    uint packed_row = (params.dimensions.x + 3u) / 4u;
     // A slice a row of workgroups: all of them along one axis may be more than a device takes.
-    uint slice = packed_row * params.grid.y;
+    uint slice = packed_row * params.dimensions.y;
     if (gl_GlobalInvocationID.x >= slice) {
         return;
     }
     uint index = gl_GlobalInvocationID.y * slice + gl_GlobalInvocationID.x;
-    uint stride = AXIS == 1 ? packed_row : packed_row * params.grid.y;
-    int count = int(AXIS == 1 ? params.grid.y : params.grid.z);
-    int at = int(AXIS == 1 ? index / packed_row % params.grid.y : index / packed_row / params.grid.y);
+    uint stride = AXIS == 1 ? packed_row : packed_row * params.dimensions.y;
+    int count = int(AXIS == 1 ? params.dimensions.y : params.dimensions.z);
+    int at = int(AXIS == 1 ? index / packed_row % params.dimensions.y : index / packed_row / params.dimensions.y);
     ivec4 best = unpack(field_from[index]);
     int most = max(max(best.x, best.y), max(best.z, best.w));
     for (int j = 1; j < most; ++j) {

@@ -8,9 +8,9 @@ layout(std430, binding = 1) readonly buffer Occupancy { uint occupancy[]; };
 layout(std430, binding = 2) writeonly buffer Field { uint field[]; };
 
 int nearest_empty(uint row, int x) {
-    int words = int(params.grid.w);
+    int words = int(params.row_words);
     int word = x / 32;
-    uint here = ~occupancy[row * params.grid.w + uint(word)];
+    uint here = ~occupancy[row * params.row_words + uint(word)];
     int bit = x % 32;
     if ((here >> uint(bit) & 1u) != 0u) {
         return 0;
@@ -26,9 +26,9 @@ int nearest_empty(uint row, int x) {
         if (--w < 0 || x - (w * 32 + 31) > 255) {
             break;
         }
-        candidates = ~occupancy[row * params.grid.w + uint(w)];
+        candidates = ~occupancy[row * params.row_words + uint(w)];
     }
-    int right = int(params.grid.x);
+    int right = int(params.dimensions.x);
     candidates = bit == 31 ? 0u : here & 0xffffffffu << uint(bit + 1);
     for (int w = word;;) {
         if (candidates != 0u) {
@@ -38,15 +38,15 @@ int nearest_empty(uint row, int x) {
         if (++w >= words || w * 32 - x > 255) {
             break;
         }
-        candidates = ~occupancy[row * params.grid.w + uint(w)];
+        candidates = ~occupancy[row * params.row_words + uint(w)];
     }
     return min(min(x - left, right - x), 255);
 }
 
 void main() {
-    uint packed_row = (params.grid.x + 3u) / 4u;
+    uint packed_row = (params.dimensions.x + 3u) / 4u;
     // A slice a row of workgroups: all of them along one axis may be more than a device takes.
-    uint slice = packed_row * params.grid.y;
+    uint slice = packed_row * params.dimensions.y;
     if (gl_GlobalInvocationID.x >= slice) {
         return;
     }
@@ -54,7 +54,7 @@ void main() {
     uint row = index / packed_row;
     int x = int(index % packed_row * 4u);
     uint distances = 0u;
-    for (int i = 0; i < 4 && x + i < int(params.grid.x); ++i) {
+    for (int i = 0; i < 4 && x + i < int(params.dimensions.x); ++i) {
         distances |= uint(nearest_empty(row, x + i)) << uint(8 * i);
     }
     field[index] = distances;

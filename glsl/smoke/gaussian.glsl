@@ -1,9 +1,10 @@
 // What the two passes of the masked Gaussian share (paper, section 3.3, as a normalised convolution per group: exact).
 // A thread makes eight neighbouring results from registers. Blocks of eight taps are added from the window's ends
 // inwards, small weights first, which keeps single precision within 2e-6 of the exact sum.
+#include "reach.glsl"
 layout(local_size_x = 8, local_size_y = 16) in;
 layout(std430, binding = 1) readonly buffer Weights { float weights[]; };  // by distance, 0 beyond the window
-layout(std430, binding = 2) readonly buffer Reached { uvec2 reached[]; };
+layout(std430, binding = 2) readonly buffer Reached { Reach reached[]; };
 layout(push_constant) uniform GaussianConstants {
     uint base;         // first entry of the batch
     uint first_group;

@@ -18,17 +18,17 @@ int field_at(ivec3 v) {
     if (!is_inside(v)) {
         return 0;
     }
-    uint packed_row = (params.grid.x + 3u) / 4u;
-    uint word = (uint(v.z) * params.grid.y + uint(v.y)) * packed_row + uint(v.x) / 4u;
+    uint packed_row = (params.dimensions.x + 3u) / 4u;
+    uint word = (uint(v.z) * params.dimensions.y + uint(v.y)) * packed_row + uint(v.x) / 4u;
     return int(field[word] >> (uint(v.x) % 4u * 8u) & 255u);
 }
 
 void main() {
     uint slot = gl_GlobalInvocationID.x;
-    if (slot >= params.counts.x) {
+    if (slot >= params.particles) {
         return;
     }
-    vec3 p = particles[slot].position_age.xyz;
+    vec3 p = position_of(slot);
     if (!is_alive(slot)) {
         spheres[slot] = vec4(p, 0.0);
         return;

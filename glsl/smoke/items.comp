@@ -25,9 +25,9 @@ bool has(uint tile, uint group) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint tiles = params.image.z * params.image.w;
+    uint tiles = params.tiles.x * params.tiles.y;
     uint base = constants.batch * constants.capacity;
-    int reach = (int(params.filtering.y) + int(TILE_BLOCKS) - 1) / int(TILE_BLOCKS);
+    int reach = (int(params.window_blocks) + int(TILE_BLOCKS) - 1) / int(TILE_BLOCKS);
     uvec2 total = uvec2(0u);
     for (uint start = 0u; start < tiles * constants.group_count; start += 256u) {
         uint index = start + lane;
@@ -37,10 +37,10 @@ void main() {
         bool column = inside && has(tile, group);
         bool row = column;
         if (inside && !row) {
-            int x = int(tile % params.image.z);
-            int y = int(tile / params.image.z);
-            for (int other = max(y - reach, 0); other <= min(y + reach, int(params.image.w) - 1) && !row; ++other) {
-                row = has(uint(other) * params.image.z + uint(x), group);
+            int x = int(tile % params.tiles.x);
+            int y = int(tile / params.tiles.x);
+            for (int other = max(y - reach, 0); other <= min(y + reach, int(params.tiles.y) - 1) && !row; ++other) {
+                row = has(uint(other) * params.tiles.x + uint(x), group);
             }
         }
         uvec2 own = uvec2(row ? 1u : 0u, column ? 1u : 0u);

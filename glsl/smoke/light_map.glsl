@@ -14,5 +14,5 @@ vec4 map_frame() {
 
 // Distance from a point light at which its map's depth is 1.
 float map_near() {
-    return 1e-3 * params.voxel.w;
+    return 1e-3 * params.smallest_side;
 }

@@ -39,12 +39,12 @@ void shade(uvec2 at) {
     surface.centre = sphere.xyz;
     surface.normal = to_world_direction(normal);
     surface.offset = surface.normal * sphere.w;
-    bool point = params.light.w != 0.0;
+    bool point = params.is_point_light != 0u;
     vec3 to_light = point ? (params.light.xyz - sphere.xyz) - surface.offset : params.light.xyz;
     surface.light_distance = point ? length(to_light) : INFINITY;
     surface.to_light = point ? to_light / max(surface.light_distance, 1e-30) : to_light;
     surface.facing = dot(surface.normal, surface.to_light);
-    uint pixel = at.y * params.image.x + at.x;
+    uint pixel = at.y * params.size.x + at.x;
     float s = 1.0;
     if (KEEP_SHADOW != 0u) {
         if (!FIRST_PART) {
@@ -55,17 +55,17 @@ void shade(uvec2 at) {
     } else if (surface.facing > 0.0) {
         s = lit_share(surface, s);
     }
-    float luminance = params.shade.x + (1.0 - params.shade.x) * max(0.0, surface.facing) * s;
+    float luminance = params.ambient + (1.0 - params.ambient) * max(0.0, surface.facing) * s;
     pixels[pixel] = pack_pixel(luminance, code & 255u);
     depth[pixel] = view_depth;
 }
 
 void main() {
     uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = uvec2(tile % params.image.z, tile / params.image.z) * TILE;
+    uvec2 corner = uvec2(tile % params.tiles.x, tile / params.tiles.x) * TILE;
     for (uint row = 0u; row < TILE; row += 8u) {
         uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
-        if (all(lessThan(at, params.image.xy))) {
+        if (all(lessThan(at, params.size))) {
             shade(at);
         }
     }

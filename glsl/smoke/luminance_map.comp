@@ -15,13 +15,13 @@ layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 // Bias in texels for a depth that changes by `slope` texels a texel: from the surface to the centre of the farthest tap,
 // across a corner of the filter, and half a texel.
 float bias(float slope) {
-    return 0.7072 * float(params.shadow.w) * min(slope, 16.0) + 0.5;
+    return 0.7072 * float(params.shadow_filter) * min(slope, 16.0) + 0.5;
 }
 
 float lit_share(Surface surface, float before) {
     vec3 p = surface.centre + surface.offset;
     float texels = float(constants.texels);
-    int taps = int(params.shadow.w);
+    int taps = int(params.shadow_filter);
     uint face = 0u;
     vec2 at;
     float own;

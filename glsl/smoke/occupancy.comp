@@ -23,21 +23,21 @@ uint span(int start, int first, int last) {
 void main() {
     uint word = gl_GlobalInvocationID.x;
     uint births = 0u;
-    if (word < params.grid.w * params.grid.y * params.grid.z) {
-        uint row = word / params.grid.w;
-        uint start = word % params.grid.w * 32u;
-        uint count = min(32u, params.grid.x - start);
-        uint first = row * params.grid.x + start;
+    if (word < params.row_words * params.dimensions.y * params.dimensions.z) {
+        uint row = word / params.row_words;
+        uint start = word % params.row_words * 32u;
+        uint count = min(32u, params.dimensions.x - start);
+        uint first = row * params.dimensions.x + start;
         uint bits = 0u;
         for (uint i = 0u; i < count; ++i) {
             // Everything that is not above the threshold is empty, NaN included.
-            if (density[first + i] > params.origin.w) {
+            if (density[first + i] > params.threshold) {
                 bits |= 1u << i;
             }
         }
         occupancy[word] = bits;
-        int y = int(row % params.grid.y);
-        int z = int(row / params.grid.y);
+        int y = int(row % params.dimensions.y);
+        int z = int(row / params.dimensions.y);
         ivec3 low = params.emitter_first.xyz;
         ivec3 high = params.emitter_last.xyz;
         if (y >= low.y && y <= high.y && z >= low.z && z <= high.z) {

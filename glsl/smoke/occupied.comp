@@ -9,8 +9,8 @@ layout(std430, binding = 3) buffer ControlBuffer { Control control; };
 layout(std430, binding = 5) readonly buffer HistoryBuffer { History history; };
 layout(std430, binding = 4) writeonly buffer LuminanceParts { uvec4 luminance_parts[]; };
 layout(push_constant) uniform OccupiedConstants {
-    uint parts;       // dispatches that the light-space lists may need
-    uint part_turns;  // entries that each of them works on
+    uint parts;         // dispatches that the light-space lists may need
+    uint part_entries;  // entries that each of them works on
 } constants;
 
 shared uint sums[256];
@@ -25,7 +25,7 @@ bool is_occupied(uint tile) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint count = params.image.z * params.image.w;
+    uint count = params.tiles.x * params.tiles.y;
     uint share = (count + 255u) / 256u;
     uint first = min(lane * share, count);
     uint last = min(first + share, count);
@@ -51,7 +51,7 @@ void main() {
         control.tile_draw = uvec4(4u, total, 0u, 0u);
     }
     for (uint part = lane; part < constants.parts; part += 256u) {
-        bool needed = part == 0u || history.longest > part * constants.part_turns;
+        bool needed = part == 0u || history.longest > part * constants.part_entries;
         luminance_parts[part] = uvec4(needed ? total : 0u, 1u, 1u, 0u);
     }
 }

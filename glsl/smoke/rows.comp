@@ -14,7 +14,7 @@ void add_block(int block, uint row, int first, uint group) {
     float masks[8];
     for (int i = 0; i < 8; ++i) {
         int x = first + i;
-        uint pixel = x < int(params.image.x) ? pixels[row + uint(x)] : 0u;
+        uint pixel = x < int(params.size.x) ? pixels[row + uint(x)] : 0u;
         masks[i] = pixel_id(pixel) == group ? 1.0 : 0.0;
         values[i] = masks[i] * pixel_luminance(pixel);
     }
@@ -26,25 +26,25 @@ void main() {
     uint group = item & 255u;
     uint tile = item >> 8;
     uint block = gl_LocalInvocationID.y;
-    uvec2 at = uvec2(tile % params.image.z, tile / params.image.z) * TILE_BLOCKS
+    uvec2 at = uvec2(tile % params.tiles.x, tile / params.tiles.x) * TILE_BLOCKS
         + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS);
-    uint across = params.image.z * TILE_BLOCKS;
+    uint across = params.tiles.x * TILE_BLOCKS;
     uint bit = 1u << (group & 31u);
-    uvec2 groups = reached[at.y * across + at.x];
+    Reach groups = reached[at.y * across + at.x];
     uint y = at.y * BLOCK + gl_LocalInvocationID.x;
-    if ((groups.x & groups.y & bit) == 0u || y >= params.image.y) {
+    if ((groups.beside & groups.above & bit) == 0u || y >= params.size.y) {
         return;
     }
     for (int o = 0; o < 8; ++o) {
         numerator[o] = 0.0;
         denominator[o] = 0.0;
     }
-    for (int distance = int(params.filtering.y); distance >= 0; --distance) {
+    for (int distance = int(params.window_blocks); distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
             int x = int(at.x) + side * distance;
             bool used = x >= 0 && x < int(across) && (distance > 0 || side > 0);
             if (used && (block_masks[at.y * across + uint(x)] & bit) != 0u) {
-                add_block(side * distance, y * params.image.x, x * int(BLOCK), group);
+                add_block(side * distance, y * params.size.x, x * int(BLOCK), group);
             }
         }
     }

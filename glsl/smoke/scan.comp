@@ -11,24 +11,24 @@ layout(std430, binding = 3) buffer HistoryBuffer { History history; };
 shared uvec2 sums[256];
 
 void track_range() {
-    if (params.frame.x == 0u) {
-        history.started = 0u;
+    if (params.frames == 0u) {
+        history.has_range = 0u;
     }
     float low = from_ordered(control.depth_low);
     float high = from_ordered(control.depth_high);
     if (control.depth_low > control.depth_high) {
         return;
     }
-    bool fresh = history.started == 0u || high < history.range_low || low > history.range_high;
-    float kept = fresh ? 0.0 : params.motion.y;
+    bool fresh = history.has_range == 0u || high < history.range_low || low > history.range_high;
+    float kept = fresh ? 0.0 : params.range_smoothing;
     history.range_low = kept == 0.0 ? low : kept * history.range_low + (1.0 - kept) * low;
     history.range_high = kept == 0.0 ? high : kept * history.range_high + (1.0 - kept) * high;
-    history.started = 1u;
+    history.has_range = 1u;
 }
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint blocks = (params.counts.z + LIST_RUN - 1u) / LIST_RUN;
+    uint blocks = (params.spheres + LIST_RUN - 1u) / LIST_RUN;
     uint share = (blocks + 255u) / 256u;
     uint first = min(lane * share, blocks);
     uint last = min(first + share, blocks);

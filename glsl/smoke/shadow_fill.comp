@@ -19,7 +19,7 @@ void main() {
     vec4 sphere = spheres[slot];
     // The nearest of the sphere; a unit in the last place nearer, so that rounding cannot put it behind what it shadows.
     uint bucket = bucket_of(light_distance(sphere.xyz) - sphere.w * 1.0001);
-    for (uint face = 0u; face < params.shadow.z; ++face) {
+    for (uint face = 0u; face < params.light_faces; ++face) {
         uint level;
         uvec4 cells;
         if (cells_of(sphere, face, level, cells)) {

@@ -14,7 +14,7 @@ shared uint longest[16];
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint cells = params.shadow.y * params.shadow.z;
+    uint cells = params.light_cells * params.light_faces;
     uint count = cells * BUCKETS;
     uint share = (cells + 255u) / 256u * BUCKETS;
     uint first = min(lane * share, count);
@@ -32,7 +32,7 @@ void main() {
         in_cell += in_bucket;
         if (i % BUCKETS == BUCKETS - 1u) {
             // The level of a cell, from its place among the levels of its face.
-            uint level = uint(findMSB(3u * (i / BUCKETS % params.shadow.y) + 1u)) / 2u;
+            uint level = uint(findMSB(3u * (i / BUCKETS % params.light_cells) + 1u)) / 2u;
             atomicMax(longest[level], in_cell);
             in_cell = 0u;
         }
@@ -48,7 +48,7 @@ void main() {
     }
     if (lane == 0u) {
         uint total = 0u;
-        for (uint level = 0u; level < params.shadow.x; ++level) {
+        for (uint level = 0u; level < params.light_levels; ++level) {
             total += longest[level];
         }
         history.longest = total;

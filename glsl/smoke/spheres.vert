@@ -14,8 +14,8 @@ void main() {
     view_sphere = view_spheres[slot];
     code = (slot + 1u) << 8 | groups[slot];
     // Nothing of the sphere is nearer than its quad: fragments may be rejected before they are shaded.
-    float front = max(view_sphere.z - view_sphere.w, params.lens.z);
-    float nearest = min(params.lens.z / front * 1.00001, 1.0);
+    float front = max(view_sphere.z - view_sphere.w, params.near);
+    float nearest = min(params.near / front * 1.00001, 1.0);
     vec4 quad = quads[gl_InstanceIndex];
     gl_Position = vec4(mix(quad.xy, quad.zw, vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1)), nearest, 1.0);
 }

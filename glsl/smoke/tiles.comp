@@ -24,10 +24,10 @@ void main() {
     uint block = gl_LocalInvocationID.y;
     uvec2 corner = tile * TILE + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS) * BLOCK;
     uint y = corner.y + gl_LocalInvocationID.x;
-    if (y < params.image.y) {
+    if (y < params.size.y) {
         uint last = 0u;
         uint bits = 0u;
-        for (uint x = corner.x; x < min(corner.x + BLOCK, params.image.x); ++x) {
+        for (uint x = corner.x; x < min(corner.x + BLOCK, params.size.x); ++x) {
             uint id = imageLoad(seen, ivec2(x, y)).x & 255u;
             if (id != last && id != 0u) {
                 bits |= 1u << (id & 31u);
@@ -40,12 +40,12 @@ void main() {
         }
     }
     barrier();
-    uint tile_index = tile.y * params.image.z + tile.x;
+    uint tile_index = tile.y * params.tiles.x + tile.x;
     if (lane < 8u) {
         tile_groups[8u * tile_index + lane] = tile_bits[lane];
     }
     if (lane < 16u) {
         uvec2 at = tile * TILE_BLOCKS + uvec2(lane % TILE_BLOCKS, lane / TILE_BLOCKS);
-        block_masks[at.y * (params.image.z * TILE_BLOCKS) + at.x] = block_bits[lane];
+        block_masks[at.y * (params.tiles.x * TILE_BLOCKS) + at.x] = block_bits[lane];
     }
 }

@@ -1,6 +1,7 @@
 //! Which buffers and images the effect has, and how large they are. Pure.
 
 use ash::vk;
+use bytemuck::Zeroable;
 
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
@@ -11,14 +12,14 @@ use crate::layout::{Sizes, buffers};
 use crate::plan::{BufferId, ImageId, Resource, Slot};
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
-    BIRTH_BLOCK, BLOCK, BUCKETS, Control, History, LIST_RUN, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE,
-    TILE_BLOCKS,
+    BIRTH_BLOCK, BLOCK, BUCKETS, Control, Edge, History, LIST_RUN, MAX_LEVELS, Particle, PyramidLevel, Reach,
+    SLOT_PIXELS, Search, SmokeParams, TILE, TILE_BLOCKS, Tone,
 };
 use crate::smoke::settings::{Grow, Shadow};
 
 /// Entries of light-space tiles that one dispatch works on for a pixel. An invocation of `luminance` shades four pixels,
 /// one after the other, and each also walks the levels of tiles.
-pub const LUMINANCE_TURNS: u32 = LOOP_BUDGET / 4 - 16;
+pub const LUMINANCE_ENTRIES: u32 = LOOP_BUDGET / 4 - 16;
 /// Workgroups that every device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
@@ -170,7 +171,7 @@ impl Layout {
             light_cells: ((1_u64 << (2 * light_levels)) / 3) as u32,
             light_faces: faces,
             cells_across: cells_across as u32,
-            luminance_parts: if exact { (spheres as u32).div_ceil(LUMINANCE_TURNS).max(1) } else { 1 },
+            luminance_parts: if exact { (spheres as u32).div_ceil(LUMINANCE_ENTRIES).max(1) } else { 1 },
             search_parts: 0,
             sizes: Sizes::LEAST,
         };
@@ -208,7 +209,7 @@ impl Layout {
         self.set(VIEW_SPHERES, spheres * 16);
         self.set(GROUPS, spheres * 4);
         self.set(QUADS, spheres * 16);
-        self.set(SEARCHES, particles * 8);
+        self.set(SEARCHES, particles * size_of::<Search>() as u64);
         self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_RUN)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
@@ -246,7 +247,7 @@ impl Layout {
             Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
             _ => pyramid.leaves().saturating_mul(4).div_ceil(3),
         };
-        self.search_parts = visits.div_ceil(pyramid.turns()).max(1);
+        self.search_parts = visits.div_ceil(pyramid.iterations()).max(1);
         self.set(CONTINUATIONS, u64::from(self.search_parts) * 16);
         Ok(())
     }
@@ -266,9 +267,9 @@ impl Layout {
         self.set(OCCLUSION, u64::from(self.occlusion_blocks[0]) * u64::from(self.occlusion_blocks[1]) * 4);
         self.set(PIXELS, pixels * 4);
         self.set(DEPTH, pixels * 4);
-        self.set(EDGES, kept(desc.edges, pixels * 16));
+        self.set(EDGES, kept(desc.edges, pixels * size_of::<Edge>() as u64));
         self.set(SHADOW, kept(desc.layers || self.luminance_parts > 1, pixels * 4));
-        self.set(REACHED, kept(filtered, blocks * 8));
+        self.set(REACHED, kept(filtered, blocks * size_of::<Reach>() as u64));
         self.set(ROW_ITEMS, kept(filtered, items * 4));
         self.set(COLUMN_ITEMS, kept(filtered, items * 4));
         self.set(ROW_SLOTS, kept(filtered, items * 4));
@@ -277,7 +278,7 @@ impl Layout {
         self.set(ROW_SUMS, kept(filtered, u64::from(self.batch_capacity) * u64::from(SLOT_PIXELS) * 8));
         self.set(SMOOTH, kept(filtered, pixels * 4));
         self.set(LINES, kept(inked, pixels * 4));
-        self.set(TONES, settings.tones.len() as u64 * 16);
+        self.set(TONES, (settings.tones.len() * size_of::<Tone>()) as u64);
         self.set(PICTURE, pixels * 16);
         self.set(TONE_LAYER, kept(desc.layers, pixels * 16));
         self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 4));
@@ -343,8 +344,8 @@ impl Layout {
 /// The occupancy pyramid of a volume: level 0 is a bit a voxel, each further level joins 2 x 2 rows along y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pyramid {
-    /// First word, rows along y, rows along z of each level.
-    pub levels: [[u32; 4]; MAX_LEVELS],
+    /// From the finest.
+    pub levels: [PyramidLevel; MAX_LEVELS],
     /// Number of levels; more than there is room for if the volume is too high or too deep.
     pub count: u32,
     /// Words of a row.
@@ -357,11 +358,11 @@ impl Pyramid {
     /// For a volume of so many voxels.
     pub fn new(dimensions: [u32; 3]) -> Pyramid {
         let row_words = dimensions[0].div_ceil(32);
-        let mut pyramid = Pyramid { levels: [[0; 4]; MAX_LEVELS], count: 0, row_words, words: 0 };
+        let mut pyramid = Pyramid { levels: [PyramidLevel::zeroed(); MAX_LEVELS], count: 0, row_words, words: 0 };
         let (mut y, mut z) = (dimensions[1], dimensions[2]);
         loop {
             if let Some(level) = pyramid.levels.get_mut(pyramid.count as usize) {
-                *level = [pyramid.words as u32, y, z, 0];
+                *level = PyramidLevel { first_word: pyramid.words as u32, rows_y: y, rows_z: z, unused: 0 };
             }
             pyramid.count += 1;
             pyramid.words += u64::from(row_words) * u64::from(y) * u64::from(z);
@@ -377,9 +378,9 @@ impl Pyramid {
         1 << (2 * (self.count - 1))
     }
 
-    /// Turns of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
+    /// Iterations of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
     /// of a row, to both sides.
-    pub fn turns(&self) -> u32 {
+    pub fn iterations(&self) -> u32 {
         (LOOP_BUDGET / (2 * self.row_words + 6)).max(1)
     }
 }

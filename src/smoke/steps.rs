@@ -77,7 +77,7 @@ fn cheapest_grow(particles: u32, shape: &Shape) -> Grow {
     let pyramid = 0.1 + (1.6e-4 + 7.2e-6 * voxels.cbrt()) * particles;
     // The paper's loop costs the cube of the radius, so it is only for volumes where no radius is large.
     let is_small =
-        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).turns();
+        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).iterations();
     let growth = if is_small { 2e-4 * particles } else { f64::INFINITY };
     match () {
         _ if growth <= field.min(pyramid) => Grow::Growth,
@@ -182,8 +182,8 @@ impl Steps<'_> {
             }
             Grow::Pyramid => {
                 for level in 1..pyramid.count {
-                    let [_, y, z, _] = pyramid.levels[level as usize];
-                    let threads = [pyramid.row_words * y * z, 1, 1];
+                    let PyramidLevel { rows_y, rows_z, .. } = pyramid.levels[level as usize];
+                    let threads = [pyramid.row_words * rows_y * rows_z, 1, 1];
                     self.plan.step_with(
                         self.passes.pyramid,
                         Command::Dispatch { threads },
@@ -225,14 +225,14 @@ impl Steps<'_> {
 
     /// A search in as many dispatches as the loop budget may ask for; all but the first are empty unless needed.
     fn search(&mut self, pass: PassId, pyramid: &Pyramid, last: u32) {
-        let turns = pyramid.turns();
+        let iterations = pyramid.iterations();
         // A walk of the pyramid also visits the inner nodes.
         let visits = if pass == self.passes.grow_pyramid { last.saturating_mul(4).div_ceil(3) } else { last };
-        let parts = visits.div_ceil(turns).max(1);
-        let ball = u32::from(self.desc.settings.radius == Radius::Ball);
+        let parts = visits.div_ceil(iterations).max(1);
+        let is_ball = u32::from(self.desc.settings.radius == Radius::Ball);
         self.plan.step(self.passes.grow_reset, Command::Fill { buffer: CONTINUATIONS, word: 0 });
         for part in 0..parts {
-            let constants = SearchConstants { part, turns, ball, last };
+            let constants = SearchConstants { part, iterations, is_ball, last };
             let command = match part {
                 0 => Command::Dispatch { threads: [self.desc.settings.particles, 1, 1] },
                 _ => Command::DispatchIndirect { arguments: CONTINUATIONS, offset: 16 * u64::from(part - 1) },
@@ -249,14 +249,14 @@ impl Steps<'_> {
         self.plan.step(self.passes.spheres, draw(offset_of!(Control, draw)));
         let threads = [self.layout.tiles[0] * 8, self.layout.tiles[1] * 16, 1];
         self.plan.step(self.passes.tiles, Command::Dispatch { threads });
-        let parts = OccupiedConstants { parts: self.layout.luminance_parts, part_turns: LUMINANCE_TURNS };
+        let parts = OccupiedConstants { parts: self.layout.luminance_parts, part_entries: LUMINANCE_ENTRIES };
         self.plan.step_with(self.passes.occupied, Command::Dispatch { threads: [256, 1, 1] }, &parts);
         for part in 0..self.layout.luminance_parts {
             let command = Command::DispatchIndirect { arguments: LUMINANCE_PARTS, offset: 16 * u64::from(part) };
             match settings.shadow {
                 Shadow::None => self.plan.step(self.passes.luminance, command),
                 Shadow::Exact => {
-                    let constants = LuminanceConstants { part, turns: LUMINANCE_TURNS };
+                    let constants = LuminanceConstants { part, entries: LUMINANCE_ENTRIES };
                     self.plan.step_with(self.passes.luminance, command, &constants);
                 }
                 Shadow::Map => {
@@ -275,7 +275,7 @@ impl Steps<'_> {
         match &frame.depth {
             Some(depth) => {
                 self.edges(frame);
-                let constants = CompositeConstants { terms: depth.terms, edges: frame.edges.is_some().into() };
+                let constants = CompositeConstants { terms: depth.terms, has_edges: frame.edges.is_some().into() };
                 self.plan.step_with(self.passes.composite, tiles, &constants)
             }
             None => self.plan.step(self.passes.composite, tiles),
@@ -285,7 +285,7 @@ impl Steps<'_> {
     /// What covers pixels in part.
     fn edges(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
-        let bytes = 16 * u64::from(width) * u64::from(height);
+        let bytes = size_of::<Edge>() as u64 * u64::from(width) * u64::from(height);
         match frame.edges {
             Some(_) => self.plan.step(self.passes.edges, Command::CopyBuffer { from: HOST_EDGES, to: EDGES, bytes }),
             None => self.plan.skip("smoke.edges", "nothing covers pixels in part"),
@@ -375,7 +375,10 @@ fn draw(member: usize) -> Command {
 /// Room that a plan of this effect needs: steps, and bytes of updates.
 pub fn capacity(layout: &Layout, tables: &Tables) -> (usize, usize) {
     let steps = 80 + layout.search_parts + layout.luminance_parts + 3 * layout.batches;
-    let bytes = size_of::<SmokeParams>() + size_of::<Control>() + 4 * tables.weights.len() + 16 * tables.tones.len();
+    let bytes = size_of::<SmokeParams>()
+        + size_of::<Control>()
+        + 4 * tables.weights.len()
+        + size_of_val(tables.tones.as_slice());
     (steps as usize, bytes)
 }
 
@@ -383,7 +386,7 @@ pub fn capacity(layout: &Layout, tables: &Tables) -> (usize, usize) {
 #[derive(Clone, Debug)]
 pub struct Tables {
     weights: Vec<f32>,
-    tones: Vec<[f32; 4]>,
+    tones: Vec<Tone>,
 }
 
 impl Tables {
@@ -398,10 +401,7 @@ impl Tables {
             true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
             false => vec![1.0],
         };
-        let tones = settings.tones.iter().map(|tone| {
-            let [r, g, b] = tone.colour;
-            [r, g, b, tone.from]
-        });
+        let tones = settings.tones.iter().map(|tone| Tone { colour: tone.colour, from: tone.from });
         Tables { weights, tones: tones.collect() }
     }
 }
@@ -440,7 +440,7 @@ mod tests {
         assert_eq!(chosen([501; 3], [0.1; 3], 1_000_000), Grow::Pyramid, "a field of bytes ends at 255");
         // Rows so long that the loop budget cuts the search: the buffers are not made for so many parts.
         let long = Shape { dimensions: [4096, 16, 16], voxel_size: [0.1; 3], origin: [0.0; 3] };
-        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).turns());
+        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).iterations());
         assert_ne!(chosen(long.dimensions, long.voxel_size, 10), Grow::Growth);
     }
 }
