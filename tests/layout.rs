@@ -4,7 +4,7 @@
 use ash::vk;
 use celfx::error::Error;
 use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_ENTRIES, Layout, Pyramid, growth_rows};
-use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE};
+use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::smoke::settings::{Emitter, Grow, Outline, Placement, Radius, Shadow, Tone};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 
@@ -154,13 +154,13 @@ fn pyramids_halve_rows_along_y_and_z() {
     assert_eq!((Pyramid::new([1; 3]).count, Pyramid::new([1; 3]).leaves()), (1, 1));
 }
 
-/// Turns of all loops of one invocation, at the worst.
+/// Iterations of all loops of one invocation, at the worst.
 #[test]
 fn loops_stay_within_their_budget() {
     assert!(u64::from(LOOP_BUDGET) <= BUDGET);
     for x in [1, 31, 32, 33, 512, 4096, 65_536] {
         let pyramid = Pyramid::new([x, 100, 100]);
-        // Each turn of a search may look at every word of a row, to the left and to the right; the first dispatch looks
+        // Each iteration of a search may look at every word of a row, to the left and to the right; the first dispatch looks
         // at the particle's own row before.
         let turn = 1 + 2 * u64::from(pyramid.row_words);
         let worst = u64::from(pyramid.iterations()) * turn + turn;
@@ -180,12 +180,14 @@ fn loops_stay_within_their_budget() {
     let wide = Settings { sigma: 64.0, cutoff: 4.0, ..many(10, 0) };
     let blocks = u64::from(Layout::new(&desc([64, 64], [8; 3], wide), RANGE).unwrap().window_blocks);
     assert!(2 * (blocks + 1) * (1 + 8 + 15 + 8 * 9) <= BUDGET);
-    // Items: all tiles of a batch in runs of 256, each looking up and down, and a running sum of eight steps.
+    // Items: all tiles of a batch, a workgroup's at a time, each looking up and down, and a prefix sum of eight steps.
+    let lanes = u64::from(celfx::shaders::smoke::items::SHADER.local_size[0]);
+    assert_eq!(lanes, 1 << 8);
     let settings = Settings { sigma: 64.0, cutoff: 4.0, groups: 254, ..many(10, 0) };
     for size in [[64, 64], [1000, 1000], [2800, 2900]] {
         let layout = Layout::new(&desc(size, [8; 3], settings.clone()), RANGE).unwrap();
-        let runs = u64::from(layout.batch_capacity).div_ceil(256);
-        let reach = u64::from(layout.window_blocks).div_ceil(4);
+        let runs = u64::from(layout.batch_capacity).div_ceil(lanes);
+        let reach = u64::from(layout.window_blocks).div_ceil(TILE_BLOCKS.into());
         assert!(runs * (1 + 2 * reach + 1 + 8) <= BUDGET, "{size:?}");
     }
 }
@@ -262,9 +264,10 @@ fn the_sum_over_light_space_tiles_keeps_the_loop_budget() {
         for particles in [1, 500, 10_000, 1_000_000] {
             let desc = Desc { point_light, ..desc([64, 64], [8; 3], many(particles, 0)) };
             let layout = Layout::new(&desc, RANGE).unwrap();
-            // `shadow_scan`: 256 lanes go over their share of the counters twice, and over the other lanes' sums.
-            let share = (layout.light_cells * layout.light_faces).div_ceil(256) * BUCKETS;
-            assert!(2 * share + 256 <= 50_000, "{particles}, {point_light}: {share}");
+            // `shadow_scan`: each lane goes over its run of the counters twice, and over the other lanes' sums.
+            let [lanes, ..] = celfx::shaders::smoke::shadow_scan::SHADER.local_size;
+            let run = (layout.light_cells * layout.light_faces).div_ceil(lanes) * BUCKETS;
+            assert!(2 * run + lanes <= 50_000, "{particles}, {point_light}: {run}");
         }
     }
 }

@@ -19,17 +19,10 @@ layout(std430, binding = 7) buffer DyingSteps { vec4 dying_steps[]; };
 layout(std430, binding = 8) buffer Spheres { vec4 spheres[]; };       // position, displayed radius
 layout(std430, binding = 9) buffer Groups { uint groups[]; };
 #include "voxels.glsl"
-
-bool is_occupied(ivec3 v) {
-    if (!is_inside(v)) {
-        return false;
-    }
-    uint word = (uint(v.z) * params.dimensions.y + uint(v.y)) * params.row_words + uint(v.x) / 32u;
-    return (occupancy[word] >> (uint(v.x) % 32u) & 1u) != 0u;
-}
+#include "occupancy.glsl"
 
 vec3 velocity_of(ivec3 v) {
-    uint at = 3u * ((uint(v.z) * params.dimensions.y + uint(v.y)) * params.dimensions.x + uint(v.x));
+    uint at = 3u * (row_of(uint(v.y), uint(v.z)) * params.dimensions.x + uint(v.x));
     vec3 value = vec3(velocity[at], velocity[at + 1u], velocity[at + 2u]);
     return vec3(is_finite(value.x) ? value.x : 0.0, is_finite(value.y) ? value.y : 0.0,
                 is_finite(value.z) ? value.z : 0.0);
@@ -70,18 +63,12 @@ ivec3 birth_voxel(uint k) {
     uint rest = k - birth_counts[low];
     for (uint word = low * BIRTH_BLOCK; word < min(words, (low + 1u) * BIRTH_BLOCK); ++word) {
         uint row = word / params.row_words;
-        ivec3 start = ivec3(word % params.row_words * 32u, row % params.dimensions.y, row / params.dimensions.y);
+        ivec3 start = ivec3(word % params.row_words * WORD_VOXELS, row % params.dimensions.y, row / params.dimensions.y);
         uint bits = occupancy[word];
         if (any(lessThan(start.yz, params.emitter_first.yz)) || any(greaterThan(start.yz, params.emitter_last.yz))) {
             continue;
         }
-        int first = clamp(params.emitter_first.x - start.x, 0, 32);
-        int last = clamp(params.emitter_last.x + 1 - start.x, 0, 32);
-        if (first >= last) {
-            continue;
-        }
-        bits &= 0xffffffffu << uint(first);
-        bits &= last == 32 ? 0xffffffffu : (1u << uint(last)) - 1u;
+        bits &= voxel_bits(start.x, params.emitter_first.x, params.emitter_last.x);
         uint count = uint(bitCount(bits));
         if (rest >= count) {
             rest -= count;
@@ -97,7 +84,7 @@ ivec3 birth_voxel(uint k) {
 
 vec3 birth_position(uint slot, uint generation) {
     uint seed = params.seed;
-    ivec3 v = birth_voxel(below(hash(seed, slot, generation, 0u), history.births));
+    ivec3 v = birth_voxel(below(hash(seed, slot, generation, BIRTH_VOXEL), history.births));
     precise vec3 p;
     for (int a = 0; a < 3; ++a) {
         precise float low = params.origin[a] + float(v[a]) * params.voxel_size[a];
@@ -106,7 +93,7 @@ vec3 birth_position(uint slot, uint generation) {
             low = max(low, params.emitter_min[a]);
             high = min(high, params.emitter_max[a]);
         }
-        p[a] = low + unit(hash(seed, slot, generation, 1u + uint(a))) * (high - low);
+        p[a] = low + unit(hash(seed, slot, generation, BIRTH_PLACE + uint(a))) * (high - low);
     }
     return p;
 }
@@ -180,7 +167,7 @@ void main() {
             p = birth_position(slot, generation);
             generation += 1u;
             // With a lifetime, particles of the first frame have lived for a while: they don't all end together.
-            age_bits = restart ? FULL_SIZE | below(hash(params.seed, slot, 0u, 4u), params.lifetime) : 0u;
+            age_bits = restart ? FULL_SIZE | below(hash(params.seed, slot, 0u, FIRST_AGE), params.lifetime) : 0u;
         }
     }
     bool alive = age_bits != DEAD;

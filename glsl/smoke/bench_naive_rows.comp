@@ -6,7 +6,7 @@ layout(std430, binding = 3) writeonly buffer RowSums { vec2 row_sums[]; };
 
 void main() {
     ivec2 at = own_pixel();
-    if (!is_in_image(at)) {
+    if (!is_in_picture(uvec2(at))) {
         return;
     }
     uint id = pixel_id(pixel_at(at));
@@ -19,5 +19,5 @@ void main() {
             sums += weight * vec2(pixel_luminance(pixel), 1.0);
         }
     }
-    row_sums[uint(at.y) * params.size.x + uint(at.x)] = sums;
+    row_sums[pixel_index(uvec2(at))] = sums;
 }

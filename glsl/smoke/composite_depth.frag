@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "screen.glsl"
 #include "../common/host_depth.glsl"
 
 // What covers a pixel in part.
@@ -23,7 +24,7 @@ layout(location = 0) out vec4 colour;
 
 void main() {
     uvec2 at = uvec2(gl_FragCoord.xy);
-    uint index = at.y * params.size.x + at.x;
+    uint index = pixel_index(at);
     colour = picture[index];
     if (colour.a == 0.0) {
         discard;

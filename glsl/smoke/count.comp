@@ -6,6 +6,7 @@
 #include "../common/bits.glsl"
 #include "view.glsl"
 #include "list.glsl"
+#include "light_space.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 2) writeonly buffer ListCounts { uvec2 list_counts[]; };
@@ -19,8 +20,7 @@ void measure(vec4 sphere, float depth) {
         atomicMin(extremes[0], ordered(depth));
         atomicMax(extremes[1], ordered(depth));
     }
-    vec3 at = vec3(dot(params.light_right.xyz, sphere.xyz), dot(params.light_up.xyz, sphere.xyz),
-                   dot(params.light.xyz, sphere.xyz));
+    vec3 at = in_light_space(sphere.xyz);
     for (int a = 0; a < 3; ++a) {
         atomicMin(extremes[2 + a], ordered(at[a] - sphere.w));
         atomicMax(extremes[5 + a], ordered(at[a] + sphere.w));

@@ -3,13 +3,15 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "reach.glsl"
+#include "screen.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 2) writeonly buffer Reached { Reach reached[]; };
 
 void main() {
-    int across = int(params.tiles.x * TILE_BLOCKS);
-    int down = int(params.tiles.y * TILE_BLOCKS);
+    ivec2 blocks = ivec2(blocks_of_tiles());
+    int across = blocks.x;
+    int down = blocks.y;
     int index = int(gl_GlobalInvocationID.x);
     if (index >= across * down) {
         return;

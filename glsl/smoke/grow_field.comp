@@ -12,15 +12,15 @@
 #include "../common/bits.glsl"
 layout(local_size_x = 64) in;
 #include "grow.glsl"
+#include "voxel_words.glsl"
 layout(std430, binding = 3) readonly buffer Field { uint field[]; };
 
 int field_at(ivec3 v) {
     if (!is_inside(v)) {
         return 0;
     }
-    uint packed_row = (params.dimensions.x + 3u) / 4u;
-    uint word = (uint(v.z) * params.dimensions.y + uint(v.y)) * packed_row + uint(v.x) / 4u;
-    return int(field[word] >> (uint(v.x) % 4u * 8u) & 255u);
+    uint word = row_of(uint(v.y), uint(v.z)) * field_row_words() + uint(v.x) / FIELD_VOXELS;
+    return int(field[word] >> (uint(v.x) % FIELD_VOXELS * 8u)) & FIELD_FARTHEST;
 }
 
 void main() {

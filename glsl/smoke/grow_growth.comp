@@ -54,7 +54,7 @@ void main() {
         if (y >= 0 && y < int(params.dimensions.y) && z >= 0 && z < int(params.dimensions.z)) {
             float dx = INFINITY;
             if (abs(y - voxel.y) == k || abs(z - voxel.z) == k) {
-                uint row = params.levels[0].first_word + (uint(z) * params.dimensions.y + uint(y)) * params.row_words;
+                uint row = params.levels[0].first_word + row_of(uint(y), uint(z)) * params.row_words;
                 float reach = max(along(p, voxel.x + k, 0), along(p, voxel.x - k, 0));
                 dx = nearest_in_row(row, 0u, p, voxel.x, reach);
             } else {

@@ -33,7 +33,7 @@ void main() {
         return;
     }
     if (constants.part == 0u) {
-        uint own = params.levels[0].first_word + (uint(voxel.z) * params.dimensions.y + uint(voxel.y)) * params.row_words;
+        uint own = params.levels[0].first_word + row_of(uint(voxel.y), uint(voxel.z)) * params.row_words;
         float dx = nearest_in_row(own, 0u, p, voxel.x, best);
         best = min(best, combined(dx, along(p, voxel.y, 1), along(p, voxel.z, 2)));
     }

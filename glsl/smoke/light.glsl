@@ -1,15 +1,12 @@
 // Light-space tiles: square grids, one a level, level l with 2^l cells a side; a face for a directional light, six for a
-// point light. A sphere stands in the cells that it touches at the level where its diameter is at most CELLS_ACROSS cells. The list
-// of a cell is in order of buckets, nearest to the light first: what lies behind a surface is never looked at.
+// point light. A sphere stands in the cells that it touches at the level where its diameter is at most CELLS_ACROSS cells.
+// The list of a cell is in order of buckets, nearest to the light first: what lies behind a surface is never looked at.
 #include "../common/sphere.glsl"
+#include "cells.glsl"
+#include "light_space.glsl"
+layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 
 const float FACE_MARGIN = 1.0001;
-
-const uint BUCKETS = 64u;
-
-uint first_cell(uint face, uint level) {
-    return face * params.light_cells + ((1u << 2u * level) - 1u) / 3u;
-}
 
 bool is_point_light() {
     return params.is_point_light != 0u;
@@ -33,8 +30,7 @@ vec2 face_position(vec3 p, uint face) {
         vec3 v = on_face(p - params.light.xyz, face);
         return 0.5 + 0.5 * v.xy / max(v.z, 1e-30);
     }
-    vec2 across = vec2(dot(params.light_right.xyz, p), dot(params.light_up.xyz, p));
-    return (across - params.light_low) * params.light_inverse_side;
+    return (in_light_space(p).xy - params.light_low) * params.light_inverse_side;
 }
 
 // Bounds of a sphere on a face, 0 to 1 (low xy, high xy); low > high where it does not touch the face.
@@ -91,4 +87,10 @@ uint bucket_of(float distance) {
 // Distance of a point from a point light, or from a plane across a directional light.
 float light_distance(vec3 p) {
     return is_point_light() ? length(p - params.light.xyz) : -dot(params.light.xyz, p);
+}
+
+// Bucket of the nearest of a sphere; a unit in the last place nearer, so that rounding cannot put it behind what it
+// shadows.
+uint bucket_of_sphere(vec4 sphere) {
+    return bucket_of(light_distance(sphere.xyz) - sphere.w * 1.0001);
 }

@@ -2,7 +2,6 @@
 // closed form. The pixel's own sphere is left out by its index, so nothing shadows itself by rounding.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 layout(push_constant) uniform LuminanceConstants {
     uint part;     // which part of the lists
     uint entries;  // of them a part

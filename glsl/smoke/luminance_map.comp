@@ -8,7 +8,6 @@ layout(push_constant) uniform MapConstants { uint texels; } constants;
 #include "luminance.glsl"
 layout(binding = 7) uniform texture2DArray shadow_map;
 layout(std430, binding = 8) readonly buffer ControlBuffer { Control control; };
-layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 #include "light.glsl"
 #include "light_map.glsl"
 
@@ -37,8 +36,7 @@ float lit_share(Surface surface, float before) {
     } else {
         float slope = sqrt(max(1.0 - surface.facing * surface.facing, 0.0)) / max(surface.facing, 0.05);
         vec4 frame = map_frame();
-        vec3 c = vec3(dot(params.light_right.xyz, p), dot(params.light_up.xyz, p), dot(params.light.xyz, p));
-        c = (c - frame.xyz) / frame.w;
+        vec3 c = (in_light_space(p) - frame.xyz) / frame.w;
         at = c.xy;
         own = c.z + bias(slope) / texels;
     }

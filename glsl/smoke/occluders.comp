@@ -6,7 +6,7 @@
 #include "params.glsl"
 #include "view.glsl"
 #include "bounds.glsl"
-layout(local_size_x = 64) in;
+layout(local_size_x = LIVE_LANES) in;
 layout(std430, binding = 1) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 layout(std430, binding = 2) readonly buffer Live { uint live_list[]; };
 layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };

@@ -6,12 +6,14 @@
 
 #include "common/bits.glsl"
 
-const uint TILE = 32u;           // side of a screen tile in pixels
-const uint BLOCK = 8u;           // side of a block in pixels; a tile is 4 x 4 blocks
-const uint TILE_BLOCKS = 4u;
-const uint SLOT_PIXELS = 1024u;  // pixels of a tile
-const uint BIRTH_BLOCK = 256u;   // words of occupancy whose births are counted together
-const uint LIST_RUN = 16u;       // sphere slots that one invocation counts and lists
+const uint TILE = 32u;                 // side of a screen tile in pixels
+const uint BLOCK = 8u;                 // side of a block in pixels
+const uint TILE_BLOCKS = TILE / BLOCK; // blocks of a tile across and down
+const uint SLOT_PIXELS = TILE * TILE;  // pixels of a tile
+const uint LIST_RUN = 16u;             // sphere slots that one invocation counts and lists
+const uint LIVE_LANES = 64u;           // invocations of a workgroup of kernels over live spheres
+const uint QUAD_VERTICES = 4u;         // what a draw of a sphere or tile has
+const uint MAX_LEVELS = 12u;           // levels that the occupancy pyramid can have
 
 // A level of the occupancy pyramid.
 struct PyramidLevel {
@@ -89,7 +91,7 @@ layout(binding = 0) uniform SmokeParams {
     float outline_width;    // pixels
     float pixel_footprint;  // metres at depth 1
     uint occlusion_side;    // of a block of the occlusion test, pixels
-    PyramidLevel levels[12];
+    PyramidLevel levels[MAX_LEVELS];
     uvec2 occlusion_blocks;  // across and down
 } params;
 
@@ -99,7 +101,7 @@ struct Control {
     uint visible;       // those that can touch the screen
     uint depth_low;     // depth range of live spheres ahead of the near plane, ordered bits
     uint depth_high;
-    uvec4 live_groups;  // dispatch over live spheres, 64 a group
+    uvec4 live_groups;  // dispatch over live spheres
     uvec4 draw;         // draw of visible spheres
     uvec4 light_draw;   // draw of live spheres
     uvec4 tile_groups;  // dispatch over occupied tiles

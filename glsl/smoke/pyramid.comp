@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "voxel_words.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) buffer Occupancy { uint occupancy[]; };
 layout(push_constant) uniform PyramidConstants { uint level; } constants;
@@ -13,8 +14,8 @@ uint word_at(uint level, uint x, uint y, uint z) {
         return 0xffffffffu;
     }
     uint word = occupancy[from.first_word + (z * from.rows_y + y) * params.row_words + x];
-    uint used = params.dimensions.x - x * 32u;
-    return level == 0u && used < 32u ? word | 0xffffffffu << used : word;
+    uint used = params.dimensions.x - x * WORD_VOXELS;
+    return level == 0u && used < WORD_VOXELS ? word | 0xffffffffu << used : word;
 }
 
 void main() {

@@ -5,7 +5,7 @@
 layout(constant_id = 0) const bool SKIPPING = true;  // off only to prove that leaving hidden blocks out changes nothing
 #include "params.glsl"
 #include "bounds.glsl"
-layout(local_size_x = 64) in;
+layout(local_size_x = LIVE_LANES) in;
 layout(std430, binding = 1) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 layout(std430, binding = 2) readonly buffer Visible { uint visible_list[]; };
 layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };

@@ -18,7 +18,9 @@ layout(push_constant) uniform SearchConstants {
     uint last;        // end of the cursor's range
 } constants;
 
-const uint FINISHED = 0xffffffffu;
+#include "occupancy.glsl"
+
+const uint FINISHED = 0xffffffffu;  // instead of a cursor
 
 // Distances are combined as they are measured: along each axis, then the largest, or the root of the sum of squares.
 float combined(float a, float b, float c) {
@@ -41,8 +43,8 @@ float outside_distance(vec3 p, ivec3 voxel) {
 // Words of a row of the pyramid with a 1 for each empty voxel; beyond the volume's end nothing is found.
 uint empties(uint row, int word, uint level) {
     uint bits = ~occupancy[row + uint(word)];
-    uint used = params.dimensions.x - uint(word) * 32u;
-    return level == 0u && used < 32u ? bits & ((1u << used) - 1u) : bits;
+    uint used = params.dimensions.x - uint(word) * WORD_VOXELS;
+    return level == 0u && used < WORD_VOXELS ? bits & ((1u << used) - 1u) : bits;
 }
 
 // Distance along x from p to the nearest empty voxel of a row, infinite if there is none within `limit`.
@@ -73,11 +75,6 @@ float nearest_in_row(uint row, uint level, vec3 p, int x, float limit) {
         right = empties(row, w, level);
     }
     return best;
-}
-
-bool is_occupied(ivec3 v) {
-    uint word = (uint(v.z) * params.dimensions.y + uint(v.y)) * params.row_words + uint(v.x) / 32u;
-    return is_inside(v) && (occupancy[word] >> (uint(v.x) % 32u) & 1u) != 0u;
 }
 
 // Where a slot's search stands; a new one starts with what lies outside. False if there is nothing to search.

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "map_near.glsl"
 layout(push_constant) uniform ShadowConstants { uint face; float texels; } constants;
 layout(location = 0) flat in vec4 light_sphere;
 
@@ -24,7 +25,7 @@ void main() {
     vec3 across = c - closest * ray;
     float inside = r * r - dot(across, across);
     float front = closest - sqrt(max(inside, 0.0) / a);
-    float near = 1e-3 * params.smallest_side;
+    float near = map_near();
     if (inside < 0.0 || front < near) {
         discard;
     }

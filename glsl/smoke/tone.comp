@@ -7,7 +7,7 @@ layout(constant_id = 2) const uint LAYERS = 0u;    // 1: tone and line are kept
 layout(constant_id = 3) const int REACH = 1;       // pixels from which a line can reach a pixel
 #include "params.glsl"
 #include "pixel.glsl"
-layout(local_size_x = 32, local_size_y = 8) in;
+#include "tile.glsl"
 
 // From luminance `from` upwards the smoke has this colour.
 struct Tone {
@@ -15,7 +15,6 @@ struct Tone {
     float from;
 };
 
-layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
 layout(std430, binding = 2) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 3) readonly buffer Smooth { float smooth_luminance[]; };
 layout(std430, binding = 4) readonly buffer Lines { float lines[]; };
@@ -25,12 +24,11 @@ layout(std430, binding = 7) writeonly buffer ToneLayer { vec4 tone_layer[]; };
 layout(std430, binding = 8) writeonly buffer OutlineLayer { float outline_layer[]; };
 
 uint pixel_at(ivec2 at) {
-    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.size)));
-    return inside ? pixels[uint(at.y) * params.size.x + uint(at.x)] : 0u;
+    return is_in_picture(uvec2(at)) ? pixels[pixel_index(uvec2(at))] : 0u;
 }
 
 float value_at(ivec2 at, uint pixel) {
-    return FILTERED != 0u ? smooth_luminance[uint(at.y) * params.size.x + uint(at.x)] : pixel_luminance(pixel);
+    return FILTERED != 0u ? smooth_luminance[pixel_index(uvec2(at))] : pixel_luminance(pixel);
 }
 
 // Difference per pixel along an axis within the same group: central, one-sided at a border, else 0.
@@ -66,8 +64,7 @@ vec3 tone_of(ivec2 at, uint pixel) {
 }
 
 float line_at(ivec2 at) {
-    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.size)));
-    return inside ? lines[uint(at.y) * params.size.x + uint(at.x)] : 0.0;
+    return is_in_picture(uvec2(at)) ? lines[pixel_index(uvec2(at))] : 0.0;
 }
 
 // The line, widened: the strongest of the pixels near enough, fading over the last pixel.
@@ -92,29 +89,18 @@ float line_of(ivec2 at) {
     return opacity;
 }
 
-void finish(ivec2 at) {
-    uint index = uint(at.y) * params.size.x + uint(at.x);
+void work_on(uvec2 at) {
+    uint index = pixel_index(at);
     uint pixel = pixels[index];
     if (pixel_id(pixel) == 0u) {
         picture[index] = vec4(0.0);
         return;
     }
-    vec3 tone = tone_of(at, pixel);
-    float line = INKED != 0u ? line_of(at) : 0.0;
+    vec3 tone = tone_of(ivec2(at), pixel);
+    float line = INKED != 0u ? line_of(ivec2(at)) : 0.0;
     picture[index] = vec4(mix(tone, params.outline_colour.rgb, line), 1.0);
     if (LAYERS != 0u) {
         tone_layer[index] = vec4(tone, 1.0);
         outline_layer[index] = line;
-    }
-}
-
-void main() {
-    uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = uvec2(tile % params.tiles.x, tile / params.tiles.x) * TILE;
-    for (uint row = 0u; row < TILE; row += 8u) {
-        uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
-        if (all(lessThan(at, params.size))) {
-            finish(ivec2(at));
-        }
     }
 }

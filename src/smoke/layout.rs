@@ -9,17 +9,20 @@ use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 pub use crate::layout::LOOP_BUDGET;
 use crate::layout::{Sizes, buffers};
-use crate::plan::{BufferId, ImageId, Resource, Slot};
+use crate::plan::{BufferId, ImageId, Resource, Shader, Slot};
+use crate::shaders::smoke as glsl;
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
-    BIRTH_BLOCK, BLOCK, BUCKETS, Control, Edge, History, LIST_RUN, MAX_LEVELS, Particle, PyramidLevel, Reach,
-    SLOT_PIXELS, Search, SmokeParams, TILE, TILE_BLOCKS, Tone,
+    BIRTH_BLOCK, BLOCK, BUCKETS, Control, Edge, FIELD_VOXELS, GROUP_WORDS, History, LIST_RUN, MAX_LEVELS,
+    MAX_LIGHT_LEVELS, Particle, PyramidLevel, Reach, SLOT_PIXELS, Search, SmokeParams, TILE, TILE_BLOCKS, Tone,
+    WORD_VOXELS,
 };
 use crate::smoke::settings::{Grow, Shadow};
 
-/// Entries of light-space tiles that one dispatch works on for a pixel. An invocation of `luminance` shades four pixels,
-/// one after the other, and each also walks the levels of tiles.
-pub const LUMINANCE_ENTRIES: u32 = LOOP_BUDGET / 4 - 16;
+/// Pixels of a tile that an invocation of `luminance` shades, one after the other.
+const TILE_ROWS: u32 = TILE / glsl::luminance_exact::SHADER.local_size[1];
+/// Entries of light-space tiles that one dispatch works on for a pixel, which also walks the levels of tiles.
+pub const LUMINANCE_ENTRIES: u32 = LOOP_BUDGET / TILE_ROWS - MAX_LIGHT_LEVELS;
 /// Workgroups that every device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
@@ -220,7 +223,7 @@ impl Layout {
         let shape = Shape { dimensions: desc.dimensions, ..Shape::default() };
         let [nx, ny, nz] = desc.dimensions.map(u64::from);
         let pyramid = Pyramid::new(desc.dimensions);
-        if pyramid.count as usize > MAX_LEVELS {
+        if pyramid.count > MAX_LEVELS {
             let (needed, limit) = (ny.max(nz), 1 << (MAX_LEVELS - 1));
             return Err(Error::Limit {
                 what: "the volume's height or depth in voxels",
@@ -231,7 +234,8 @@ impl Layout {
         }
         let words = u64::from(pyramid.row_words) * ny * nz;
         let above = u64::from(pyramid.row_words) * ny.div_ceil(2) * nz.div_ceil(2);
-        let needed = words.div_ceil(256).max(above.div_ceil(64));
+        let [occupancy, pyramids] = [&glsl::occupancy::SHADER, &glsl::pyramid::SHADER].map(lanes);
+        let needed = words.div_ceil(occupancy).max(above.div_ceil(pyramids));
         if needed > MOST_GROUPS {
             let what = "the volume (workgroups of its occupancy)";
             return Err(Error::Limit { what, needed, limit: MOST_GROUPS, advice: "use a smaller volume" });
@@ -240,8 +244,8 @@ impl Layout {
         self.set(VELOCITY, if desc.velocity { shape.voxels() * 12 } else { 0 });
         self.set(OCCUPANCY, pyramid.words * 4);
         self.set(BIRTH_COUNTS, (words.div_ceil(u64::from(BIRTH_BLOCK)) + 1) * 4);
-        self.set(FIELD, nx.div_ceil(4) * ny * nz * 4);
-        self.set(FIELD_COLUMNS, nx.div_ceil(4) * ny * nz * 4);
+        self.set(FIELD, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
+        self.set(FIELD_COLUMNS, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
         // A walk of the pyramid also visits the inner nodes.
         let visits = match desc.settings.grow {
             Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
@@ -262,7 +266,7 @@ impl Layout {
         let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
         let items = u64::from(self.batches) * u64::from(self.batch_capacity);
         self.set(BLOCK_MASKS, blocks * 4);
-        self.set(TILE_GROUPS, tiles * 32);
+        self.set(TILE_GROUPS, tiles * u64::from(GROUP_WORDS) * 4);
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(OCCLUSION, u64::from(self.occlusion_blocks[0]) * u64::from(self.occlusion_blocks[1]) * 4);
         self.set(PIXELS, pixels * 4);
@@ -345,7 +349,7 @@ impl Layout {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pyramid {
     /// From the finest.
-    pub levels: [PyramidLevel; MAX_LEVELS],
+    pub levels: [PyramidLevel; MAX_LEVELS as usize],
     /// Number of levels; more than there is room for if the volume is too high or too deep.
     pub count: u32,
     /// Words of a row.
@@ -357,8 +361,9 @@ pub struct Pyramid {
 impl Pyramid {
     /// For a volume of so many voxels.
     pub fn new(dimensions: [u32; 3]) -> Pyramid {
-        let row_words = dimensions[0].div_ceil(32);
-        let mut pyramid = Pyramid { levels: [PyramidLevel::zeroed(); MAX_LEVELS], count: 0, row_words, words: 0 };
+        let row_words = dimensions[0].div_ceil(WORD_VOXELS);
+        let mut pyramid =
+            Pyramid { levels: [PyramidLevel::zeroed(); MAX_LEVELS as usize], count: 0, row_words, words: 0 };
         let (mut y, mut z) = (dimensions[1], dimensions[2]);
         loop {
             if let Some(level) = pyramid.levels.get_mut(pyramid.count as usize) {
@@ -385,11 +390,16 @@ impl Pyramid {
     }
 }
 
+/// Invocations of a workgroup along x.
+fn lanes(shader: &Shader) -> u64 {
+    shader.local_size[0].into()
+}
+
 /// Whether the passes that make the chessboard distance field can be dispatched: a slice of the volume is a row of
-/// workgroups of 64 words of four voxels.
+/// workgroups.
 pub fn field_fits(shape: &Shape) -> bool {
     let [nx, ny, _] = shape.dimensions.map(u64::from);
-    (nx.div_ceil(4) * ny).div_ceil(64) <= MOST_GROUPS
+    (nx.div_ceil(FIELD_VOXELS.into()) * ny).div_ceil(lanes(&glsl::field_rows::SHADER)) <= MOST_GROUPS
 }
 
 /// Rows that the paper's loop may have to look at in a volume of this shape: the shells up to where the outside is

@@ -10,14 +10,11 @@ use crate::smoke::layout::{Layout, Pyramid};
 use crate::smoke::settings::{Emitter, Outline, Settings};
 use crate::view::{Camera, CameraRows, Light, LightSource};
 
-/// Levels that the occupancy pyramid can have.
-pub const MAX_LEVELS: usize = 12;
-
 impl Control {
     /// What a frame starts with.
     pub fn reset() -> Control {
         let groups = [0, 1, 1, 0];
-        let draw = [4, 0, 0, 0];
+        let draw = [QUAD_VERTICES, 0, 0, 0];
         Control {
             live_groups: groups,
             draw,

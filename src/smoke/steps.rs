@@ -4,6 +4,7 @@ use std::mem::offset_of;
 
 use crate::host::Background;
 use crate::plan::{Command, PassId, Plan};
+use crate::shaders::smoke as glsl;
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::*;
 use crate::smoke::params::*;
@@ -169,14 +170,14 @@ impl Steps<'_> {
         self.plan.step(self.passes.occupancy, Command::Dispatch { threads: [words, 1, 1] });
         self.plan.step_with(
             self.passes.births,
-            Command::Dispatch { threads: [256, 1, 1] },
+            Command::Dispatch { threads: glsl::births::SHADER.local_size },
             &BirthsConstants { blocks },
         );
         match chosen_grow(&self.desc.settings, shape) {
             Grow::Field => {
                 let [nx, ny, nz] = shape.dimensions;
                 for pass in self.passes.field {
-                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(4) * ny, nz, 1] });
+                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(FIELD_VOXELS) * ny, nz, 1] });
                 }
                 self.plan.skip("smoke.pyramid", "the field is searched");
             }
@@ -219,7 +220,7 @@ impl Steps<'_> {
         }
         let spheres = [self.layout.spheres.div_ceil(LIST_RUN), 1, 1];
         self.plan.step(self.passes.count, Command::Dispatch { threads: spheres });
-        self.plan.step(self.passes.scan, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.scan, Command::Dispatch { threads: glsl::scan::SHADER.local_size });
         self.plan.step(self.passes.listing, Command::Dispatch { threads: spheres });
     }
 
@@ -247,10 +248,15 @@ impl Steps<'_> {
         self.clear();
         self.occlusion();
         self.plan.step(self.passes.spheres, draw(offset_of!(Control, draw)));
-        let threads = [self.layout.tiles[0] * 8, self.layout.tiles[1] * 16, 1];
+        let [x, y, _] = glsl::tiles::SHADER.local_size;
+        let threads = [self.layout.tiles[0] * x, self.layout.tiles[1] * y, 1];
         self.plan.step(self.passes.tiles, Command::Dispatch { threads });
         let parts = OccupiedConstants { parts: self.layout.luminance_parts, part_entries: LUMINANCE_ENTRIES };
-        self.plan.step_with(self.passes.occupied, Command::Dispatch { threads: [256, 1, 1] }, &parts);
+        self.plan.step_with(
+            self.passes.occupied,
+            Command::Dispatch { threads: glsl::occupied::SHADER.local_size },
+            &parts,
+        );
         for part in 0..self.layout.luminance_parts {
             let command = Command::DispatchIndirect { arguments: LUMINANCE_PARTS, offset: 16 * u64::from(part) };
             match settings.shadow {
@@ -329,7 +335,8 @@ impl Steps<'_> {
         if settings.shadow == Shadow::Exact {
             self.plan.step(self.passes.shadow_reset, Command::Fill { buffer: CELLS, word: 0 });
             self.plan.step(self.passes.shadow_count, live);
-            self.plan.step(self.passes.shadow_scan, Command::Dispatch { threads: [256, 1, 1] });
+            self.plan
+                .step(self.passes.shadow_scan, Command::Dispatch { threads: glsl::shadow_scan::SHADER.local_size });
             self.plan.step(self.passes.shadow_fill, live);
         }
         for (face, pass) in self.passes.shadow_map.iter().enumerate() {
@@ -351,7 +358,11 @@ impl Steps<'_> {
             let group_count = self.layout.batch_groups.min(self.desc.settings.group_count() + 1 - first_group);
             let capacity = self.layout.batch_capacity;
             let items = ItemsConstants { batch, first_group, group_count, capacity };
-            self.plan.step_with(self.passes.items, Command::Dispatch { threads: [256, 1, 1] }, &items);
+            self.plan.step_with(
+                self.passes.items,
+                Command::Dispatch { threads: glsl::items::SHADER.local_size },
+                &items,
+            );
             let constants = GaussianConstants { base: batch * capacity, first_group };
             for (pass, argument) in [(self.passes.rows, 2 * batch), (self.passes.columns, 2 * batch + 1)] {
                 let offset = 16 * u64::from(argument);

@@ -4,7 +4,7 @@ use super::{LayerName, read};
 use crate::cli::render::outputs::{Layer, LayerData};
 use crate::plan::BufferId;
 use crate::smoke::layout;
-use crate::smoke::params::Control;
+use crate::smoke::params::{Control, GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
 /// Every layer's name, and whether it is an array.
 pub(super) const LAYERS: [LayerName; 9] = [
@@ -34,20 +34,17 @@ pub(super) const BUFFERS: [BufferId; 11] = [
     layout::PICTURE,
 ];
 
-/// Full scale of the luminance that a pixel's word holds above its group, as in `glsl/smoke/pixel.glsl`.
-const LUMINANCE_ONE: f32 = 16_777_215.0;
-
 /// Makes the layers of a picture of `pixels` pixels. Without `filtered` the smoothed luminance is the luminance itself.
 pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, filtered: bool) -> Vec<Layer> {
     let [control, visible, spheres, groups, words, depth, shadow, smooth, tone, outline, picture] = bytes;
     let words: Vec<u32> = read(words, pixels);
-    let luminance: Vec<f32> = words.iter().map(|word| (word >> 8) as f32 / LUMINANCE_ONE).collect();
+    let luminance: Vec<f32> = words.iter().map(|word| (word >> GROUP_BITS) as f32 / LUMINANCE_ONE).collect();
     let smooth = if filtered { read(smooth, pixels) } else { luminance.clone() };
     let data = [
         LayerData::table(5, sphere_rows(control, visible, spheres, groups)),
         LayerData::Value(luminance),
         LayerData::Value(read(depth, pixels)),
-        LayerData::Value(words.iter().map(|word| (word & 255) as f32).collect()),
+        LayerData::Value(words.iter().map(|word| (word & GROUP_MASK) as f32).collect()),
         LayerData::Value(read(shadow, pixels)),
         LayerData::Value(smooth),
         LayerData::Colour(read(tone, pixels)),
