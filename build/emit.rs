@@ -9,20 +9,22 @@ use crate::{Compiled, Reflection};
 
 /// A shader as the module `module`.
 pub fn shader(table: &mut String, file: &str, module: &str, Compiled { stage, words, reflection }: &Compiled) {
-    let Reflection { local_size, push_size, slots, .. } = reflection;
+    let Reflection { local_size, push_size, bindings, .. } = reflection;
     let _ = writeln!(table, "/// `glsl/{file}`.\npub mod {module} {{\nuse crate::plan::*;");
     let _ = writeln!(table, "/// SPIR-V and what it binds.\npub static SHADER: Shader = Shader {{");
     let _ = writeln!(table, "file: {file:?}, stage: Stage::{stage}, local_size: {local_size:?},");
-    let _ = writeln!(table, "push_size: {push_size}, slots: &[");
-    for (name, ..) in slots.values() {
+    let _ = writeln!(table, "push_size: {push_size}, bindings: &[");
+    for (name, ..) in bindings.values() {
         let _ = write!(table, "{},", upper_case(name));
     }
     let _ = writeln!(table, "], words: &{words:?} }};");
-    for (binding, (name, kind, access)) in slots {
+    for (number, (name, kind, access)) in bindings {
         let constant = upper_case(name);
-        let _ = writeln!(table, "/// `{name}`.\npub const {constant}: Slot = Slot {{");
-        let _ =
-            writeln!(table, "name: {name:?}, binding: {binding}, kind: SlotKind::{kind}, access: Access::{access} }};");
+        let _ = writeln!(table, "/// `{name}`.\npub const {constant}: Binding = Binding {{");
+        let _ = writeln!(
+            table,
+            "name: {name:?}, number: {number}, kind: DescriptorKind::{kind}, access: Access::{access} }};"
+        );
     }
     table.push_str("}\n");
 }

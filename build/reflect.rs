@@ -36,7 +36,7 @@ pub struct Reflection {
     pub local_size: [u32; 3],
     pub push_size: usize,
     /// binding -> (name, kind, access)
-    pub slots: BTreeMap<u32, (String, &'static str, &'static str)>,
+    pub bindings: BTreeMap<u32, (String, &'static str, &'static str)>,
     pub blocks: Blocks,
 }
 
@@ -54,8 +54,8 @@ pub fn reflect(words: &[u32]) -> Result<Reflection, String> {
                 let (kind, access) = descriptor(desc_ty).ok_or(format!("{name}: unsupported {desc_ty:?}"))?;
                 let whole = matches!(desc_ty, DescriptorType::UniformBuffer());
                 collect(ty, whole, &mut reflection.blocks)?;
-                let slot = (name.clone(), kind, access);
-                if let Some(other) = reflection.slots.insert(desc_bind.bind(), slot) {
+                let binding = (name.clone(), kind, access);
+                if let Some(other) = reflection.bindings.insert(desc_bind.bind(), binding) {
                     return Err(format!("{name} and {} share binding {}", other.0, desc_bind.bind()));
                 }
             }

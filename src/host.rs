@@ -85,6 +85,16 @@ pub enum Background {
     Copy(HostImage),
 }
 
+impl Background {
+    /// Its image, if it is one.
+    pub fn image(&self) -> Option<HostImage> {
+        match self {
+            Background::Copy(image) => Some(*image),
+            Background::Keep | Background::Clear(_) => None,
+        }
+    }
+}
+
 /// How the host's depth images hold depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthFormat {
@@ -147,20 +157,6 @@ pub(crate) fn check_depth(depth: Option<&HostDepth>, size: [u32; 2], made: Optio
             let expected = if made.is_some() { "expected" } else { "not expected" };
             Err(Error::HostResource { name: "depth", why: format!("{expected}: the effect was made so") })
         }
-    }
-}
-
-/// Refuses a picture with a side that the device cannot render to.
-pub(crate) fn check_sides(size: [u32; 2], limits: &vk::PhysicalDeviceLimits) -> Result<()> {
-    let largest = limits.max_framebuffer_width.min(limits.max_framebuffer_height).min(limits.max_image_dimension2_d);
-    match size.into_iter().find(|side| *side > largest) {
-        Some(side) => Err(Error::Limit {
-            what: "a side of the picture",
-            needed: side.into(),
-            limit: largest.into(),
-            advice: "render a smaller picture",
-        }),
-        None => Ok(()),
     }
 }
 

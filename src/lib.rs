@@ -3,6 +3,7 @@
 
 pub mod barrier;
 pub mod blur;
+pub mod effect;
 pub mod error;
 pub mod flame;
 pub mod gpu;

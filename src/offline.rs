@@ -29,7 +29,7 @@ use crate::smoke::{self, Sequence, Smoke};
 use crate::view::{Camera, Light};
 pub use blur::{BlurError, BlurFrame, BlurInput};
 use depth::SharedDepth;
-pub(crate) use effect::Effect;
+pub(crate) use effect::AnyEffect;
 pub use effect::{EffectBuffer, Effects};
 use input::BlurUpload;
 pub(crate) use input::{ParticleUpload, VolumeUpload};
@@ -126,16 +126,16 @@ struct Frames<'a> {
 }
 
 impl Parts {
-    fn effects(&self) -> impl Iterator<Item = &dyn Effect> {
-        let smoke = self.smoke.iter().map(|smoke| smoke as &dyn Effect);
-        let flame = self.flame.iter().map(|flame| flame as &dyn Effect);
-        smoke.chain(flame).chain(self.blur.iter().map(|blur| blur as &dyn Effect))
+    fn effects(&self) -> impl Iterator<Item = &dyn AnyEffect> {
+        let smoke = self.smoke.iter().map(|smoke| smoke as &dyn AnyEffect);
+        let flame = self.flame.iter().map(|flame| flame as &dyn AnyEffect);
+        smoke.chain(flame).chain(self.blur.iter().map(|blur| blur as &dyn AnyEffect))
     }
 
-    fn effects_mut(&mut self) -> impl Iterator<Item = &mut dyn Effect> {
-        let smoke = self.smoke.iter_mut().map(|smoke| smoke as &mut dyn Effect);
-        let flame = self.flame.iter_mut().map(|flame| flame as &mut dyn Effect);
-        smoke.chain(flame).chain(self.blur.iter_mut().map(|blur| blur as &mut dyn Effect))
+    fn effects_mut(&mut self) -> impl Iterator<Item = &mut dyn AnyEffect> {
+        let smoke = self.smoke.iter_mut().map(|smoke| smoke as &mut dyn AnyEffect);
+        let flame = self.flame.iter_mut().map(|flame| flame as &mut dyn AnyEffect);
+        smoke.chain(flame).chain(self.blur.iter_mut().map(|blur| blur as &mut dyn AnyEffect))
     }
 
     /// Handle, offset and size of an effect's buffer; null if there is no such effect.
@@ -191,7 +191,7 @@ impl Offline {
                 let frames_resident = input::resident(wanted, desc.points, memory, limit);
                 self.parts.blur = Some(Blur::new(&host, allocator, blur_effect::Desc { frames_resident, ..desc })?);
             }
-            let steps: usize = self.parts.effects().map(|effect| effect.plan_capacity().0).sum();
+            let steps: usize = self.parts.effects().map(|effect| effect.plan().steps.capacity()).sum();
             self.parts.profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
             if is_shared {
                 self.parts.depth = Some(SharedDepth::new(&host, allocator, self.size)?);
@@ -430,11 +430,7 @@ impl Offline {
 
     /// Device memory that the effects take, in bytes before alignment.
     pub fn memory(&self) -> u64 {
-        let Parts { smoke, flame, blur, .. } = &self.parts;
-        let smoke = smoke.as_ref().map(|smoke| Smoke::memory(smoke.desc(), u64::MAX));
-        let flame = flame.as_ref().map(|flame| Flame::memory(flame.desc(), u64::MAX));
-        let blur = blur.as_ref().map(|blur| Blur::memory(blur.desc(), u64::MAX));
-        smoke.into_iter().chain(flame).chain(blur).flatten().map(|memory| memory.total()).sum()
+        self.parts.effects().map(|effect| effect.memory().total()).sum()
     }
 
     /// The smoke, if there is one.

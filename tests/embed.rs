@@ -253,7 +253,7 @@ fn smoke_in_a_host_of_its_own() {
         slot.wait(&mut device).expect("the last frames end");
     }
     assert_eq!((slots[0].pictures.len(), slots[1].pictures.len()), (4, 3));
-    assert!(smoke.plan_capacity().0 as u32 <= MOST_STEPS);
+    assert!(smoke.plan().steps.capacity() as u32 <= MOST_STEPS);
     // 0.2, 0.5 and 0.9 as sRGB.
     let sky = [124, 188, 243, 255];
     for picture in slots.iter().flat_map(|slot| &slot.pictures) {

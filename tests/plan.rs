@@ -14,7 +14,7 @@ use celfx::smoke::layout::{self, Layout};
 use celfx::smoke::params::SmokeParams;
 use celfx::smoke::passes::Passes;
 use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
-use celfx::smoke::steps::{self, Moment, Steps, Tables};
+use celfx::smoke::steps::{Moment, Steps, Tables};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
 use celfx::view::{Camera, Light};
 
@@ -130,11 +130,11 @@ fn a_frame_waits_for_the_one_before_and_for_the_host() {
 }
 
 #[test]
-fn a_slot_is_bound_once_and_used_as_each_stage_says() {
+fn a_binding_is_bound_once_and_used_as_each_stage_says() {
     let seen = glsl::tiles::SEEN;
     let pass = Pass::compute("tiles", &glsl::tiles::SHADER).bind(seen, ImageId(0)).bind(seen, ImageId(0));
-    assert_eq!(pass.bindings.len(), 1, "the same slot twice is one descriptor");
-    let unbound: Vec<_> = pass.unbound().map(|slot| slot.name).collect();
+    assert_eq!(pass.bindings.len(), 1, "the same binding twice is one descriptor");
+    let unbound: Vec<_> = pass.unbound().map(|binding| binding.name).collect();
     assert_eq!(unbound, ["SmokeParams", "BlockMasks", "TileGroups"]);
     let (resource, usage) = pass.uses[0];
     assert_eq!((resource, usage.writes), (Resource::Image(ImageId(0)), vk::AccessFlags2::NONE));
@@ -169,9 +169,9 @@ struct Effect {
 impl Effect {
     fn new(desc: Desc) -> Effect {
         let layout = Layout::new(&desc, RANGE).unwrap();
-        let (passes, tables) = (Passes::new(&desc, &layout), Tables::new(&desc.settings, &layout));
-        let (room, bytes) = steps::capacity(&layout, &tables);
-        Effect { desc, layout, passes, tables, plan: Plan::with_capacity(room, bytes) }
+        let tables = Tables::new(&desc.settings, &layout);
+        let passes = Passes::new(&desc, &layout, &tables);
+        Effect { desc, layout, plan: Plan::for_passes(&passes.list), passes, tables }
     }
 
     fn moment(&self) -> Moment {
@@ -205,6 +205,7 @@ impl Effect {
     fn fill(&mut self, frame: &Frame, moment: &Moment) {
         let params = SmokeParams::new(&self.desc, &self.layout, frame, &moment.shape, 0);
         let Effect { desc, layout, passes, tables, plan } = self;
+        plan.clear();
         Steps { plan, passes, desc, layout, moment }.fill(frame, &params, tables);
     }
 
@@ -217,7 +218,8 @@ impl Effect {
     }
 
     fn reason(&self, name: &str) -> Option<&'static str> {
-        self.plan.skipped.iter().find(|(skipped, _)| *skipped == name).map(|(_, reason)| *reason)
+        let is_named = |pass: &PassId| self.passes.list[usize::from(pass.0)].name == name;
+        self.plan.skipped.iter().find(|(pass, _)| is_named(pass)).map(|(_, reason)| *reason)
     }
 }
 
@@ -330,23 +332,23 @@ fn combinations() -> Vec<Desc> {
 }
 
 #[test]
-fn every_slot_of_every_pass_is_bound_to_something_that_is_there() {
+fn every_binding_of_every_pass_is_bound_to_something_that_is_there() {
     for desc in combinations() {
         let effect = Effect::new(desc);
         let images = effect.layout.images(&effect.desc).len() as u16;
         for pass in &effect.passes.list {
-            let unbound: Vec<_> = pass.unbound().map(|slot| slot.name).collect();
+            let unbound: Vec<_> = pass.unbound().map(|binding| binding.name).collect();
             assert_eq!(unbound, [""; 0], "{}, {:?}", pass.name, effect.desc.settings);
-            for (slot, resource) in &pass.bindings {
+            for (binding, resource) in &pass.bindings {
                 let own = match resource {
                     Resource::Buffer(id) => id.0 < layout::BUFFERS,
                     Resource::Image(id) => id.0 < images,
                 };
-                assert!(own, "{}: {} is bound to {resource:?}", pass.name, slot.name);
-                assert!(pass.uses.iter().any(|(used, _)| used == resource), "{}: {}", pass.name, slot.name);
+                assert!(own, "{}: {} is bound to {resource:?}", pass.name, binding.name);
+                assert!(pass.uses.iter().any(|(used, _)| used == resource), "{}: {}", pass.name, binding.name);
             }
             let (mut bindings, count) =
-                (pass.bindings.iter().map(|b| b.0.binding).collect::<Vec<_>>(), pass.bindings.len());
+                (pass.bindings.iter().map(|b| b.0.number).collect::<Vec<_>>(), pass.bindings.len());
             bindings.sort_unstable();
             bindings.dedup();
             assert_eq!(bindings.len(), count, "{}: two resources at one binding", pass.name);

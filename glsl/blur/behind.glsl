@@ -5,6 +5,8 @@ layout(binding = 2) uniform texture2D sampled_depth;
 layout(std430, binding = 3) readonly buffer Finished { uvec4 finished[]; };
 layout(std430, binding = 4) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 5) readonly buffer Triangles { uvec4 triangles[]; };
+#include "base.glsl"
+#include "picture.glsl"
 
 bool is_behind(ivec2 at, float nearness) {
     uint name = texelFetch(sampled, at, 0).x;
@@ -12,6 +14,5 @@ bool is_behind(ivec2 at, float nearness) {
         return true;
     }
     uvec4 base = triangles[finished[name - 1u].w & BASE_MASK];
-    bool is_still = max(max(vertices[base.x].place.x, vertices[base.y].place.x), vertices[base.z].place.x) == 0u;
-    return is_still && nearness > texelFetch(sampled_depth, at, 0).x;
+    return is_still(base) && nearness > texelFetch(sampled_depth, at, 0).x;
 }

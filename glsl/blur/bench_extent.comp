@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) readonly buffer Motions { vec4 motions[]; };
+layout(std430, binding = 1) readonly buffer Motions { PointMotion motions[]; };
 layout(std430, binding = 2) readonly buffer Labels { uint labels[]; };
 layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
@@ -18,22 +18,22 @@ layout(push_constant) uniform BenchExtentConstants {
 
 void main() {
     uint point = gl_GlobalInvocationID.x;
-    if (point >= params.counts.x) {
+    if (point >= params.points) {
         return;
     }
-    vec4 motion = motions[point];
+    PointMotion motion = motions[point];
     uint label = labels[point];
     vec2 d;
-    if (label == 0u || !direction_of(motion.zw, d)) {
+    if (label == 0u || !direction_of(motion.velocity, d)) {
         brute_extents[point] = vec2(1.0, 0.0);
         return;
     }
     vec2 u = vec2(d.y, -d.x);
     vec4 found = constants.first > 0u ? extremes_so_far[point]
-        : vec4(vec2(along(d, motion.xy)), vec2(along(u, motion.xy)));
+        : vec4(vec2(along(d, motion.position)), vec2(along(u, motion.position)));
     for (uint other = constants.first; other < constants.end; ++other) {
         if (labels[other] == label) {
-            vec2 q = motions[other].xy;
+            vec2 q = motions[other].position;
             float ahead = along(d, q);
             float aside = along(u, q);
             found.xz = min(found.xz, vec2(ahead, aside));
@@ -41,5 +41,5 @@ void main() {
         }
     }
     extremes_so_far[point] = found;
-    brute_extents[point] = shares_of(found, motion.xy, d, u);
+    brute_extents[point] = shares_of(found, motion.position, d, u);
 }

@@ -3,15 +3,15 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "samples.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "inward.glsl"
 
 void main() {
-    uvec2 size = 2u * params.image.xy;
+    uvec2 size = 2u * params.size;
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, size))) {
         return;
     }
-    uint index = gl_GlobalInvocationID.y * size.x + gl_GlobalInvocationID.x;
+    uint index = index_of_sample(ivec2(gl_GlobalInvocationID.xy));
     uint state = sample_states[index];
     if (!is_wanted(state)) {
         return;
@@ -28,6 +28,6 @@ void main() {
         // Nobody reads others' counts here.
         sample_states[index] = state | count << COUNT_SHIFT;
         list(index, count);
-        completing[ROUND_ARGUMENTS + 4u * GRADIENT] = 1u;
+        completing[INWARD_DISPATCHES + 4u * GRADIENT] = 1u;
     }
 }

@@ -6,7 +6,7 @@
 #include "params.glsl"
 #include "common/bits.glsl"
 #include "samples.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
 layout(binding = 18) uniform utexture2D distorted;
@@ -42,7 +42,7 @@ bool is_beside(ivec2 pixel) {
 
 // Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
 bool is_drawn() {
-    return params.modes.x > 0u;
+    return params.is_drawn != 0u;
 }
 
 // A frame's pixel, finished.
@@ -60,7 +60,7 @@ struct Skirt {
 Skirt skirt_of(ivec2 pixel, float farthest) {
     Skirt skirt;
     skirt.nearness = 0.0;
-    float reach = uintBitsToFloat(params.completion.z);
+    float reach = params.skirt;
     int whole = is_drawn() ? -1 : int(reach);
     float nearest = reach * reach + 0.5;
     for (int y = -whole; y <= whole; ++y) {
@@ -97,10 +97,10 @@ void look_beside(uint frame, Skirt skirt, vec2 place, out vec4 colour, out float
         + shares.z * corner_of(frame, skirt.fragment.base.z);
     colour = vec4(0.0);
     weight = 0.0;
-    if (!(own.z >= params.lens.x)) {
+    if (!(own.z >= params.near)) {
         return;
     }
-    vec2 at = clamp(own.xy / own.z + (place - skirt.centre) - 0.5, vec2(-2.0), vec2(params.image.xy) + 1.0);
+    vec2 at = clamp(own.xy / own.z + (place - skirt.centre) - 0.5, vec2(-2.0), vec2(params.size) + 1.0);
     ivec2 corner = ivec2(floor(at));
     vec2 part = at - vec2(corner);
     for (int i = 0; i < 4; ++i) {
@@ -149,7 +149,7 @@ void main() {
         : is_free(1u, cover) ? finished_at(texelFetch(frame_previous, pixel, 0), pixel) : background_at(pixel);
     float farthest = 1.0;
     for (int i = 0; i < 4; ++i) {
-        farthest = min(farthest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));
+        farthest = min(farthest, nearness_at(sample_of(pixel, i)));
     }
     Skirt skirt = skirt_of(pixel, farthest);
     vec4 sum = vec4(0.0);
@@ -159,11 +159,11 @@ void main() {
     vec4 seen = vec4(0.0);  // how near they are
     float opaque = 0.0;
     for (int i = 0; i < 4; ++i) {
-        ivec2 at = 2 * pixel + ivec2(i & 1, i >> 1);
-        uint index = uint(at.y) * 2u * params.image.x + uint(at.x);
+        ivec2 at = sample_of(pixel, i);
+        uint index = index_of_sample(at);
         uint state = sample_states[index];
-        vec4 colour = (state & MASK) == 4u ? vec4(0.0) : sample_colours[index];
-        bool is_part = (state & MASK) != 4u && !(is_next && (state & STILL) != 0u);
+        vec4 colour = (state & MASK) == NOTHING_SEEN ? vec4(0.0) : sample_colours[index];
+        bool is_part = (state & MASK) != NOTHING_SEEN && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
         float nearness = nearness_at(at);
         parts[i] = colour;
@@ -182,7 +182,7 @@ void main() {
         sum += 0.25 * own;
         of_mesh += 0.25 * colour;
     }
-    uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
+    uint index = index_of(pixel);
     vec4 own = is_behind ? behind : sum;
     // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
     uint mark = is_behind && is_next ? SIGN_BIT : 0u;

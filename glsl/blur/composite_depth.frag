@@ -2,13 +2,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "../common/host_depth.glsl"
+#include "host_depth.glsl"
 #include "composite.glsl"
-layout(push_constant) uniform HostDepthConstants { vec2 terms; } constants;
-layout(std430, binding = 2) readonly buffer Surface { uvec4 surface[]; };
+layout(std430, binding = 2) readonly buffer Surface { Covering surface[]; };
 
 void main() {
     uint index = replace();
-    vec2 depths = uintBitsToFloat(surface[index].zw);
-    gl_FragDepth = host_depth(constants.terms, isinf(depths.y) ? depths.x : depths.y);
+    Covering own = surface[index];
+    gl_FragDepth = host_depth(constants.terms, isinf(own.behind) ? own.depth : own.behind);
 }

@@ -5,7 +5,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 #include "common/bits.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(binding = 1) uniform utexture2D seen_previous;
 layout(binding = 2) uniform utexture2D seen_next;
 layout(binding = 3) uniform texture2D depth_previous;
@@ -16,6 +16,7 @@ layout(std430, binding = 7) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 8) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 9) buffer Tiles { uint tiles[]; };
 #include "tiles.glsl"
+#include "base.glsl"
 layout(std430, binding = 10) buffer Completing { uint completing[]; };
 #include "samples.glsl"
 
@@ -26,13 +27,11 @@ layout(std430, binding = 11) readonly buffer Clip { vec4 clip[]; };
 // and as much as a surface turned away by 63 degrees is within the way.
 const float LEAST_STEP = 0.003;
 const float LEAST_SLOPE = 2.0;
-const uint MOVING = 1u;   // it sees what moves, of frame f shifted by f
 shared uint most[3];
 shared uint moving;
 
 bool is_moving(uint seen) {
-    uvec4 base = triangles[seen - 1u];
-    return max(max(vertices[base.x].place.x, vertices[base.y].place.x), vertices[base.z].place.x) > 0u;
+    return !is_still(triangles[seen - 1u]);
 }
 
 uint seen_at(uint frame, ivec2 at) {
@@ -46,26 +45,25 @@ float nearness(uint frame, ivec2 at) {
 
 uint shown_at(uint frame, ivec2 at) {
     uint seen = seen_at(frame, at);
-    uint result = seen > 0u && is_moving(seen) ? 1u : 0u;
+    uint result = seen > 0u && is_moving(seen) ? MOVING : 0u;
     uvec4 base = triangles[max(seen, 1u) - 1u];
-    uint first = frame * params.counts.x;
+    uint first = frame * params.points;
     vec3 a = clip[first + base.x].xyz;
     vec3 b = clip[first + base.y].xyz;
     vec3 c = clip[first + base.z].xyz;
     View view = params.views[frame];
-    float focal = length(view.across.xyz - 0.5 * float(params.image.x) * view.along.xyz);
-    float skirt = uintBitsToFloat(params.completion.z);
+    float focal = length(view.across.xyz - 0.5 * float(params.size.x) * view.along.xyz);
+    float skirt = params.skirt;
     int reach = int(skirt);
     for (int y = -reach; y <= reach; ++y) {
         for (int x = -reach; x <= reach; ++x) {
             ivec2 other = at + ivec2(x, y);
-            bool is_near = float(x * x + y * y) <= skirt * skirt && all(greaterThanEqual(other, ivec2(0)))
-                && all(lessThan(other, ivec2(params.image.xy)));
+            bool is_near = float(x * x + y * y) <= skirt * skirt && is_in_picture(other);
             vec3 edges = edges_at(a, b, c, vec2(other) + 0.5);
-            float own = seen > 0u ? params.lens.x * (edges.x + edges.y + edges.z) / dot(edges, vec3(a.z, b.z, c.z)) : 0.0;
+            float own = seen > 0u ? params.near * (edges.x + edges.y + edges.z) / dot(edges, vec3(a.z, b.z, c.z)) : 0.0;
             float least = 1.0 - LEAST_STEP - LEAST_SLOPE * length(vec2(x, y)) / focal;
             if (is_near && nearness(frame, other) * least > own) {
-                result |= is_moving(seen_at(frame, other)) ? 16u | 256u : 16u;
+                result |= is_moving(seen_at(frame, other)) ? OUTLINE | COVERED : OUTLINE;
             }
         }
     }
@@ -88,7 +86,7 @@ void measure(vec4 colour, uint frame) {
 
 void main() {
     ivec2 at = ivec2(tile_origin(gl_WorkGroupID) + gl_LocalInvocationID.xy);
-    bool is_inside = all(lessThan(at, ivec2(params.image.xy)));
+    bool is_inside = all(lessThan(at, ivec2(params.size)));
     uint lane = gl_LocalInvocationIndex;
     if (lane < 3u) {
         most[lane] = 0u;

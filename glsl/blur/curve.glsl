@@ -20,8 +20,8 @@ float between(float a, float b, uint where) {
 
 // The piece of segment s.
 Piece piece_of(uint a, uint b, uint where, uint s) {
-    Piece from = splines[s * params.pieces.z + a];
-    Piece to = splines[s * params.pieces.z + b];
+    Piece from = splines[s * params.vertex_room + a];
+    Piece to = splines[s * params.vertex_room + b];
     return Piece(vec4(between(from.origin.xyz, to.origin.xyz, where), 0.0),
                  vec4(between(from.step.xyz, to.step.xyz, where), 0.0),
                  vec4(between(from.bend_begin.xyz, to.bend_begin.xyz, where), 0.0),
@@ -36,13 +36,13 @@ vec3 start_of(uint a, uint b, uint where) {
 uint segment_at(float time) {
     uint s;
     if (time >= 0.0) {
-        for (s = 0u; s + 1u < params.pieces.y && time > params.segments[s].y; ++s) {
+        for (s = 0u; s + 1u < params.segments_ahead && time > params.segments[s].end; ++s) {
         }
     } else {
-        for (s = params.pieces.y; s < params.pieces.x && time < params.segments[s].x; ++s) {
+        for (s = params.segments_ahead; s < params.segment_count && time < params.segments[s].begin; ++s) {
         }
         // Before the earliest it goes on straight.
-        s = s < params.pieces.x ? s : params.pieces.x > params.pieces.y ? params.pieces.x - 1u : 0u;
+        s = s < params.segment_count ? s : params.segment_count > params.segments_ahead ? params.segment_count - 1u : 0u;
     }
     return s;
 }
@@ -56,8 +56,8 @@ struct Offset {
 Offset offset_at(uint a, uint b, uint where, float time) {
     uint s = segment_at(time);
     Piece piece = piece_of(a, b, where, s);
-    float begin = params.segments[s].x;
-    precise float length_of = params.segments[s].y - begin;
+    float begin = params.segments[s].begin;
+    precise float length_of = params.segments[s].end - begin;
     precise float past = time - begin;
     float beyond = time < begin ? past : 0.0;
     precise float u = (time - beyond - begin) / length_of;
@@ -77,7 +77,8 @@ Offset offset_at(uint a, uint b, uint where, float time) {
 
 // Where the point is in pixels, as what it is off from frame i, so that it is exact for what hardly moves; and its depth.
 struct State {
-    vec4 motion;  // position, and velocity in pixels a frame
+    vec2 position;
+    vec2 velocity;  // pixels a frame
     float depth;
 };
 
@@ -87,11 +88,11 @@ State state_at(uint a, uint b, uint where, float time) {
     precise float depth = start.z + at.off.z;
     if (SCREEN == 1u) {
         precise vec2 position = start.xy + at.off.xy;
-        return State(vec4(position, at.slope.xy), depth);
+        return State(position, at.slope.xy, depth);
     }
     precise vec2 from = start.xy / start.z;
     precise vec2 moved = (at.off.xy - from * at.off.z) / depth;
     precise vec2 position = from + moved;
     precise vec2 velocity = (at.slope.xy - position * at.slope.z) / depth;
-    return State(vec4(position, velocity), depth);
+    return State(position, velocity, depth);
 }

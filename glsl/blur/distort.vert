@@ -12,7 +12,9 @@ void main() {
     name = index + 1u;
     uvec4 triangle = finished[index];
     bool is_hidden = (triangle.w & CULLED) != 0u;
-    vec4 drawn = vertices[triangle[uint(gl_VertexIndex) % 3u]].drawn;
+    uint vertex = triangle[uint(gl_VertexIndex) % 3u];
+    vec2 drawn = vertices[vertex].drawn;
+    float depth = vertices[vertex].drawn_depth;
     // A triangle whose corners are all in one place, behind the near plane, is drawn nowhere.
-    gl_Position = is_hidden ? vec4(0.0, 0.0, 1.0, -1.0) : position_of(vec4(drawn.xy * drawn.z, drawn.z, 0.0));
+    gl_Position = is_hidden ? vec4(0.0, 0.0, 1.0, -1.0) : position_of(vec3(drawn * depth, depth));
 }

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 128) in;
+layout(local_size_x = BLOCK) in;
 layout(std430, binding = 1) buffer Splines { Piece splines[]; };
 layout(std430, binding = 2) buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
@@ -13,28 +13,22 @@ layout(std430, binding = 7) writeonly buffer Next { uvec4 next_triangles[]; };
 layout(std430, binding = 8) writeonly buffer Finished { uvec4 finished[]; };
 layout(std430, binding = 9) readonly buffer Blocks { uvec2 blocks[]; };
 layout(std430, binding = 10) readonly buffer Triangles { uvec4 triangles[]; };
-layout(push_constant) uniform RoundConstants { uint round; } constants;
+#include "round.glsl"
 #include "curve.glsl"
 #include "extent.glsl"
 #include "vertex.glsl"
 #include "block.glsl"
+#include "base.glsl"
 
 const uint ALL_OPEN = 7u;
 
-// Barycentric coordinates in a base triangle, of its second and its third corner.
-vec2 place_in(uint base, uint vertex) {
-    uvec4 place = vertices[vertex].place;
-    return place.y == 0u ? uintBitsToFloat(place.zw)
-        : vec2(triangles[base].y == vertex ? 1.0 : 0.0, triangles[base].z == vertex ? 1.0 : 0.0);
-}
-
 void add_vertex(uint to, uint a, uint b, uint base) {
-    for (uint s = 0u; s < params.pieces.x; ++s) {
-        splines[s * params.pieces.z + to] = piece_of(a, b, 2u, s);
+    for (uint s = 0u; s < params.segment_count; ++s) {
+        splines[s * params.vertex_room + to] = piece_of(a, b, 2u, s);
     }
     Vertex vertex = vertex_between(a, b, 2u);
-    vec2 place = (place_in(base, a) + place_in(base, b)) * 0.5;
-    vertex.place.zw = floatBitsToUint(place);
+    uvec4 triangle = triangles[base];
+    vertex.barycentrics = (barycentrics_of(a, triangle) + barycentrics_of(b, triangle)) * 0.5;
     vertices[to] = vertex;
 }
 
@@ -70,10 +64,10 @@ void divide(uvec4 triangle, uint at, uint made) {
     }
     add(at, uvec3(a, ab, ca), base, ALL_OPEN);
     if (bitCount(split) == 2) {
-        vec2 first = vertices[ab].drawn.xy;
-        vec2 second = vertices[ca].drawn.xy;
-        float own = distance2(first, vertices[c].drawn.xy);
-        if (is_shorter(own, first, distance2(vertices[b].drawn.xy, second), second)) {
+        vec2 first = vertices[ab].drawn;
+        vec2 second = vertices[ca].drawn;
+        float own = distance2(first, vertices[c].drawn);
+        if (is_shorter(own, first, distance2(vertices[b].drawn, second), second)) {
             add(at, uvec3(ab, b, c), base, 5u);
             add(at, uvec3(ab, c, ca), base, ALL_OPEN);
         } else {
@@ -90,18 +84,18 @@ void divide(uvec4 triangle, uint at, uint made) {
 void main() {
     uint index = gl_GlobalInvocationID.x;
     Round current = rounds[constants.round];
-    bool exists = index < current.groups.w;
+    bool exists = index < current.triangles;
     uvec4 triangle = exists ? active_triangles[index] : uvec4(0u);
-    bool is_last = current.scan.w != 0u;
+    bool is_last = current.is_last != 0u;
     uvec2 parts = exists && !is_last ? parts_of(triangle.w) : uvec2(0u);
     uvec2 before = sum_block(parts).xy + (is_last ? uvec2(0u) : blocks[gl_WorkGroupID.x]);
     if (!exists) {
         return;
     }
     if (parts.x > 0u) {
-        divide(triangle, before.x, current.made.y + before.x - before.y);
+        divide(triangle, before.x, current.vertices_before + before.x - before.y);
     } else {
         uint kept = (triangle.w >> OPEN_SHIFT) == 0u ? triangle.w & (BASE_MASK | CULLED) : triangle.w & BASE_MASK;
-        finished[current.made.x + index - before.y] = uvec4(triangle.xyz, kept);
+        finished[current.finished_before + index - before.y] = uvec4(triangle.xyz, kept);
     }
 }

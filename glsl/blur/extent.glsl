@@ -5,6 +5,8 @@
 #ifndef MOST_SCANNED
 #define MOST_SCANNED 65536u  // points of a hull, that can be all looked at
 #endif
+const float LEAST_SPEED_SQUARED = 1e-12;  // (pixels a frame)^2: what is slower has no direction
+const float LEAST_EXTENT = 1e-3;           // pixels: a cluster that is shorter has no front and rear
 const uint FEW = 48u;          // points of a hull that are all looked at
 const uint MOST_WALK = 256u;   // of larger ones, before they are all looked at after all
 const uint CHORDS = 1024u;     // directions of a hull are those from each point to one that is so small a part farther on
@@ -56,7 +58,7 @@ bool farthest(Cluster cluster, vec2 d, out float best) {
         forward = forward + 1u == count ? 0u : forward + 1u;
         float p = along(d, hull[first + forward]);
         best = max(best, p);
-        if (p < best - params.lens.z) {
+        if (p < best - params.hull_margin) {
             break;
         }
     }
@@ -65,7 +67,7 @@ bool farthest(Cluster cluster, vec2 d, out float best) {
         back = back == 0u ? count - 1u : back - 1u;
         float p = along(d, hull[first + back]);
         best = max(best, p);
-        if (p < best - params.lens.z) {
+        if (p < best - params.hull_margin) {
             break;
         }
     }
@@ -108,7 +110,7 @@ vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
     vec2 q = hull[cluster.hull_begin];
     vec4 found = vec4(vec2(along(d, q)), vec2(along(u, q)));
     uint i = cluster.hull_begin + 1u;
-    // Sixteen to a turn of the loop, because turns are counted.
+    // Sixteen an iteration, because iterations are counted.
     for (; i + 16u <= cluster.hull_end; i += 16u) {
         widen_by_four(found, d, u, i);
         widen_by_four(found, d, u, i + 4u);
@@ -128,7 +130,7 @@ bool direction_of(vec2 v, out vec2 d) {
     precise float inverse = 1.0 / speed;
     precise vec2 unit_vector = vec2(v.x * inverse, v.y * inverse);
     d = unit_vector;
-    return speed2 >= 1e-12;
+    return speed2 >= LEAST_SPEED_SQUARED;
 }
 
 // k and l of a point among the extremes of its cluster.
@@ -139,21 +141,21 @@ vec2 shares_of(vec4 found, vec2 x, vec2 d, vec2 u) {
     precise float l_length = aside.y - aside.x;
     precise float k = -ahead.x / k_length;
     precise float l = -aside.x / l_length;
-    return vec2(k_length < 1e-3 ? 1.0 : clamp(k, 0.0, 1.0), l_length < 1e-3 ? 0.0 : clamp(l, 0.0, 1.0));
+    return vec2(k_length < LEAST_EXTENT ? 1.0 : clamp(k, 0.0, 1.0), l_length < LEAST_EXTENT ? 0.0 : clamp(l, 0.0, 1.0));
 }
 
 // k and l.
-vec2 extent_of(vec4 motion, uint label) {
+vec2 extent_of(vec2 position, vec2 velocity, uint label) {
     vec2 d;
-    if (label == 0u || !direction_of(motion.zw, d)) {
+    if (label == 0u || !direction_of(velocity, d)) {
         return vec2(1.0, 0.0);
     }
     vec2 u = vec2(d.y, -d.x);
-    return shares_of(extremes(clusters[label - 1u], d, u), motion.xy, d, u);
+    return shares_of(extremes(clusters[label - 1u], d, u), position, d, u);
 }
 
 float tooth(Cluster cluster, uint index) {
-    return unit(hash(params.image.z, cluster.object, index, params.image.w));
+    return unit(hash(params.seed, cluster.object, index, params.generation));
 }
 
 // k' of a vertex by itself.
@@ -172,7 +174,7 @@ float moved_by(vec2 extent, uint label) {
         precise float mixed = from + (x - float(index)) * (tooth(cluster, index + 1u) - from);
         r = mixed;
     }
-    precise float moved = 1.0 - params.model.x * (1.0 - extent.x) * r;
+    precise float moved = 1.0 - params.strength * (1.0 - extent.x) * r;
     return moved;
 }
 
@@ -185,6 +187,6 @@ uint whole_of(float moved) {
 // k' with what smoothing adds, within the range that k' has.
 float shifted(float moved, float added) {
     precise float sum = moved + added;
-    precise float least = 1.0 - params.model.x;
+    precise float least = 1.0 - params.strength;
     return min(max(sum, least), 1.0);
 }

@@ -9,25 +9,20 @@ layout(std430, binding = 5) writeonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 6) buffer LargeGroups { uvec4 large_arguments; uint large_groups[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
 
-const uint FEW_TRIANGLES = 1024u;  // of a group, that one invocation sums up: src/blur/layout.rs has it too
+const uint FEW_TRIANGLES = 1024u;  // of a group, that one invocation sums up; of more, a workgroup does
 const int SUM_BITS = 30;           // of the sum of what an invocation sums up
 
-// Normals of frames i, i + 1, i - 1, i + 2 come in this order.
-uint frame_of(uint slot) {
-    return slot < 2u ? slot + 1u : slot == 2u ? 0u : 3u;
-}
+#include "normal_order.glsl"
 
-vec3 position(uint frame, uint point) {
-    uint at = 3u * (params.views[frame].slot.x * params.counts.x + point);
-    return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
-}
+#include "poses.glsl"
 
 // The cross product of a triangle's sides.
 vec3 face(uint frame, uint triangle) {
     uvec4 corners = triangles[triangle];
-    vec3 a = position(frame, corners.x);
-    precise vec3 p = position(frame, corners.y) - a;
-    precise vec3 q = position(frame, corners.z) - a;
+    uint place = params.pose_places[frame];
+    vec3 a = pose(place, corners.x);
+    precise vec3 p = pose(place, corners.y) - a;
+    precise vec3 q = pose(place, corners.z) - a;
     precise vec3 normal = p.yzx * q.zxy - p.zxy * q.yzx;
     return normal;
 }

@@ -3,22 +3,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "bins.glsl"
 layout(local_size_x = 256) in;
 layout(std430, binding = 1) readonly buffer Sums { uint sums[]; };
-layout(std430, binding = 2) writeonly buffer Tables { uvec4 tables[]; };
+layout(std430, binding = 2) writeonly buffer Tables { uvec4 tables[]; };  // NONE: no colour
 
-const uint LANES = 256u;
-const uint SIDE = 32u;
-const uint BINS = SIDE * SIDE;
-const uint LEVELS = 6u;
-const uint NO_COLOUR = 0xffffffffu;
+const uint LEVELS = 6u;                      // of 32, 16, 8, 4, 2 and 1 bins a side, one after another
+const uint ENTRIES = (4u * BINS - 1u) / 3u;  // of all levels
+const uint WORDS = (ENTRIES + 31u) / 32u;
 
-// Levels of 32, 16, 8, 4, 2 and 1 bins a side, one after another; two channels a word.
-shared uvec2 colours[1365];
-shared uint full[43];
+shared uvec2 colours[ENTRIES];  // two channels a word
+shared uint full[WORDS];
 
 uint first_of(uint level) {
-    return (4096u - (4096u >> 2u * level)) / 3u;
+    return (4u * BINS - (4u * BINS >> 2u * level)) / 3u;
 }
 
 bool is_full(uint at) {
@@ -66,15 +64,15 @@ uvec4 bin_at(uint level, ivec2 at) {
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint table = gl_WorkGroupID.x * BINS;
-    if (lane < 43u) {
+    if (lane < WORDS) {
         full[lane] = 0u;
     }
     barrier();
     // What this frame shows, and the other.
     uint other = (gl_WorkGroupID.x ^ 1u) * BINS;
-    for (uint bin = lane; bin < BINS; bin += LANES) {
-        uint own = table * 9u + bin;
-        uint at = sums[own] > 0u ? own : other * 9u + bin;
+    for (uint bin = lane; bin < BINS; bin += gl_WorkGroupSize.x) {
+        uint own = table * BIN_FIELDS + bin;
+        uint at = sums[own] > 0u ? own : other * BIN_FIELDS + bin;
         uint count = sums[at];
         if (count > 0u) {
             uvec4 units;
@@ -107,7 +105,7 @@ void main() {
     bool is_empty = !is_full(first_of(LEVELS - 1u));
     for (int level = int(LEVELS) - 2; level >= 0 && !is_empty; --level) {
         uint side = SIDE >> uint(level);
-        for (uint bin = lane; bin < side * side; bin += LANES) {
+        for (uint bin = lane; bin < side * side; bin += gl_WorkGroupSize.x) {
             uint at = first_of(uint(level)) + bin;
             if (!is_full(at)) {
                 ivec2 place = ivec2(bin % side, bin / side);
@@ -120,7 +118,7 @@ void main() {
         }
         barrier();
     }
-    for (uint bin = lane; bin < BINS; bin += LANES) {
-        tables[table + bin] = is_empty ? uvec4(NO_COLOUR) : colour_of(bin);
+    for (uint bin = lane; bin < BINS; bin += gl_WorkGroupSize.x) {
+        tables[table + bin] = is_empty ? uvec4(NONE) : colour_of(bin);
     }
 }

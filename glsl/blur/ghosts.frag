@@ -4,6 +4,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "common/half.glsl"
 #include "params.glsl"
+#include "picture.glsl"
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(binding = 6) uniform utexture2D seen_previous;
 layout(binding = 7) uniform utexture2D seen_next;
@@ -17,9 +18,9 @@ layout(location = 0) out vec4 colour;
 
 // The pixel that sees a place; outside of the picture there is none.
 bool find(vec3 place, out ivec2 at) {
-    vec2 pixel = clamp(place.xy / place.z, vec2(-1.0), vec2(params.image.xy) + 1.0);
+    vec2 pixel = clamp(place.xy / place.z, vec2(-1.0), vec2(params.size) + 1.0);
     at = ivec2(floor(pixel));
-    return place.z > params.lens.x && all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
+    return place.z > params.near && is_in_picture(at);
 }
 
 void main() {

@@ -7,40 +7,35 @@ layout(std430, binding = 2) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 4) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 5) readonly buffer Splines { Piece splines[]; };
-layout(push_constant) uniform GhostConstants {
-    float back;     // frames before
-    float opacity;
-} constants;
+#include "ghosts.glsl"
 layout(location = 0) out vec3 previous;  // where it is in frame i
 layout(location = 1) out vec3 next;      // and in frame i + 1
 layout(location = 2) out float moved;    // k'
 layout(location = 3) flat out uint object;
 #include "curve.glsl"
 #include "position.glsl"
+#include "base.glsl"
 
 vec3 place_of(uint frame, uvec4 base, vec3 shares) {
-    uint first = frame * params.counts.x;
+    uint first = frame * params.points;
     return shares.x * clip[first + base.x].xyz + shares.y * clip[first + base.y].xyz + shares.z * clip[first + base.z].xyz;
 }
 
 void main() {
     uvec4 triangle = finished[uint(gl_VertexIndex) / 3u];
     uint index = triangle[uint(gl_VertexIndex) % 3u];
-    Vertex vertex = vertices[index];
     uvec4 base = triangles[triangle.w & BASE_MASK];
-    vec2 place = vertex.place.y == 0u ? uintBitsToFloat(vertex.place.zw)
-        : vec2(base.y == index ? 1.0 : 0.0, base.z == index ? 1.0 : 0.0);
+    vec2 place = barycentrics_of(index, base);
     vec3 shares = vec3(1.0 - place.x - place.y, place);
     previous = place_of(1u, base, shares);
     next = place_of(2u, base, shares);
-    moved = vertex.drawn.w;
+    moved = vertices[index].drawn_time;
     object = base.w >> OBJECT_SHIFT;
     // What stays where it is leaves no image.
-    bool is_still = max(max(vertices[base.x].place.x, vertices[base.y].place.x), vertices[base.z].place.x) == 0u;
-    if (is_still || (triangle.w & CULLED) != 0u) {
+    if (is_still(base) || (triangle.w & CULLED) != 0u) {
         gl_Position = vec4(0.0, 0.0, 1.0, -1.0);
         return;
     }
     State state = state_at(index, index, 0u, moved - constants.back);
-    gl_Position = position_of(vec4(state.motion.xy * state.depth, state.depth, 0.0));
+    gl_Position = position_of(vec3(state.position * state.depth, state.depth));
 }

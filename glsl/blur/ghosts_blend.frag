@@ -6,16 +6,13 @@
 #include "behind.glsl"
 layout(binding = 6) uniform texture2D ghost;
 layout(binding = 7) uniform texture2D ghost_depth;
-layout(push_constant) uniform GhostConstants {
-    float back;
-    float opacity;
-} constants;
+#include "ghosts.glsl"
 layout(location = 0) out vec4 colour;
 
 void main() {
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
-        ivec2 at = 2 * ivec2(gl_FragCoord.xy) + ivec2(i & 1, i >> 1);
+        ivec2 at = sample_of(ivec2(gl_FragCoord.xy), i);
         if (is_behind(at, texelFetch(ghost_depth, at, 0).x)) {
             sum += 0.25 * texelFetch(ghost, at, 0);
         }

@@ -8,12 +8,11 @@ layout(local_size_x = 256) in;
 #include "sides.glsl"
 #include "hsv.glsl"
 
-const uint LANES = 256u;
-const uint MOST_TURNS = 40000u;  // of the loops of all rounds
-const uint ROUND_TURNS = 5u;     // of a round, and of what a lane does in it with one sample
-const uint SAMPLE_TURNS = 11u;
+const uint MOST_ITERATIONS = 40000u;  // of the loops of all rounds
+const uint ROUND_ITERATIONS = 5u;      // of a round, and of what a lane does in it with one sample
+const uint SAMPLE_ITERATIONS = 11u;
 
-shared uvec3 turn;  // list, its first and its last sample
+shared uvec3 current;  // list, its first and its last sample
 
 // What a frame shows of a sample.
 vec4 side_of(uint index, uint side) {
@@ -24,7 +23,7 @@ vec4 side_of(uint index, uint side) {
 vec4 mean_of(uint index, uint state) {
     vec4 sum = vec4(0.0);
     float count = 0.0;
-    uint side = (state & MASK) == 2u ? 1u : 0u;
+    uint side = (state & MASK) == SHOWN_NEXT ? 1u : 0u;
     for (uint direction = 0u; direction < 4u; ++direction) {
         uint other = neighbour(index, direction);
         if (other == NONE) {
@@ -38,7 +37,7 @@ vec4 mean_of(uint index, uint state) {
         }
     }
     vec4 mean = sum / count;
-    float brightest = max(uintBitsToFloat(completing[BRIGHTEST]), 1.0);
+    float brightest = max(uintBitsToFloat(completing[LARGEST_VALUE]), 1.0);
     return GRADIENT == 1u ? changed(side_of(index, side), mean, brightest) : mean;
 }
 
@@ -59,25 +58,25 @@ void tell(uint index, uint state) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint turns = 0u;
-    for (uint round = 0u; round < MOST_TURNS / ROUND_TURNS; ++round) {
+    uint iterations = 0u;
+    for (uint round = 0u; round < MOST_ITERATIONS / ROUND_ITERATIONS; ++round) {
         if (lane == 0u) {
-            turn = uvec3(NONE, 0u, 0u);
+            current = uvec3(NONE, 0u, 0u);
             uint first = 8u * GRADIENT;
             for (uint i = 0u; i < 4u && completing[OVERFLOWS + GRADIENT] == 0u; ++i) {
                 uint begin = completing[HEADS + first + i];
                 uint end = completing[TAILS + first + i];
-                turn = end > begin ? uvec3(i, begin, end) : turn;
+                current = end > begin ? uvec3(i, begin, end) : current;
             }
         }
         barrier();
-        uvec3 now = turn;
-        turns += ROUND_TURNS + SAMPLE_TURNS * ((now.z - now.y + LANES - 1u) / LANES);
-        if (now.x == NONE || turns > MOST_TURNS) {
+        uvec3 now = current;
+        iterations += ROUND_ITERATIONS + SAMPLE_ITERATIONS * ((now.z - now.y + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x);
+        if (now.x == NONE || iterations > MOST_ITERATIONS) {
             break;
         }
-        uint list_at = now.x * params.completion.w;
-        for (uint i = now.y + lane; i < now.z; i += LANES) {
+        uint list_at = now.x * params.list_room;
+        for (uint i = now.y + lane; i < now.z; i += gl_WorkGroupSize.x) {
             uint index = lists[list_at + i];
             uint state = sample_states[index];
             // What has got more neighbours since stands in another list.
@@ -88,7 +87,7 @@ void main() {
         }
         memoryBarrierBuffer();
         barrier();
-        for (uint i = now.y + lane; i < now.z; i += LANES) {
+        for (uint i = now.y + lane; i < now.z; i += gl_WorkGroupSize.x) {
             uint index = lists[list_at + i];
             uint state = sample_states[index];
             if ((state & (MADE | PENDING)) == (MADE | PENDING)) {
@@ -97,7 +96,7 @@ void main() {
         }
         memoryBarrierBuffer();
         barrier();
-        for (uint i = now.y + lane; i < now.z; i += LANES) {
+        for (uint i = now.y + lane; i < now.z; i += gl_WorkGroupSize.x) {
             uint index = lists[list_at + i];
             uint state = sample_states[index];
             if ((state & (MADE | PENDING)) == (MADE | PENDING)) {

@@ -4,7 +4,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 #include "samples.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 layout(std430, binding = 18) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 19) readonly buffer Normals { vec4 normals[]; };
@@ -31,8 +31,8 @@ void main() {
     uint lane = gl_LocalInvocationIndex;
     Lesson lesson = lesson_of(1u + frame, at);
     uint object = lesson.base.w >> OBJECT_SHIFT;
-    bool is_told = lesson.is_there && object < params.completion.x;
-    uint bin = is_told ? bin_of(normal_at(frame, lesson.place, lesson.base, lesson.shares)) : NO_BIN;
+    bool is_told = lesson.is_there && object < params.tables;
+    uint bin = is_told ? bin_of(normal_at(frame, lesson.place, lesson.base, lesson.shares)) : NONE;
     if (lane < 5u) {
         gathered[lane] = 0u;
     }
@@ -40,11 +40,11 @@ void main() {
         usual = uint[2](object, bin);
     }
     barrier();
-    if (bin != NO_BIN) {
+    if (bin != NONE) {
         uvec4 units = quantised(colour_at(1u + frame, at), scale_of_images());
         // Fields of a bin stand so far from one another that neighbouring bins are neighbours: pixels, low words, high
         // words.
-        uint to = table_of(object, frame) * 9u + bin;
+        uint to = table_of(object, frame) * BIN_FIELDS + bin;
         bool is_usual = object == usual[0] && bin == usual[1];
         if (is_usual) {
             atomicAdd(gathered[0], 1u);
@@ -61,7 +61,7 @@ void main() {
     }
     barrier();
     if (lane < 5u && gathered[lane] > 0u) {
-        uint to = table_of(usual[0], frame) * 9u + usual[1] + lane * BINS;
+        uint to = table_of(usual[0], frame) * BIN_FIELDS + usual[1] + lane * BINS;
         if (lane == 0u) {
             atomicAdd(sums[to], gathered[0]);
         } else {

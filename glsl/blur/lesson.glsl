@@ -8,11 +8,7 @@ struct Lesson {
 };
 
 bool is_same(uint frame, ivec2 at, uint object) {
-    if (!is_in_picture(at)) {
-        return true;
-    }
-    uint seen = seen_at(frame, at);
-    return seen > 0u && triangles[seen - 1u].w >> OBJECT_SHIFT == object;
+    return !is_in_picture(at) || is_seen(frame, at, object);
 }
 
 // `frame`: 1 or 2, of frames i and i + 1.

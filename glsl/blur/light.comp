@@ -5,16 +5,13 @@
 #include "params.glsl"
 #include "samples.glsl"
 #include "tones.glsl"
-layout(local_size_x = 64) in;
-const uint LANES = 64u;  // few: there are many groups, which often wait for their lanes
+layout(local_size_x = 64) in;  // few: there are many groups, which often wait for their lanes
 #include "solve.glsl"
 layout(push_constant) uniform LightConstants {
     uint round;
 } constants;
 
 const float TURN = 2.399963229728653;  // golden angle
-const float AROUND = 0.25;             // distance in which the first round looks for a light that turns
-const float REACH = 0.24;              // distance that each later round halves
 
 shared uint unexplained;
 
@@ -46,17 +43,17 @@ void main() {
     if (round == 0u) {
         bool is_still = index < STILL_STARTS;
         uint turned = index - STILL_STARTS;
-        earlier = is_still ? spread(index, STILL_STARTS) : spread(turned / 8u, (STARTS - STILL_STARTS) / 8u);
-        later = is_still ? earlier : beside(earlier, 1u + turned % 8u, 8u, AROUND);
+        earlier = is_still ? spread(index, STILL_STARTS) : spread(turned / TURNED_STARTS, (STARTS - STILL_STARTS) / TURNED_STARTS);
+        later = is_still ? earlier : beside(earlier, 1u + turned % TURNED_STARTS, TURNED_STARTS, AROUND);
     } else {
         uint best = candidate_at(round - 1u, best_of(round - 1u));
-        uint around = round < 4u ? 8u : 4u;
+        uint directions = round < COARSE_SEARCHES ? COARSE : FINE;
         float distance = REACH / float(1u << round);
-        earlier = beside(lights[best].xyz, index / (around + 1u), around, distance);
-        later = beside(lights[best + 1u].xyz, index % (around + 1u), around, distance);
+        earlier = beside(lights[best].xyz, index / directions, directions - 1u, distance);
+        later = beside(lights[best + 1u].xyz, index % directions, directions - 1u, distance);
     }
-    uint steps = round == 0u ? 24u : 32u;
-    uvec2 range = places(round < 4u);
+    uint steps = round == 0u ? FIRST_STEPS : SEARCH_STEPS;
+    uvec2 range = places(round < COARSE_SEARCHES);
     if (gl_LocalInvocationIndex == 0u) {
         unexplained = 0u;
     }
@@ -65,7 +62,7 @@ void main() {
     gather(range, earlier, later, steps, CLEAR, ALL);
     solve(steps);
     uint sum = 0u;
-    for (uint i = gl_LocalInvocationIndex; i < range.y; i += LANES) {
+    for (uint i = gl_LocalInvocationIndex; i < range.y; i += gl_WorkGroupSize.x) {
         Site site = sites[range.x + i];
         sum += uint(site.change.w) * badness(residual_of(site, steps_at(site, earlier, later, steps)));
     }

@@ -4,11 +4,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 #include "behind.glsl"
-layout(push_constant) uniform LinesConstants {
-    vec4 colour;
-    float length_of;
-    float width;
-} constants;
+#include "lines.glsl"
 layout(location = 0) in float aside;
 layout(location = 1) in float share;
 layout(location = 0) out vec4 drawn;
@@ -16,12 +12,12 @@ layout(location = 0) out vec4 drawn;
 void main() {
     float covered = 0.0;
     for (int i = 0; i < 4; ++i) {
-        covered += is_behind(2 * ivec2(gl_FragCoord.xy) + ivec2(i & 1, i >> 1), gl_FragCoord.z) ? 0.25 : 0.0;
+        covered += is_behind(sample_of(ivec2(gl_FragCoord.xy), i), gl_FragCoord.z) ? 0.25 : 0.0;
     }
     // How much of the pixel is between the line's sides.
     float side = 0.5 * constants.width * (1.0 - share);
     float within = clamp(side - aside + 0.5, 0.0, 1.0) - clamp(-side - aside + 0.5, 0.0, 1.0);
-    float opacity = constants.colour.w * (1.0 - share) * max(within, 0.0) * covered;
+    float opacity = constants.colour.a * (1.0 - share) * max(within, 0.0) * covered;
     drawn = vec4(constants.colour.rgb * opacity, opacity);
     if (opacity == 0.0) {
         discard;

@@ -5,7 +5,7 @@
 #include "params.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Vertices { Vertex vertices[]; };
-layout(std430, binding = 2) buffer Trailing { uvec4 trailing[]; };
+layout(std430, binding = 2) buffer Trailing { Trail trailing[]; };
 layout(push_constant) uniform ChooseConstants {
     uint round;
     uint strips;  // of a cluster
@@ -13,25 +13,25 @@ layout(push_constant) uniform ChooseConstants {
 
 void main() {
     uint point = gl_GlobalInvocationID.x;
-    if (point >= params.counts.x) {
+    if (point >= params.points) {
         return;
     }
     Vertex vertex = vertices[point];
-    uint label = vertex.place.x;
+    uint label = vertex.cluster;
     if (label == 0u) {
         return;
     }
-    uint strip = min(uint(vertex.extent.y * float(constants.strips)), constants.strips - 1u);
+    uint strip = min(uint(vertex.l * float(constants.strips)), constants.strips - 1u);
     uint at = (label - 1u) * constants.strips + strip;
-    uint k = floatBitsToUint(vertex.extent.x);
-    uint l = floatBitsToUint(vertex.extent.y);
+    uint k = floatBitsToUint(vertex.k);
+    uint l = floatBitsToUint(vertex.l);
     if (constants.round == 0u) {
-        atomicMin(trailing[at].x, k);
-    } else if (trailing[at].x == k) {
+        atomicMin(trailing[at].k, k);
+    } else if (trailing[at].k == k) {
         if (constants.round == 1u) {
-            atomicMin(trailing[at].y, l);
-        } else if (trailing[at].y == l) {
-            atomicMin(trailing[at].z, point);
+            atomicMin(trailing[at].l, l);
+        } else if (trailing[at].l == l) {
+            atomicMin(trailing[at].point, point);
         }
     }
 }

@@ -5,8 +5,7 @@
 layout(local_size_x = 256) in;
 #include "faces.glsl"
 
-const uint LANES = 256u;
-const int LANE_BITS = 8;
+const int LANE_BITS = 8;  // of the number of lanes
 const int LOW_BITS = 15;  // of an invocation's sum, that are summed up by themselves
 
 shared uint most;
@@ -15,7 +14,7 @@ shared int sums[9];  // of the higher bits of whole units, of the lower ones, an
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint group = large_groups[gl_WorkGroupID.x];
-    uint frame = frame_of(gl_WorkGroupID.y);
+    uint frame = frame_of_normals(gl_WorkGroupID.y);
     uint begin = group_starts[group];
     uint end = group_starts[group + 1u];
     if (lane < 9u) {
@@ -26,16 +25,16 @@ void main() {
     }
     barrier();
     // Floats that are not negative are in the order of their bits.
-    atomicMax(most, floatBitsToUint(largest(frame, begin + lane, end, LANES)));
+    atomicMax(most, floatBitsToUint(largest(frame, begin + lane, end, gl_WorkGroupSize.x)));
     barrier();
-    uint turns = (end - begin + LANES - 1u) / LANES;
+    uint turns = (end - begin + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
     int bits;
     // A unit's parts are at most half a unit, and all of them are summed up.
     int part_bits = SUM_BITS - LANE_BITS - findMSB(turns);
     if (has_units(uintBitsToFloat(most), turns, bits)) {
         ivec3 whole = ivec3(0);
         ivec3 parts = ivec3(0);
-        for (uint i = begin + lane; i < end; i += LANES) {
+        for (uint i = begin + lane; i < end; i += gl_WorkGroupSize.x) {
             vec3 units = ldexp(face(frame, group_triangles[i]), ivec3(bits));
             vec3 rounded = roundEven(units);
             whole += ivec3(rounded);

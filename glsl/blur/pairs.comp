@@ -6,7 +6,7 @@
 #include "params.glsl"
 #include "samples.glsl"
 #include "tones.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 layout(std430, binding = 18) readonly buffer CornerGroups { uvec4 corner_groups[]; };
 layout(std430, binding = 19) readonly buffer Normals { vec4 normals[]; };
@@ -15,8 +15,6 @@ layout(std430, binding = 21) writeonly buffer Sites { Site sites[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
 #include "tables.glsl"
 #include "lesson.glsl"
-
-const uint MOST_STRIDE = 256u;
 
 int change_of(float from, float to) {
     float logarithm = log(lit(to)) - log(lit(from));
@@ -60,7 +58,7 @@ void main() {
     }
     bool is_clear = sum_of(site.change.xyz) >= CLEAR;
     if (is_clear || ((cell.x & 3u) == 0u && (cell.y & 1u) == 0u)) {
-        site.change.w = is_clear ? 1 : 8;
+        site.change.w = is_clear ? 1 : int(FEW_WEIGHT);
         uint few = atomicAdd(completing[FEW_COUNT], 1u);
         if (few < MOST_FEW) {
             sites[MOST_SITES + few] = site;

@@ -1,5 +1,4 @@
-// What the host tells every blur kernel, and what kernels tell each other. `src/blur/params.rs` has the same structures;
-// build.rs compares offsets and sizes.
+// What the host tells every blur kernel, and what kernels tell each other.
 //
 // Clip coordinates are (X, Y, W): X / W and Y / W are pixels of the picture, y down; W is the view depth in metres.
 #ifndef BLUR_PARAMS
@@ -7,8 +6,11 @@
 
 #extension GL_GOOGLE_include_directive : require
 
+const uint NONE = 0xffffffffu;      // the number of nothing
+const uint TILE = 8u;              // pixels along each side of a tile, and of workgroups over pixels
 const uint BLOCK = 128u;           // triangles of a workgroup of the refinement
-const uint ROUNDS = 16u;           // rounds of it
+const uint ROUNDS = 16u;           // rounds of it, at most
+const uint USUAL_ROUNDS = 11u;     // after these, each round's tolerance is twice the one's before
 const float UNIT = 262144.0;        // 1 - k' is a multiple of 2^-18 while it is smoothed
 const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
@@ -18,50 +20,92 @@ const uint TURNED = 2u;            // its outside is where its corners follow ea
 const uint FRONT_MASK = 7u;        // all of these
 const uint OBJECT_SHIFT = 3u;      // its object is above them
 const uint CULLED = 1u << 26u;     // never seen, because the object is closed
-const uint BETWEEN = 0xffffffffu;  // the cluster of what is between clusters
+// The cluster of a vertex between two clusters, or between such and others: k, l and k' are the mean of its parents', so
+// that k' is continuous. (If it belonged to one of the two, k' would jump beside the other's vertices, and what crosses the
+// jump would be split to the last round: hundreds of triangles for each one at a seam.)
+const uint BETWEEN = 0xffffffffu;
+const uint ENDED_BY_BUDGET = 1u;   // why the refinement ended with triangles that would have gone on
+const uint ENDED_BY_ROUNDS = 2u;
+const float LEAST_EDGE = 0.25;     // length in pixels below which an edge is not divided
+const float LEAST_SURFACE = 1.0 / 64.0; // length in pixels at the reference time: less of the surface is not divided
+const uint FRONT_BITS = 4u;        // of a triangle: FRONT_MASK, and one that is unused
+const uint FRONTS_A_WORD = 32u / FRONT_BITS;
+const uint MOST_SEGMENTS = 32u;    // of a trajectory
+const uint PIECE_SEGMENTS = 12u;   // of one that is made of poses
+const uint MOST_TONES = 256u;      // of a frame that is drawn
+const uint LINE_PARTS = 16u;       // of a speed line
+const uint LINE_VERTICES = 6u * LINE_PARTS; // two triangles a part
 
 // A frame's camera: rows that make X, Y and W of a point, and the eye, each as a sum of two floats.
 struct View {
-    vec4 across;      // w: unused
-    vec4 down;
-    vec4 along;
+    vec4 across;      // row of X; w of all: unused
+    vec4 down;        // row of Y
+    vec4 along;       // row of W
     vec4 across_low;
     vec4 down_low;
     vec4 along_low;
-    vec4 eye;
+    vec4 eye;         // metres
     vec4 eye_low;
-    uvec4 slot;       // where the frame's pose is; the rest is unused
+};
+
+// When a segment of the trajectories begins and ends, in frames after frame i.
+struct SegmentTimes {
+    float begin;
+    float end;
+    uvec2 unused;  // elements of arrays in uniform blocks are 16 bytes apart
 };
 
 layout(binding = 0) uniform BlurParams {
-    View views[4];      // frames i - 1, i, i + 1, i + 2
-    uvec4 image;        // width, height, seed, generation of the teeth
-    uvec4 counts;       // points, triangles, knots, points at seams
-    uvec4 pieces;       // segments, those of them that begin at 0 or later, vertices that there is room for, triangles that there may be
-    vec4 model;         // strength, reference time, tolerance and longest edge in pixels
-    vec4 lens;          // near plane in metres, least length of an edge in pixels, how far apart products on a hull may be that rounding could have swapped; unused
-    uvec4 modes;        // 1 if frames are drawn, and so lie over the background; 1 if what is outside the picture is not refined; 1 if all tiles are worked on; unused
-    vec4 background;    // colour where no frame shows anything but the mesh, if there is no image of it
-    vec4 segments[32];  // begin and end of each segment in frames after frame i; unused
-    uvec4 completion;   // objects that there are tables for, whether there are images of frames i - 1 (1) and i + 2 (2), and of the background (4), bits of the skirt in pixels, room in each list of samples
+    View views[4];             // frames i - 1, i, i + 1, i + 2
+    uvec4 pose_places;         // where their poses are among those on the device
+    vec4 background;           // colour where no frame shows anything but the mesh, if there is no image of it
+    SegmentTimes segments[MOST_SEGMENTS];
+    uvec2 size;                // of the picture, in pixels
+    uvec2 tiles;               // of the picture, across and down
+    uint seed;
+    uint generation;           // of the teeth
+    uint points;               // of the mesh
+    uint triangles;            // of the mesh
+    uint knots;                // frames that trajectories go through
+    uint seam_points;          // points whose k' is smoothed
+    uint segment_count;
+    uint segments_ahead;       // segments that begin at 0 or later: they come first
+    uint vertex_room;          // vertices that there is room for, in each segment of the splines
+    uint triangle_budget;      // triangles that refinement may make
+    uint list_room;            // samples that there is room for in each list of completion
+    uint tables;               // objects that there are tables of colours for
+    float strength;            // how far the smear reaches back, in frames
+    float reference_time;      // frames after frame i
+    float tolerance;           // pixels
+    float edge;                // the longest one with `refine = "length"`, in pixels
+    float near;                // near plane in metres
+    float skirt;               // pixels
+    float hull_margin;         // how far apart products on a hull may be that rounding could have swapped
+    uint outer_images;         // bits: 1: there is an image of frame i - 1, 2: of frame i + 2
+    uint has_background_image; // what is behind everything is an image
+    uint is_drawn;             // frames are drawn by this effect, and so lie over the background
+    uint is_clipped;           // what is outside of the picture is not refined
+    uint is_whole;             // all tiles are worked on
 } params;
 
 // A knot of the trajectories: a frame of the window.
 struct Knot {
-    vec4 across;      // row of X; w: what the camera's way from frame i's adds to it
+    vec4 across;           // row of X; w: what the camera's way from frame i's adds to it
     vec4 down;
     vec4 along;
-    vec4 across_low;  // what these lost in rounding
+    vec4 across_low;       // what these lost in rounding
     vec4 down_low;
     vec4 along_low;
-    vec4 across_turn; // the row less frame i's; w: unused
+    vec4 across_turn;      // the row less frame i's; w: unused
     vec4 down_turn;
     vec4 along_turn;
     vec4 across_turn_low;
     vec4 down_turn_low;
     vec4 along_turn_low;
-    uvec4 slot;       // where its pose is; 1 if its camera is not frame i's; the rest is unused
-    vec4 weights[12]; // share of its offset in each row of the pieces, four a segment
+    vec4 weights[PIECE_SEGMENTS]; // share of its offset in each row of the pieces, four a segment
+    uint pose_place;       // where its pose is among those on the device
+    uint has_other_camera; // its camera is not frame i's
+    uvec2 unused;
 };
 
 // Points that are smeared as one.
@@ -83,25 +127,60 @@ struct Piece {
     vec4 bend_end;    // M1
 };
 
+// A point of the mesh at the reference time.
+struct PointMotion {
+    vec2 position;  // pixels
+    vec2 velocity;  // pixels a frame
+};
+
 // A vertex of the refined mesh. The mesh's own points come first.
 struct Vertex {
-    vec4 motion;      // x, y in pixels and velocity in pixels a frame, at the reference time
-    vec4 extent;      // k, l, what smoothing adds to k', k'
-    vec4 drawn;       // x and y in pixels and view depth where it is drawn, k'
-    uvec4 place;      // cluster from 1, 0: unmoved, BETWEEN; 1 if it is of the mesh; barycentric coordinates in its base triangle, of the second and the third corner, as bits
+    vec2 position;     // pixels, at the reference time
+    vec2 velocity;     // pixels a frame, there
+    float k;           // how far front it is in its cluster, 0 (rear) to 1
+    float l;           // how far across it is, 0 to 1
+    float smoothing;   // what smoothing adds to k'
+    float time;        // k': when it is drawn, in frames after frame i
+    vec2 drawn;        // where it is drawn, in pixels
+    float drawn_depth; // view depth there, in metres
+    float drawn_time;  // `time`, beside what is read with it
+    uint cluster;      // from 1; 0: it stays where it is; or BETWEEN
+    uint is_point;     // it is of the mesh
+    vec2 barycentrics; // in its base triangle, of the second and the third corner, if it is not
 };
 
 // A round of the refinement.
 struct Round {
-    uvec4 groups;     // dispatch over its triangles; w: their number
-    uvec4 scan;       // dispatch of the scan; w: 1 if it divides nothing
-    uvec4 made;       // finished triangles before it, vertices before it, unused
+    uvec4 groups;          // dispatch over its triangles; w: unused
+    uvec4 scan;            // dispatch of the scan; w: unused
+    uint triangles;
+    uint is_last;          // it divides nothing
+    uint finished_before;  // finished triangles before it
+    uint vertices_before;  // vertices before it
 };
 
 // What the device decides during a frame.
 struct Control {
-    uvec4 draw;       // draw of the finished triangles
-    uvec4 refined;    // triangles, vertices; 1 if the budget, 2 if the rounds ended the refinement; triangles that would have gone on
+    uvec4 draw;      // draw of the finished triangles
+    uint triangles;  // finished ones
+    uint vertices;
+    uint ended_by;   // 0: nothing was left to divide, ENDED_BY_BUDGET, ENDED_BY_ROUNDS
+    uint undivided;  // triangles that would have gone on
+};
+
+// The rearmost point of a strip of a cluster, from which a speed line trails: all bits are set while there is none.
+struct Trail {
+    uint k;      // bits of its k,
+    uint l;      // of its l,
+    uint point;
+    uint unused;
+};
+
+// What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
+struct Covering {
+    uvec2 colour;  // premultiplied by the share that is covered, and that share, as halves
+    float depth;   // view depth of what of the mesh is nearest; another part of it may be behind that
+    float behind;  // view depth behind which all of the pixel is covered; where it is not: depth of what was there
 };
 
 #endif

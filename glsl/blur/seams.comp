@@ -14,12 +14,12 @@ layout(push_constant) uniform SeamConstants {
 
 void main() {
     uint row = gl_GlobalInvocationID.x;
-    if (row >= params.counts.w) {
+    if (row >= params.seam_points) {
         return;
     }
     uint point = seams[row];
-    uint from = constants.from * params.counts.x;
-    uint to = params.counts.x - from;
+    uint from = constants.from * params.points;
+    uint to = params.points - from;
     if (labels[point] == 0u) {
         return;
     }

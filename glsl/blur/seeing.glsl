@@ -21,11 +21,6 @@ layout(std430, binding = 15) readonly buffer Tiles { uint tiles[]; };
 const float SAME_DEPTH = 0.003;   // share of its depth by which a surface may be off and still be the same
 const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
 
-// What a pixel is, of frame f shifted by f.
-const uint MOVING = 1u;      // it sees what moves
-const uint OUTLINE = 16u;    // it may show the outline of what is before it
-const uint COVERED = 256u;   // it may show the outline of what moves
-
 #include "edges.glsl"
 
 uint seen_at(uint frame, ivec2 at) {
@@ -46,7 +41,7 @@ float depth_at(uint frame, ivec2 at) {
         case 2u: depth = texelFetch(depth_next, at, 0).x; break;
         default: depth = texelFetch(depth_after, at, 0).x; break;
     }
-    return depth > 0.0 ? params.lens.x / depth : INFINITY;
+    return depth > 0.0 ? params.near / depth : INFINITY;
 }
 
 vec4 colour_at(uint frame, ivec2 at) {
@@ -58,16 +53,12 @@ vec4 colour_at(uint frame, ivec2 at) {
     }
 }
 
-bool is_in_picture(ivec2 at) {
-    return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
-}
-
 uint cover_at(ivec2 at) {
     return tiles[cover_of(at)];
 }
 
 vec3 corner_of(uint frame, uint point) {
-    return clip[frame * params.counts.x + point].xyz;
+    return clip[frame * params.points + point].xyz;
 }
 
 bool is_seen(uint frame, ivec2 at, uint object) {
@@ -101,11 +92,11 @@ void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float we
     vec3 own = shares.x * a + shares.y * b + shares.z * c;
     colour = vec4(0.0);
     weight = 0.0;
-    if (!(own.z >= params.lens.x)) {
+    if (!(own.z >= params.near)) {
         return;
     }
     // A place far outside of the picture has no taps, and no whole numbers either.
-    vec2 at = clamp(own.xy / own.z - 0.5, vec2(-2.0), vec2(params.image.xy) + 1.0);
+    vec2 at = clamp(own.xy / own.z - 0.5, vec2(-2.0), vec2(params.size) + 1.0);
     ivec2 corner = ivec2(floor(at));
     vec2 part = at - vec2(corner);
     for (int i = 0; i < 4; ++i) {

@@ -16,16 +16,19 @@ layout(push_constant) uniform SettleConstants {
 
 void main() {
     uint point = gl_GlobalInvocationID.x;
-    if (point >= params.counts.x) {
+    if (point >= params.points) {
         return;
     }
-    float moved = vertices[point].extent.w;
-    int change = int(whole_of(moved)) - int(smooth_values[constants.from * params.counts.x + point]);
+    float moved = vertices[point].time;
+    int change = int(whole_of(moved)) - int(smooth_values[constants.from * params.points + point]);
     precise float added = float(change) * (1.0 / UNIT);
-    if (vertices[point].place.x > 0u) {
+    if (vertices[point].cluster > 0u) {
         moved = shifted(moved, added);
     }
     State state = state_at(point, point, 0u, moved);
-    vertices[point].extent.zw = vec2(added, moved);
-    vertices[point].drawn = vec4(state.motion.xy, state.depth, moved);
+    vertices[point].smoothing = added;
+    vertices[point].time = moved;
+    vertices[point].drawn = state.position;
+    vertices[point].drawn_depth = state.depth;
+    vertices[point].drawn_time = moved;
 }

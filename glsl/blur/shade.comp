@@ -6,7 +6,7 @@
 #include "samples.glsl"
 #include "tones.glsl"
 #include "sides.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
 #include "shade.glsl"
@@ -17,26 +17,26 @@ layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]
 vec4 typical(Fragment fragment, uint frame) {
     uint object = fragment.base.w >> OBJECT_SHIFT;
     uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.shares));
-    if (object >= params.completion.x || bin == NO_BIN) {
+    if (object >= params.tables || bin == NONE) {
         return vec4(-1.0);
     }
     uvec4 units = tables[table_of(object, frame) + bin];
-    return units.x == NO_COLOUR ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
+    return units.x == NONE ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
 }
 
 // Whether tones explain how colours change: of all at least a quarter, and of an object what it must.
 bool is_explained(uint object) {
     uint own = OBJECTS + 2u * object;
-    bool is_own = object >= params.completion.x || completing[own] <= completing[own + 1u];
+    bool is_own = object >= params.tables || completing[own] <= completing[own + 1u];
     return is_own && 4u * completing[UNEXPLAINED] <= 3u * completing[UNEXPLAINED + 1u];
 }
 
 // The logarithm of the tone at a normal. Between neighbours that differ little it changes evenly, between others at once.
 vec3 tone_at(uint place, uint frame, vec3 normal) {
     vec3 light = uintBitsToFloat(tables[row_of_light(place, frame)].xyz);
-    uint nearest = step_of(light, normal, STEPS);
-    float beside = (dot(light, normal) * 0.5 + 0.5) * float(STEPS) - (float(nearest) + 0.5);
-    uint next = uint(clamp(int(nearest) + (beside < 0.0 ? -1 : 1), 0, int(STEPS) - 1));
+    uint nearest = step_of(light, normal, TONE_STEPS);
+    float beside = (dot(light, normal) * 0.5 + 0.5) * float(TONE_STEPS) - (float(nearest) + 0.5);
+    uint next = uint(clamp(int(nearest) + (beside < 0.0 ? -1 : 1), 0, int(TONE_STEPS) - 1));
     ivec3 own = ivec3(tables[row_of_tone(place, nearest)].xyz);
     ivec3 way = ivec3(tables[row_of_tone(place, next)].xyz) - own;
     bool is_even = abs(way.x) + abs(way.y) + abs(way.z) < EVEN;
@@ -48,17 +48,17 @@ vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     uint object = fragment.base.w >> OBJECT_SHIFT;
     vec3 hidden = unit(normal_at(frame, fragment.place, fragment.base, fragment.shares));
     vec3 shown = unit(normal_at(1u - frame, fragment.place, fragment.base, fragment.shares));
-    if (params.completion.x == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(object)) {
+    if (params.tables == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(object)) {
         return vec4(-1.0);
     }
-    uint place = object < params.completion.x ? 1u + object : 0u;
+    uint place = object < params.tables ? 1u + object : 0u;
     vec3 change = (tone_at(place, frame, hidden) - tone_at(place, 1u - frame, shown)) / LOGARITHM;
     vec3 colour = (max(known.xyz, vec3(0.0)) + LEAST_COLOUR) * exp(change) - LEAST_COLOUR;
     return vec4(clamp(colour, vec3(0.0), max(vec3(scale_of_images()), known.xyz)), known.w);
 }
 
 void keep(uint index, Sides sides) {
-    if (COMPLETION == 2u) {
+    if (COMPLETION == FROM_GRADIENT) {
         sample_sides[index] = uvec4(packed(sides.colours[0]), packed(sides.colours[1]));
     }
 }

@@ -7,7 +7,9 @@ layout(std430, binding = 22) buffer Completing { uint completing[]; };
 layout(std430, binding = 23) writeonly buffer SampleColours { vec4 sample_colours[]; };
 layout(std430, binding = 24) writeonly buffer SampleStates { uint sample_states[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
-layout(constant_id = 1) const uint COMPLETION = 0;  // 0: none, 1: from the surface, 2: from the gradient
+layout(constant_id = 1) const uint COMPLETION = 0;  // 0: none, or one of these
+const uint FROM_SURFACE = 1u;
+const uint FROM_GRADIENT = 2u;
 #include "tables.glsl"
 
 // Whether a sample of the workgroup is to be made from its neighbours': where neither frame shows it, or one.
@@ -15,7 +17,7 @@ shared uint pending[2];
 
 struct Sides {
     vec4 colours[2];  // of frames i and i + 1, or i - 1 and i + 2
-    uint known;       // which of them are known: 1 and 2
+    uint known;       // which of them are known: SHOWN_PREVIOUS and SHOWN_NEXT
 };
 
 Sides sides_of(Fragment fragment, uvec2 frames, uint wanted) {
@@ -43,29 +45,29 @@ void keep(uint index, Sides sides);
 vec4 mixed(Sides sides, float moved) {
     float later = clamp(moved, 0.0, 1.0);
     vec4 both = (1.0 - later) * sides.colours[0] + later * sides.colours[1];
-    return sides.known == 3u ? both : sides.colours[sides.known >> 1];
+    return sides.known == SHOWN_BOTH ? both : sides.colours[sides.known >> 1];
 }
 
 // Colour and state of a sample.
 vec4 shade(Fragment fragment, uint index, out uint state) {
-    Sides sides = sides_of(fragment, uvec2(1u, 2u), 3u);
+    Sides sides = sides_of(fragment, uvec2(1u, 2u), SHOWN_BOTH);
     uint mask = sides.known;
     keep(index, sides);
     state = mask | KNOWN;
     if (mask == 0u) {
-        sides = sides_of(fragment, uvec2(0u, 3u), params.completion.y);
+        sides = sides_of(fragment, uvec2(0u, 3u), params.outer_images);
     }
-    if (sides.known == 0u && COMPLETION == 1u) {
+    if (sides.known == 0u && COMPLETION == FROM_SURFACE) {
         for (uint frame = 0u; frame < 2u; ++frame) {
             sides.colours[frame] = typical(fragment, frame);
             sides.known |= sides.colours[frame].w >= 0.0 ? 1u << frame : 0u;
         }
-    } else if ((mask == 1u || mask == 2u) && COMPLETION != 0u && !is_still(fragment.base)) {
-        state = COMPLETION == 2u ? mask | PENDING : state;
-        if (COMPLETION == 1u) {
+    } else if ((mask == SHOWN_PREVIOUS || mask == SHOWN_NEXT) && COMPLETION != 0u && !is_still(fragment.base)) {
+        state = COMPLETION == FROM_GRADIENT ? mask | PENDING : state;
+        if (COMPLETION == FROM_SURFACE) {
             vec4 other = predicted(fragment, 2u - mask, sides.colours[mask - 1u]);
             sides.colours[2u - mask] = other;
-            sides.known = other.w >= 0.0 ? 3u : mask;
+            sides.known = other.w >= 0.0 ? SHOWN_BOTH : mask;
         }
     }
     state = sides.known == 0u ? PENDING : state;
@@ -73,18 +75,18 @@ vec4 shade(Fragment fragment, uint index, out uint state) {
 }
 
 void main() {
-    uvec2 part = 8u * uvec2(gl_WorkGroupID.z & 1u, gl_WorkGroupID.z >> 1);
+    uvec2 part = TILE * uvec2(gl_WorkGroupID.z & 1u, gl_WorkGroupID.z >> 1);
     ivec2 at = ivec2(2u * tile_origin(gl_WorkGroupID) + part + gl_LocalInvocationID.xy);
-    uvec2 size = 2u * params.image.xy;
+    uvec2 size = 2u * params.size;
     bool is_inside = all(lessThan(at, ivec2(size)));
     if (gl_LocalInvocationIndex < 2u) {
         pending[gl_LocalInvocationIndex] = 0u;
     }
     barrier();
     uint name = is_inside ? texelFetch(sampled, at, 0).x : 0u;
-    uint state = 4u;
+    uint state = NOTHING_SEEN;
     vec4 colour = vec4(0.0);
-    uint index = uint(at.y) * size.x + uint(at.x);
+    uint index = index_of_sample(at);
     if (name > 0u) {
         Fragment fragment = fragment_at(name, 0.5 * (vec2(at) + 0.5));
         colour = shade(fragment, index, state);
@@ -99,6 +101,6 @@ void main() {
     }
     barrier();
     if (gl_LocalInvocationIndex < 2u && pending[gl_LocalInvocationIndex] > 0u) {
-        atomicMax(completing[BEGIN_ARGUMENTS + 4u * gl_LocalInvocationIndex], (size.x + 7u) / 8u);
+        atomicMax(completing[BORDER_DISPATCHES + 4u * gl_LocalInvocationIndex], (size.x + TILE - 1u) / TILE);
     }
 }

@@ -5,15 +5,13 @@
 #include "params.glsl"
 #include "samples.glsl"
 #include "toon.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
 #include "shade.glsl"
 layout(std430, binding = 26) readonly buffer Poses { float poses[]; };
 #include "unit.glsl"
 #include "toon_tone.glsl"
-
-const float LEAST_COLOUR = 0.01;  // added to colours: what is black changes by no factor
 
 vec4 typical(Fragment fragment, uint frame) {
     uvec4 groups = corner_groups[fragment.place];

@@ -3,7 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+#include "samples.glsl"
+layout(local_size_x = TILE, local_size_y = TILE) in;
 #include "seeing.glsl"
 #include "fragment.glsl"
 layout(binding = 18) uniform utexture2D distorted;
@@ -17,10 +18,10 @@ void main() {
     if (!is_in_picture(at)) {
         return;
     }
-    uint index = uint(at.y) * params.image.x + uint(at.x);
+    uint index = index_of(at);
     uint name = texelFetch(distorted, at, 0).x;
     vec4 colours[2] = vec4[2](vec4(0.0), vec4(0.0));
-    uint mask = 4u;
+    uint mask = NOTHING_SEEN;
     float moved = 1.0;
     if (name > 0u) {
         Fragment fragment = fragment_at(name, vec2(at) + 0.5);
@@ -32,8 +33,8 @@ void main() {
             mask |= weight > LEAST_WEIGHT ? 1u << side : 0u;
         }
     }
-    previous_layer[index] = (mask & 1u) != 0u ? colours[0] : vec4(0.0);
-    next_layer[index] = (mask & 2u) != 0u ? colours[1] : vec4(0.0);
+    previous_layer[index] = (mask & SHOWN_PREVIOUS) != 0u ? colours[0] : vec4(0.0);
+    next_layer[index] = (mask & SHOWN_NEXT) != 0u ? colours[1] : vec4(0.0);
     subframe_layer[index] = moved;
     mask_layer[index] = mask;
 }

@@ -1,17 +1,16 @@
-// Tones that explain best how colours change between two frames: a workgroup of LANES solves its normal equations.
+// Tones that explain best how colours change between two frames: a workgroup solves its normal equations.
 layout(std430, binding = 1) readonly buffer Sites { Site sites[]; };
 layout(std430, binding = 2) buffer Lights { vec4 lights[]; };
 layout(std430, binding = 3) buffer Completing { uint completing[]; };
 
-const uint ALL = 0xffffffffu;
-const uint WHOLE = 16u;  // weight of a place; also of neighbouring steps having one tone
+const uint ALL = NONE;  // of the objects
 
 // The equations' matrix and right sides, whole numbers at first, then the bits of others.
-shared int cells[STEPS * STEPS];
-shared int rights[3u * STEPS];
-shared int tones[3u * STEPS];
+shared int cells[TONE_STEPS * TONE_STEPS];
+shared int rights[3u * TONE_STEPS];
+shared int tones[3u * TONE_STEPS];
 // Tones of all, from which an object's depart by `tones`; 0 while these are not known.
-shared int common_tones[3u * STEPS];
+shared int common_tones[3u * TONE_STEPS];
 
 // Where places begin, and how many there are. None, if there was no room for all of them.
 uvec2 places(bool are_few) {
@@ -30,7 +29,7 @@ int change_of(Site site, uvec2 at, uint channel) {
 }
 
 void begin_solving() {
-    for (uint i = gl_LocalInvocationIndex; i < 3u * STEPS; i += LANES) {
+    for (uint i = gl_LocalInvocationIndex; i < 3u * TONE_STEPS; i += gl_WorkGroupSize.x) {
         common_tones[i] = 0;
     }
     barrier();
@@ -47,14 +46,14 @@ uint residual_of(Site site, uvec2 at) {
 // Sums up the equations, of all places or of those of an object. A place counts less where the tones leave more than `scale` unexplained; 0: all count alike.
 void gather(uvec2 range, vec3 earlier, vec3 later, uint steps, uint scale, uint object) {
     uint lane = gl_LocalInvocationIndex;
-    for (uint i = lane; i < steps * steps; i += LANES) {
+    for (uint i = lane; i < steps * steps; i += gl_WorkGroupSize.x) {
         cells[i] = 0;
     }
-    for (uint i = lane; i < 3u * steps; i += LANES) {
+    for (uint i = lane; i < 3u * steps; i += gl_WorkGroupSize.x) {
         rights[i] = 0;
     }
     barrier();
-    for (uint i = lane; i < range.y; i += LANES) {
+    for (uint i = lane; i < range.y; i += gl_WorkGroupSize.x) {
         Site site = sites[range.x + i];
         uvec2 at = steps_at(site, earlier, later, steps);
         if (at.x == at.y || (object != ALL && uint(site.normals[0].w) != object)) {
@@ -78,7 +77,7 @@ void gather(uvec2 range, vec3 earlier, vec3 later, uint steps, uint scale, uint 
 // Solves them: neighbouring steps tend to have one tone, and tones tend to 0, so that there is always a solution.
 void solve(uint steps) {
     uint lane = gl_LocalInvocationIndex;
-    for (uint i = lane; i < steps * steps; i += LANES) {
+    for (uint i = lane; i < steps * steps; i += gl_WorkGroupSize.x) {
         uint row = i / steps;
         uint column = i % steps;
         if (row < column) {
@@ -96,10 +95,10 @@ void solve(uint steps) {
         cells[lane * steps + lane] = sum;
     }
     barrier();
-    for (uint i = lane; i < steps * steps; i += LANES) {
+    for (uint i = lane; i < steps * steps; i += gl_WorkGroupSize.x) {
         cells[i] = floatBitsToInt(float(cells[i]));
     }
-    for (uint i = lane; i < 3u * steps; i += LANES) {
+    for (uint i = lane; i < 3u * steps; i += gl_WorkGroupSize.x) {
         rights[i] = floatBitsToInt(float(rights[i]));
     }
     barrier();
@@ -107,7 +106,7 @@ void solve(uint steps) {
         float diagonal = intBitsToFloat(cells[pivot * steps + pivot]);
         uint side = steps - 1u - pivot;
         // Of each row below: the columns beyond, and three right sides.
-        for (uint i = lane; i < side * (side + 3u); i += LANES) {
+        for (uint i = lane; i < side * (side + 3u); i += gl_WorkGroupSize.x) {
             uint row = pivot + 1u + i / (side + 3u);
             uint column = i % (side + 3u);
             float factor = intBitsToFloat(cells[row * steps + pivot]) / diagonal;
@@ -126,7 +125,7 @@ void solve(uint steps) {
     for (uint left = steps; left > 0u; --left) {
         uint pivot = left - 1u;
         float diagonal = intBitsToFloat(cells[pivot * steps + pivot]);
-        for (uint i = lane; i < 3u * pivot; i += LANES) {
+        for (uint i = lane; i < 3u * pivot; i += gl_WorkGroupSize.x) {
             float solved = intBitsToFloat(rights[3u * pivot + i % 3u]) / diagonal;
             float factor = intBitsToFloat(cells[i / 3u * steps + pivot]);
             rights[i] = floatBitsToInt(intBitsToFloat(rights[i]) - factor * solved);
@@ -141,7 +140,7 @@ void solve(uint steps) {
 // Candidates of a round of the search, and where they stand: earlier and later direction; bits of what they leave
 // unexplained in the first's w.
 uint candidates_of(uint round) {
-    return round == 0u ? STARTS : round < 4u ? 81u : 25u;
+    return round == 0u ? STARTS : round < COARSE_SEARCHES ? COARSE * COARSE : FINE * FINE;
 }
 
 uint candidate_at(uint round, uint index) {
@@ -154,15 +153,15 @@ shared uint least[2];
 uint best_of(uint round) {
     uint lane = gl_LocalInvocationIndex;
     if (lane < 2u) {
-        least[lane] = 0xffffffffu;
+        least[lane] = NONE;
     }
     barrier();
     uint count = candidates_of(round);
-    for (uint i = lane; i < count; i += LANES) {
+    for (uint i = lane; i < count; i += gl_WorkGroupSize.x) {
         atomicMin(least[0], floatBitsToUint(lights[candidate_at(round, i)].w));
     }
     barrier();
-    for (uint i = lane; i < count; i += LANES) {
+    for (uint i = lane; i < count; i += gl_WorkGroupSize.x) {
         if (floatBitsToUint(lights[candidate_at(round, i)].w) == least[0]) {
             atomicMin(least[1], i);
         }

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(binding = 1) uniform texture2D sampled_depth;
 layout(binding = 2) uniform texture2D frame_next;
 layout(std430, binding = 3) writeonly buffer Picture { vec4 picture[]; };
@@ -26,18 +26,18 @@ bool is_beside(ivec2 pixel) {
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(pixel, ivec2(params.image.xy)))) {
+    if (any(greaterThanEqual(pixel, ivec2(params.size)))) {
         return;
     }
     vec4 seen;
     for (int i = 0; i < 4; ++i) {
-        seen[i] = nearness_at(2 * pixel + ivec2(i & 1, i >> 1));
+        seen[i] = nearness_at(sample_of(pixel, i));
     }
     float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
     float covered = dot(vec4(greaterThan(seen, vec4(0.0))), vec4(0.25));
     float front = dot(vec4(greaterThanEqual(seen, vec4(FRONT * nearest))), vec4(0.25));
     vec4 colour = nearest > 0.0 ? front / covered * part_of_next(pixel, covered) : vec4(0.0);
-    uint index = uint(pixel.y) * params.image.x + uint(pixel.x);
+    uint index = index_of(pixel);
     covers(index, colour, nearest, depth_of(min(min(seen.x, seen.y), min(seen.z, seen.w))));
     if (LAYERS == 1u) {
         picture[index] = over_background(next_at(pixel), pixel);

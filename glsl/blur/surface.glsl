@@ -1,12 +1,8 @@
 // What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
 #include "common/half.glsl"
 #include "common/bits.glsl"
-layout(std430, binding = 26) writeonly buffer Surface {
-    // Colour, premultiplied by the share that is covered, and that share, as halves; view depth; that behind which all of the
-    // pixel is covered. Of what of the mesh is nearest; another part of it may be behind that. Where there is none: depth of
-    // what was there.
-    uvec4 surface[];
-};
+#include "picture.glsl"
+layout(std430, binding = 26) writeonly buffer Surface { Covering surface[]; };
 
 const float FRONT = 0.98;  // share of the nearness of what is nearest that what belongs to it has at least
 
@@ -16,13 +12,12 @@ vec4 next_at(ivec2 pixel);
 float nearness_at(ivec2 at);
 
 float depth_of(float nearness) {
-    return nearness > 0.0 ? params.lens.x / nearness : INFINITY;
+    return nearness > 0.0 ? params.near / nearness : INFINITY;
 }
 
 void covers(uint index, vec4 colour, float nearest, float behind) {
     vec4 kept = clamp(colour, vec4(0.0), vec4(vec3(MOST_HALF), 1.0));
-    surface[index] =
-        uvec4(packHalf2x16(kept.xy), packHalf2x16(kept.zw), floatBitsToUint(depth_of(nearest)), floatBitsToUint(behind));
+    surface[index] = Covering(uvec2(packHalf2x16(kept.xy), packHalf2x16(kept.zw)), depth_of(nearest), behind);
 }
 
 // The mesh's part of a pixel of image i + 1, of which so much is covered: the rest is as beside it.
@@ -32,8 +27,7 @@ vec4 part_of_next(ivec2 pixel, float covered) {
     float count = 0.0;
     for (int i = 0; i < 9; ++i) {
         ivec2 other = pixel + ivec2(i % 3, i / 3) - 1;
-        if (covered < 1.0 && all(greaterThanEqual(other, ivec2(0))) && all(lessThan(other, ivec2(params.image.xy)))
-            && is_beside(other)) {
+        if (covered < 1.0 && is_in_picture(other) && is_beside(other)) {
             beside += next_at(other);
             count += 1.0;
         }
@@ -45,7 +39,7 @@ vec4 part_of_next(ivec2 pixel, float covered) {
 bool is_empty(ivec2 pixel) {
     float nearest = 0.0;
     for (int i = 0; i < 4; ++i) {
-        nearest = max(nearest, nearness_at(2 * pixel + ivec2(i & 1, i >> 1)));
+        nearest = max(nearest, nearness_at(sample_of(pixel, i)));
     }
     return nearest == 0.0;
 }

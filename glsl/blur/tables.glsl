@@ -1,11 +1,6 @@
 // Colours by world normal: what is typical of each object in each of frames i (0) and i + 1 (1).
 #include "common/bits.glsl"
-
-const uint SIDE = 32u;
-const uint BINS = SIDE * SIDE;
-const uint NO_BIN = 0xffffffffu;
-const uint NO_COLOUR = 0xffffffffu;
-const float UNITS = 65536.0;
+#include "bins.glsl"
 
 // Where a table begins.
 uint table_of(uint object, uint frame) {
@@ -16,11 +11,11 @@ float sign_of(float value) {
     return value < 0.0 ? -1.0 : 1.0;
 }
 
-// The bin of a normal of any length in the octahedral map.
+// The bin of a normal of any length in the octahedral map; NONE if it has no direction.
 uint bin_of(vec3 normal) {
     float most = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
     if (!(most > 0.0 && most < INFINITY)) {
-        return NO_BIN;
+        return NONE;
     }
     normal /= most;
     normal /= abs(normal.x) + abs(normal.y) + abs(normal.z);
@@ -53,9 +48,9 @@ vec3 normal_at(uint frame, uint place, uvec4 base, vec3 shares) {
     return is_turned(frame, base) ? -normal : normal;
 }
 
-// The least power of two that no channel of either image is above, 1 to 16.
+// The least power of two that no channel of either image is above, 1 to LARGEST_SCALE.
 float scale_of_images() {
-    float most = min(max(uintBitsToFloat(max(completing[SCALES], completing[SCALES + 1u])), 1.0), 16.0);
+    float most = min(max(uintBitsToFloat(max(completing[SCALES], completing[SCALES + 1u])), 1.0), LARGEST_SCALE);
     float scale = 1.0;
     for (uint i = 0u; i < 4u; ++i) {
         scale = scale < most ? 2.0 * scale : scale;

@@ -1,34 +1,34 @@
-// Tiles of 8 x 8 pixels that are worked on. Words of `tiles`: their number; from word 4 on dispatches over them, four words
-// each; from word 16 on whether each tile of the picture is one; their list; and what each pixel may show.
+// Tiles of the picture that are worked on. Words of `tiles`: their number; dispatches over them, four words each; whether
+// each tile of the picture is one; their list; and what each pixel may show.
+#include "picture.glsl"
 
+const uint TILE_DISPATCHES = 4u;  // where the dispatches begin
+const uint TILE_FLAGS = 16u;      // where the flags begin
 const uint ROW = 64u;        // workgroups of a row of a dispatch over tiles
 const uint DISPATCHES = 3u;  // of one workgroup a tile, of two and of four
 const uint NO_PLACE = 1u << 20;
 
-uint tiles_across() {
-    return (params.image.x + 7u) / 8u;
-}
-
-uint tiles_down() {
-    return (params.image.y + 7u) / 8u;
-}
+// What a pixel may show, of frame f shifted by f.
+const uint MOVING = 1u;     // it sees what moves
+const uint OUTLINE = 16u;   // it may show the outline of what is before it
+const uint COVERED = 256u;  // it may show the outline of what moves
 
 uint flag_of(uint tile) {
-    return 16u + tile;
+    return TILE_FLAGS + tile;
 }
 
 uint place_of(uint place) {
-    return 16u + tiles_across() * tiles_down() + place;
+    return TILE_FLAGS + params.tiles.x * params.tiles.y + place;
 }
 
 uint cover_of(ivec2 pixel) {
-    return 16u + 2u * tiles_across() * tiles_down() + uint(pixel.y) * params.image.x + uint(pixel.x);
+    return TILE_FLAGS + 2u * params.tiles.x * params.tiles.y + index_of(pixel);
 }
 
 // The first pixel of the tile that a workgroup works on; far outside of the picture where there is nothing to do.
 uvec2 tile_origin(uvec3 group) {
     uint place = group.y * ROW + group.x;
     uint tile = place < tiles[0] ? tiles[place_of(place)] : 0u;
-    uvec2 origin = 8u * uvec2(tile % tiles_across(), tile / tiles_across());
+    uvec2 origin = TILE * uvec2(tile % params.tiles.x, tile / params.tiles.x);
     return place < tiles[0] ? origin : uvec2(NO_PLACE);
 }

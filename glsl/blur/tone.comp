@@ -6,16 +6,11 @@
 #include "samples.glsl"
 #include "tones.glsl"
 layout(local_size_x = 256) in;
-const uint LANES = 256u;
 #include "solve.glsl"
 layout(std430, binding = 4) buffer Tables { uvec4 tables[]; };
 layout(push_constant) uniform ToneConstants {
     uint is_own;  // 1: those of objects
 } constants;
-
-const uint FINE = 13u;        // what may be left unexplained of a place that counts wholly
-const uint ALLOWED = 4u;      // that each place of an object may leave unexplained
-const uint REPEATS = 5u;
 
 shared uint judged[3];        // what is left unexplained, what there was, places
 
@@ -33,15 +28,15 @@ void main() {
     if (lane < 3u) {
         judged[lane] = 0u;
     }
-    if (is_own && lane < 3u * STEPS) {
+    if (is_own && lane < 3u * TONE_STEPS) {
         common_tones[lane] = int(tables[row_of_tone(0u, lane / 3u)][lane % 3u]);
     }
     barrier();
     for (uint repeat = 0u; repeat < REPEATS; ++repeat) {
-        gather(range, earlier, later, STEPS, repeat == 0u ? 0u : FINE, object);
-        solve(STEPS);
+        gather(range, earlier, later, TONE_STEPS, repeat == 0u ? 0u : RESIDUAL, object);
+        solve(TONE_STEPS);
     }
-    if (lane < STEPS) {
+    if (lane < TONE_STEPS) {
         ivec3 whole;
         for (uint i = 0u; i < 3u; ++i) {
             whole[i] = tones[3u * lane + i] + common_tones[3u * lane + i];
@@ -56,10 +51,10 @@ void main() {
         return;
     }
     uvec3 all = uvec3(0u);
-    for (uint i = lane; i < range.y; i += LANES) {
+    for (uint i = lane; i < range.y; i += gl_WorkGroupSize.x) {
         Site site = sites[range.x + i];
         if (uint(site.normals[0].w) == object) {
-            uint left = badness(residual_of(site, steps_at(site, earlier, later, STEPS)));
+            uint left = badness(residual_of(site, steps_at(site, earlier, later, TONE_STEPS)));
             all += uvec3(left, badness(sum_of(site.change.xyz)), 1u);
         }
     }

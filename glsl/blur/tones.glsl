@@ -2,18 +2,34 @@
 // what the surface is painted with times a tone, and the tone follows from how far the normal turns to a direction, the
 // light's. Logarithms of colours are whole numbers here, so that sums do not depend on their order.
 
+#include "bins.glsl"
+
 const uint CLEAR = 77u;             // units of a change that is seen, over three channels
-const uint STEPS = 48u;             // of the cosine to the light, from -1 to 1
+const uint TONE_STEPS = 48u;        // of the cosine to the light, from -1 to 1
 const float LOGARITHM = 256.0;      // units of a logarithm
-const float LEAST_COLOUR = 0.01;    // added to colours: what is black has no tone
 const int MOST_CHANGE = 1024;       // of a logarithm
 const int EVEN = 128;               // tones of neighbouring steps that differ by less, over three channels, change evenly
 const uint MOST_SITES = 32768u;     // places
 const uint MOST_FEW = 8192u;        // places that the search begins with, after these
 const uint WANTED_SITES = 16384u;
+const uint MOST_STRIDE = 256u;      // pixels from one place to the next along each axis
+const uint FEW_WEIGHT = 8u;         // places that one stands for of those in every fourth column and second row
 const uint SEARCHES = 6u;           // rounds of the search for the light
 const uint STARTS = 1024u;          // candidates of the first
 const uint STILL_STARTS = 512u;     // of them, those where it stays
+const uint TURNED_STARTS = 8u;      // around each direction, those where it turns
+const float AROUND = 0.25;          // distance of these
+const uint COARSE_SEARCHES = 4u;    // the rounds that look at the few places; the others look at all
+const uint COARSE = 9u;             // directions of each frame that these try after the first: the best, and those around it
+const uint FINE = 5u;               // directions that the others try
+const float REACH = 0.24;           // distance of those around it, which each round halves
+const uint FIRST_STEPS = 24u;       // of the cosine in the first round
+const uint SEARCH_STEPS = 32u;      // in later ones
+const uint WHOLE = 16u;             // weight of a place; also of neighbouring steps having one tone
+const uint RESIDUAL = 13u;          // what the tones that are found may leave of a place that counts wholly
+const uint REPEATS = 5u;            // times that these are solved for
+const uint ALLOWED = 4u;            // badness that each place of an object may leave unexplained
+const uint TONE_ROWS = TONE_STEPS + 2u; // of an object: the light's directions in frames i and i + 1, the tone at each step
 
 // A place that both frames show.
 struct Site {
@@ -21,10 +37,10 @@ struct Site {
     ivec4 change;     // logarithm of the colour in frame i + 1 by that in frame i; how many places it stands for
 };
 
-// What has been found stands behind the tables of colours: of all (place 0), then of each object, 50 rows each: the light's
-// directions in frames i and i + 1, and the logarithm of the tone at each step.
+// What has been found stands behind the tables of colours: of all (place 0), then of each object, TONE_ROWS each, of
+// which those of tones are logarithms.
 uint row_of_light(uint place, uint frame) {
-    return 2u * 1024u * params.completion.x + (STEPS + 2u) * place + frame;
+    return 2u * BINS * params.tables + TONE_ROWS * place + frame;
 }
 
 uint row_of_tone(uint place, uint step) {
@@ -37,6 +53,7 @@ uint step_of(vec3 light, vec3 normal, uint steps) {
 
 #include "unit.glsl"
 #include "common/half.glsl"
+#include "samples.glsl"
 
 // A channel that has a logarithm: what is not a number or below 0 is 0.
 float lit(float channel) {
@@ -49,5 +66,5 @@ uint sum_of(ivec3 change) {
 
 // A departure of logarithms, of little weight where it is small: an error of less than 0.3 hardly shows.
 uint badness(uint residual) {
-    return residual < CLEAR ? residual * residual / 154u : residual - 38u;
+    return residual < CLEAR ? residual * residual / (2u * CLEAR) : residual - CLEAR / 2u;
 }

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
+#include "picture.glsl"
 #include "toon.glsl"
 layout(binding = 1) uniform utexture2D sampled;
 layout(std430, binding = 2) readonly buffer Triangles { uvec4 triangles[]; };
@@ -11,38 +12,29 @@ layout(std430, binding = 4) readonly buffer Poses { float poses[]; };
 layout(std430, binding = 6) readonly buffer Normals { vec4 normals[]; };
 layout(std430, binding = 7) readonly buffer Lines { float lines[]; };
 layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]; };
-layout(push_constant) uniform VisibilityConstants {
-    uint frame;  // 0 to 3: frames i - 1 to i + 2
-} constants;
+#include "frame.glsl"
 layout(constant_id = 0) const uint INKED = 1u;  // 0: no line
 layout(constant_id = 1) const int REACH = 1;    // samples from which a line can reach a sample
 layout(location = 0) out vec4 colour;
 
-float cross2(vec2 a, vec2 b) {
-    return a.x * b.y - a.y * b.x;
-}
-
+#include "edges.glsl"
+#include "normal_order.glsl"
 #include "unit.glsl"
 #include "toon_tone.glsl"
 
 // Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
-    // In the order of i, i + 1, i - 1, i + 2.
-    uint slot = constants.frame == 0u ? 2u : constants.frame == 3u ? 3u : constants.frame - 1u;
-    return unit(normals[slot * toon.counts.y + group].xyz);
+    return unit(normals[place_of_normals(constants.frame) * toon.groups + group].xyz);
 }
 
 vec3 tone_of(uint index, vec2 at) {
     uvec4 triangle = triangles[index];
-    uint first = constants.frame * params.counts.x;
+    uint first = constants.frame * params.points;
     vec3 a = clip[first + triangle.x].xyz;
     vec3 b = clip[first + triangle.y].xyz;
     vec3 c = clip[first + triangle.z].xyz;
     // Not divided by depth, so that corners may be behind the camera.
-    vec2 p = a.xy - at * a.z;
-    vec2 q = b.xy - at * b.z;
-    vec2 r = c.xy - at * c.z;
-    vec3 shares = vec3(cross2(q, r), cross2(r, p), cross2(p, q));
+    vec3 shares = edges_at(a, b, c, at);
     float sum = shares.x + shares.y + shares.z;
     shares = sum != 0.0 ? shares / sum : vec3(1.0 / 3.0);
     uvec4 groups = corner_groups[index];
@@ -56,14 +48,14 @@ vec3 tone_of(uint index, vec2 at) {
 
 // The line, widened: the strongest of the samples near enough, fading over the last sample.
 float line_of(ivec2 at) {
-    ivec2 size = 2 * ivec2(params.image.xy);
+    ivec2 size = 2 * ivec2(params.size);
     ivec2 low = max(at - REACH, ivec2(0));
     ivec2 high = min(at + REACH, size - 1);
     float opacity = 0.0;
     for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
-            float share = clamp(toon.lens.z - length(vec2(ivec2(x, y) - at)), 0.0, 1.0);
-            opacity = max(opacity, share * lines[uint(y * size.x + x)]);
+            float share = clamp(toon.ink_width - length(vec2(ivec2(x, y) - at)), 0.0, 1.0);
+            opacity = max(opacity, share * lines[index_of_sample(ivec2(x, y))]);
         }
     }
     return opacity;
@@ -76,7 +68,7 @@ vec4 sample_at(ivec2 at) {
     }
     vec3 tone = tone_of(name - 1u, 0.5 * (vec2(at) + 0.5));
     float line = INKED != 0u ? line_of(at) : 0.0;
-    return vec4(mix(tone, toon.ink.rgb, line), 1.0);
+    return vec4(mix(tone, toon.ink_colour.rgb, line), 1.0);
 }
 
 void main() {

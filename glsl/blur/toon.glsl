@@ -1,12 +1,16 @@
-// What the host tells the kernels that draw frames without images. `src/blur/params.rs` has the same structure. No uniform
-// block: lavapipe keeps a variant of a shader for each draw whose loops and branches depend on one, and so takes memory
+// What the host tells the kernels that draw frames without images. No uniform block: lavapipe keeps a variant of a shader for each draw whose loops and branches depend on one, and so takes memory
 // with each frame.
 struct ToonParams {
-    vec4 light;         // unit vector to the light, or where it is in metres; w: 1 if it is somewhere
-    vec4 ink;           // linear RGB; w: strength
-    vec4 lens;          // metres that a sample spans at a depth of 1 metre; ambient luminance; width of the ink in samples; unused
-    uvec4 counts;       // tones, normal groups; unused
-    vec4 tones[256];    // linear RGB that the base colour is multiplied by; w: luminance where it begins
+    vec4 light;          // homogeneous: unit vector to it (w = 0), or where it is in metres (w = 1)
+    vec4 ink_colour;     // linear RGB; w: unused
+    float ink_strength;
+    float ink_width;     // samples
+    float sample_extent; // metres that a sample spans at a depth of 1 metre
+    float ambient;       // luminance without the light
+    uint tone_count;
+    uint groups;         // normal groups
+    uvec2 unused;
+    vec4 tones[MOST_TONES]; // linear RGB that the base colour is multiplied by; w: luminance where it begins
 };
 layout(std430, binding = 29) readonly buffer ToonBuffer {
     ToonParams toon;

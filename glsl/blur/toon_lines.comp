@@ -4,8 +4,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
+#include "picture.glsl"
 #include "toon.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(binding = 1) uniform utexture2D sampled;
 layout(binding = 2) uniform texture2D sampled_depth;
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
@@ -13,11 +14,11 @@ layout(std430, binding = 5) writeonly buffer Lines { float lines[]; };
 layout(constant_id = 0) const uint SECOND = 0u;  // 1: second differences
 
 ivec2 inside(ivec2 at) {
-    return clamp(at, ivec2(0), 2 * ivec2(params.image.xy) - 1);
+    return clamp(at, ivec2(0), 2 * ivec2(params.size) - 1);
 }
 
 float depth_at(ivec2 at) {
-    return params.lens.x / texelFetch(sampled_depth, at, 0).x;
+    return params.near / texelFetch(sampled_depth, at, 0).x;
 }
 
 float line_at(ivec2 at) {
@@ -35,18 +36,18 @@ float line_at(ivec2 at) {
         }
         beside[i] = depth_at(there);
     }
-    float per_unit = 1.0 / (8.0 * toon.lens.x * centre);
+    float per_unit = 1.0 / (8.0 * toon.sample_extent * centre);
     float first = SECOND != 0u ? (beside.x - centre) + (beside.y - centre) : beside.x - beside.y;
     float second = SECOND != 0u ? (beside.z - centre) + (beside.w - centre) : beside.z - beside.w;
     first *= per_unit;
     second *= per_unit;
-    return 1.0 - max(0.0, 1.0 - toon.ink.w * (first * first + second * second));
+    return 1.0 - max(0.0, 1.0 - toon.ink_strength * (first * first + second * second));
 }
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(at, 2 * ivec2(params.image.xy)))) {
+    if (any(greaterThanEqual(at, 2 * ivec2(params.size)))) {
         return;
     }
-    lines[uint(at.y) * 2u * params.image.x + uint(at.x)] = line_at(at);
+    lines[index_of_sample(at)] = line_at(at);
 }

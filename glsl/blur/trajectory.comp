@@ -12,10 +12,7 @@ layout(std430, binding = 4) writeonly buffer Splines { Piece splines[]; };
 layout(constant_id = 0) const uint SEGMENTS = 1;
 layout(constant_id = 1) const uint SCREEN = 0;  // 1: of pixels and not of clip coordinates
 
-vec3 pose(uint slot, uint point) {
-    uint at = 3u * (slot * params.counts.x + point);
-    return vec3(poses[at], poses[at + 1u], poses[at + 2u]);
-}
+#include "poses.glsl"
 
 // How far a coordinate is off from frame i's: by the point's own way, and by the camera's. The camera's turn and its way
 // take away most of each other where it goes around something.
@@ -31,26 +28,26 @@ float off_by(vec4 row, vec4 row_low, vec4 turn, vec4 turn_low, vec3 way, vec3 q,
 
 void main() {
     uint point = gl_GlobalInvocationID.x;
-    if (point >= params.counts.x) {
+    if (point >= params.points) {
         return;
     }
-    vec3 at = pose(params.views[1].slot.x, point);
+    vec3 at = pose(params.pose_places[1], point);
     View view = params.views[1];
     vec2 x = two_sum(at.x, -view.eye.x);
     vec2 y = two_sum(at.y, -view.eye.y);
     vec2 z = two_sum(at.z, -view.eye.z);
     vec3 q = vec3(x.x, y.x, z.x);
     vec3 q_low = vec3(x.y, y.y, z.y) - view.eye_low.xyz;
-    vec3 start = clip[params.counts.x + point].xyz;
+    vec3 start = clip[params.points + point].xyz;
     vec2 pixel = start.xy / start.z;
     precise vec3 sums[4u * SEGMENTS];
     for (uint r = 0u; r < 4u * SEGMENTS; ++r) {
         sums[r] = vec3(0.0);
     }
-    for (uint k = 0u; k < params.counts.z; ++k) {
-        vec3 way = pose(knots[k].slot.x, point) - at;
+    for (uint k = 0u; k < params.knots; ++k) {
+        vec3 way = pose(knots[k].pose_place, point) - at;
         Knot knot = knots[k];
-        bool is_other = knot.slot.y != 0u;
+        bool is_other = knot.has_other_camera != 0u;
         precise vec3 off = vec3(
             off_by(knot.across, knot.across_low, knot.across_turn, knot.across_turn_low, way, q, q_low, is_other),
             off_by(knot.down, knot.down_low, knot.down_turn, knot.down_turn_low, way, q, q_low, is_other),
@@ -64,9 +61,9 @@ void main() {
         }
     }
     sums[0] = SCREEN == 1u ? vec3(pixel, start.z) : start;
-    for (uint s = 0u; s < params.pieces.x; ++s) {
+    for (uint s = 0u; s < params.segment_count; ++s) {
         uint row = 4u * s;
-        splines[s * params.pieces.z + point] = Piece(vec4(sums[row], 0.0), vec4(sums[row + 1u], 0.0),
+        splines[s * params.vertex_room + point] = Piece(vec4(sums[row], 0.0), vec4(sums[row + 1u], 0.0),
                                                      vec4(sums[row + 2u], 0.0), vec4(sums[row + 3u], 0.0));
     }
 }

@@ -4,14 +4,12 @@
 #include "params.glsl"
 layout(std430, binding = 1) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 2) readonly buffer Clip { vec4 clip[]; };
-layout(push_constant) uniform VisibilityConstants {
-    uint frame;  // 0 to 3: frames i - 1 to i + 2
-} constants;
+#include "frame.glsl"
 layout(location = 0) flat out uint name;
 #include "position.glsl"
 
 void main() {
     uint index = uint(gl_VertexIndex) / 3u;
     name = index + 1u;
-    gl_Position = position_of(clip[constants.frame * params.counts.x + triangles[index][uint(gl_VertexIndex) % 3u]]);
+    gl_Position = position_of(clip[constants.frame * params.points + triangles[index][uint(gl_VertexIndex) % 3u]].xyz);
 }

@@ -18,7 +18,7 @@ use crate::gpu::recorder::{Recorder, Recording};
 use crate::gpu::resources::Resources;
 use crate::gpu::transfer::{COPIED_FROM, Copy, readback, record_readback, record_zeroes};
 use crate::host::{Host, HostBuffer, HostImage, ImageState};
-use crate::offline::Effect;
+use crate::offline::AnyEffect;
 use crate::plan::{BufferId, Command, Pass, Plan};
 use crate::smoke::Sequence;
 use crate::view::{Camera, Light};
@@ -157,7 +157,7 @@ impl Rig {
         })
     }
 
-    fn made(&self, id: EffectId) -> Option<&dyn Effect> {
+    fn made(&self, id: EffectId) -> Option<&dyn AnyEffect> {
         self.effects[id.0].made.as_ref().map(Made::effect)
     }
 

@@ -4,8 +4,8 @@ use ash::vk;
 
 use crate::blur::layout::TOON;
 use crate::blur::mesh::{Lists, Mesh};
-use crate::blur::motion::{Cluster, FRONTS_A_WORD, Interval, Segment};
-use crate::blur::params::{MOST_KNOTS, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
+use crate::blur::motion::{Cluster, Interval, Segment};
+use crate::blur::params::{FRONTS_A_WORD, MOST_KNOTS, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
 use crate::blur::settings::{Completion, Settings};
 use crate::error::{Error, Result};
 use crate::host::{
@@ -172,7 +172,7 @@ pub struct Knot {
     /// The frame.
     pub view: View,
     /// Share of its distance from frame i in each row of each piece: origin, step, moments; segment by segment.
-    pub weights: [[f32; 4]; PIECE_SEGMENTS],
+    pub weights: [[f32; 4]; PIECE_SEGMENTS as usize],
 }
 
 /// Where trajectories come from.
@@ -381,7 +381,7 @@ impl IntervalInput<'_> {
         holds("the interval's labels", &self.labels, 4 * points)?;
         holds("the interval's clusters", &self.clusters, size_of::<Cluster>() as u64 * u64::from(clusters))?;
         holds("the interval's hulls", &self.hull, 8 * u64::from(hull))?;
-        let words = desc.triangles.div_ceil(FRONTS_A_WORD as u32);
+        let words = desc.triangles.div_ceil(FRONTS_A_WORD);
         holds("the interval's fronts", &self.fronts, 4 * u64::from(words))?;
         if seams > 0 {
             holds("the interval's seams", &self.seams, 4 * u64::from(seams))?;
@@ -400,8 +400,8 @@ impl IntervalInput<'_> {
             Trajectories::Poses(knots) if knots.is_empty() || knots.len() > MOST_KNOTS => {
                 return refuse("the trajectories' knots", format!("{}; 1 to {MOST_KNOTS} expected", knots.len()));
             }
-            Trajectories::Poses(_) => PIECE_SEGMENTS,
-            Trajectories::Pieces(_) => MOST_SEGMENTS,
+            Trajectories::Poses(_) => PIECE_SEGMENTS as usize,
+            Trajectories::Pieces(_) => MOST_SEGMENTS as usize,
         };
         if count == 0 || count > most.min(desc.segments as usize) {
             let why = format!("{count}; 1 to {} expected", most.min(desc.segments as usize));

@@ -3,10 +3,10 @@
 use ash::vk;
 
 use crate::blur::frame::Desc;
-use crate::blur::motion::FRONTS_A_WORD;
 use crate::blur::params::{
-    BLOCK, BlurParams, Cluster, Control, Knot, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, MOST_SITES, Piece, ROUNDS,
-    Round, Site, TONE_STEPS, ToonParams, Vertex,
+    BIN_FIELDS, BINS, BLOCK, BlurParams, Cluster, Control, Covering, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, Knot,
+    MOST_FEW, MOST_KNOTS, MOST_LINES, MOST_SITES, OBJECTS, Piece, PointMotion, ROUNDS, Round, STARTS, Site, TILE,
+    TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS, ToonParams, Trail, Vertex,
 };
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
@@ -14,7 +14,8 @@ use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{Sizes, buffers};
-use crate::plan::{BufferId, ImageId, Resource, Slot};
+use crate::plan::{Binding, BufferId, ImageId, Resource};
+use crate::shaders::blur as glsl;
 
 /// Workgroups that any device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
@@ -75,18 +76,15 @@ buffers! {
 
 /// The most objects that completion learns colours of; places of others have what the frame that shows them has.
 pub const MOST_TABLES: u32 = 256;
-/// Triangles of a normal group that one invocation sums up; of more, a workgroup does (`glsl/blur/faces.glsl`).
-const FEW_TRIANGLES: u32 = 1024;
 /// Words before the flags of tiles: their number, and dispatches over them.
-pub const TILE_WORDS: usize = 16;
-/// Where in [`TILES`] dispatches of one, two and four workgroups a tile stand, in bytes.
-pub const TILE_DISPATCHES: [u64; 3] = [16, 32, 48];
+pub const TILE_WORDS: usize = TILE_FLAGS as usize;
 /// Words before the list of large groups: dispatch over them.
 pub const LARGE_WORDS: usize = 4;
-/// Bins of a table of colours.
-const BINS: u64 = 1024;
 /// Words of what completion works on, before those of each object.
-pub const COMPLETING_WORDS: usize = 64;
+pub const COMPLETING_WORDS: usize = OBJECTS as usize;
+/// Bytes of a table of colours, and of the sums that it is made from.
+const TABLE_BYTES: u64 = 16 * BINS as u64;
+const SUM_BYTES: u64 = 4 * (BIN_FIELDS * BINS) as u64;
 /// The most samples in one of completion's lists. A round of so many would not be within the loop budget: it and what would
 /// come after it are left out, and samples keep the side that is known.
 const MOST_LISTED: u64 = 1 << 21;
@@ -164,9 +162,9 @@ pub const HOST_BACKGROUND: ImageId = ImageId(IMAGES + 6);
 /// Images of the host's.
 pub const HOST_IMAGES: usize = 7;
 
-/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
-pub fn resource(slot: &Slot) -> Option<Resource> {
-    let image = match slot.name {
+/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+pub fn resource(binding: &Binding) -> Option<Resource> {
+    let image = match binding.name {
         "seen_previous" => Some(SEEN[0]),
         "seen_next" => Some(SEEN[1]),
         "distorted" => Some(DISTORTED),
@@ -188,13 +186,24 @@ pub fn resource(slot: &Slot) -> Option<Resource> {
         "background_image" => Some(BACKGROUND),
         _ => None,
     };
-    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    let buffer = BLOCKS.iter().position(|name| *name == binding.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
+}
+
+/// Where in [`TILES`] a dispatch of one, two (1) or four (2) workgroups a tile stands, in words.
+pub fn tile_dispatch(kind: usize) -> usize {
+    debug_assert!(kind < DISPATCHES as usize);
+    TILE_DISPATCHES as usize + 4 * kind
+}
+
+/// The most points that one dispatch can have.
+fn points_dispatched() -> u64 {
+    MOST_GROUPS * u64::from(glsl::project::SHADER.local_size[0])
 }
 
 /// Objects whose colours are learnt.
 fn tables(desc: &Desc, limit: u64) -> u32 {
-    let room = (limit / (2 * 4 * 9 * BINS)).min(MOST_TABLES.into()) as u32;
+    let room = (limit / (2 * SUM_BYTES)).min(MOST_TABLES.into()) as u32;
     if desc.settings.completion == Completion::Surface { desc.objects.min(room) } else { 0 }
 }
 
@@ -223,7 +232,7 @@ impl Layout {
     /// Computes it; fails where a buffer is larger than `limit` bytes, the largest range that a shader can bind.
     pub fn new(desc: &Desc, limit: u64) -> Result<Layout> {
         let vertex = u64::from(desc.segments) * size_of::<Piece>() as u64;
-        let room = (limit / vertex.max(size_of::<Vertex>() as u64)).min(MOST_GROUPS * 64);
+        let room = (limit / vertex.max(size_of::<Vertex>() as u64)).min(points_dispatched());
         let added = u64::from(desc.most_triangles - desc.triangles).min(room.saturating_sub(desc.points.into()));
         // Lists of triangles are bound, too, and dispatched over.
         let added = added.min((limit / 16).min(MOST_GROUPS * u64::from(BLOCK)).saturating_sub(desc.triangles.into()));
@@ -264,12 +273,12 @@ impl Layout {
         self.set(TRIANGLES, 16 * u64::from(desc.triangles));
         self.set(NEIGHBOUR_STARTS, 4 * (points + 1));
         self.set(NEIGHBOURS, 4 * u64::from(desc.neighbours));
-        self.set(MOTIONS, 16 * points);
+        self.set(MOTIONS, size_of::<PointMotion>() as u64 * points);
         self.set(LABELS, 4 * points);
         self.set(CLUSTERS, size_of::<Cluster>() as u64 * points);
         self.set(HULL, 8 * points);
         self.set(SEAMS, 4 * points);
-        self.set(FRONTS, 4 * u64::from(desc.triangles.div_ceil(FRONTS_A_WORD as u32)));
+        self.set(FRONTS, 4 * u64::from(desc.triangles.div_ceil(FRONTS_A_WORD)));
         self.set(SMOOTH, 8 * points);
         self.set(CLIP, 4 * 16 * points);
         self.set(SPLINES, vertices * u64::from(desc.segments) * size_of::<Piece>() as u64);
@@ -286,9 +295,12 @@ impl Layout {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);
-        self.set(SURFACE, if desc.depth.is_some() { 16 * pixels } else { 0 });
+        self.set(SURFACE, if desc.depth.is_some() { size_of::<Covering>() as u64 * pixels } else { 0 });
         self.set(TOON_BUFFER, if desc.toon { BASE_COLOURS + 48 * u64::from(desc.triangles) } else { 0 });
-        self.set(TRAILING, if desc.settings.lines.count > 0 { 16 * u64::from(MOST_LINES) } else { 0 });
+        self.set(
+            TRAILING,
+            if desc.settings.lines.count > 0 { size_of::<Trail>() as u64 * u64::from(MOST_LINES) } else { 0 },
+        );
         // Four samples a pixel.
         self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
         self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
@@ -306,16 +318,16 @@ impl Layout {
             let most_large = u64::from(desc.group_triangles / (FEW_TRIANGLES + 1));
             self.set(LARGE_GROUPS, 4 * (LARGE_WORDS as u64 + most_large));
         }
-        let tiles = desc.size.map(|side| u64::from(side.div_ceil(8)));
+        let tiles = desc.size.map(|side| u64::from(side.div_ceil(TILE)));
         self.set(TILES, 4 * (TILE_WORDS as u64 + 2 * tiles[0] * tiles[1] + pixels));
         self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 8 * tables);
-        self.set(SUMS, 2 * 4 * 9 * BINS * tables);
+        self.set(SUMS, 2 * SUM_BYTES * tables);
         // Behind the tables, the light's directions and tones: of all and of each object.
-        let tones = if tables > 0 { 16 * (2 + TONE_STEPS as u64) * (1 + tables) } else { 0 };
-        self.set(TABLES, 2 * 16 * BINS * tables + tones);
-        let sites = MOST_SITES.iter().map(|most| u64::from(*most)).sum::<u64>() * size_of::<Site>() as u64;
+        let tones = if tables > 0 { 16 * u64::from(TONE_ROWS) * (1 + tables) } else { 0 };
+        self.set(TABLES, 2 * TABLE_BYTES * tables + tones);
+        let sites = u64::from(MOST_SITES + MOST_FEW) * size_of::<Site>() as u64;
         self.set(SITES, if tables > 0 { sites } else { 0 });
-        self.set(LIGHTS, if tables > 0 { 2 * 2 * 16 * u64::from(LIGHT_CANDIDATES[0]) } else { 0 });
+        self.set(LIGHTS, if tables > 0 { 2 * 2 * 16 * u64::from(STARTS) } else { 0 });
         self.set(SAMPLE_COLOURS, 4 * 16 * pixels);
         self.set(SAMPLE_STATES, 4 * 4 * pixels);
         let is_gradient = desc.settings.completion == Completion::Gradient;
@@ -332,9 +344,9 @@ impl Layout {
         };
         self.sizes.check(limit, &NAMES, advice)?;
         for (what, needed, limit) in [
-            ("blur's points", desc.points, MOST_GROUPS * 64),
-            ("blur's triangles", desc.triangles, MOST_GROUPS * 64),
-            ("blur's normals", desc.groups, MOST_GROUPS * 64),
+            ("blur's points", desc.points, points_dispatched()),
+            ("blur's triangles", desc.triangles, MOST_GROUPS * u64::from(glsl::begin::SHADER.local_size[0])),
+            ("blur's normals", desc.groups, MOST_GROUPS * u64::from(glsl::normals::SHADER.local_size[0])),
         ] {
             if u64::from(needed) > limit {
                 return Err(Error::Limit { what, needed: needed.into(), limit, advice: "use a smaller mesh" });

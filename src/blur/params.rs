@@ -7,30 +7,26 @@ use crate::blur::frame::{self, Desc, Frame, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 use crate::blur::settings::{Settings, Toon};
 use crate::host::Background;
+use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
 use crate::view::{Camera, Light, LightSource};
 
-/// The most segments of a trajectory.
-pub const MOST_SEGMENTS: usize = 32;
-/// The most that are made of poses.
-pub const PIECE_SEGMENTS: usize = 12;
-/// The most frames that they go through.
+/// The most frames that trajectories go through.
 pub const MOST_KNOTS: usize = 64;
 /// The most speed lines of a picture.
 pub const MOST_LINES: u32 = 16_384;
-/// Vertices of a speed line: two triangles for each of 16 parts.
-pub const LINE_VERTICES: u32 = 96;
-/// The most tones of a frame that is drawn.
-pub const MOST_TONES: usize = 256;
-/// Steps of the cosine to the light, of which each has its tone.
-pub const TONE_STEPS: usize = 48;
-/// The most places that tones are learnt from, and of them the most that the search for the light begins with.
-pub const MOST_SITES: [u32; 2] = [32_768, 8_192];
-/// Candidates of each round of this search.
-pub const LIGHT_CANDIDATES: [u32; 6] = [1024, 81, 81, 81, 25, 25];
-/// The least length of an edge that is divided, in pixels.
-const LEAST_LENGTH: f32 = 0.25;
+/// Candidates of each round of the search for the light.
+pub const LIGHT_CANDIDATES: [u32; SEARCHES as usize] = {
+    let mut candidates = [FINE * FINE; SEARCHES as usize];
+    candidates[0] = STARTS;
+    let mut round = 1;
+    while round < COARSE_SEARCHES as usize {
+        candidates[round] = COARSE * COARSE;
+        round += 1;
+    }
+    candidates
+};
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.
@@ -46,26 +42,44 @@ impl BackgroundConstants {
 impl Control {
     /// What a frame starts with.
     pub fn reset() -> Control {
-        Control { draw: [0, 1, 0, 0], refined: [0; 4] }
+        Control { draw: [0, 1, 0, 0], ..Control::zeroed() }
     }
 }
 
 /// What a frame's rounds start with: the first has the mesh's triangles, the others none.
 pub fn rounds(desc: &Desc) -> [Round; ROUNDS as usize + 1] {
-    let none = Round { groups: [0, 1, 1, 0], scan: [0, 1, 1, 0], made: [0; 4] };
+    let none = Round { groups: [0, 1, 1, 0], scan: [0, 1, 1, 0], ..Round::zeroed() };
     let mut rounds = [none; ROUNDS as usize + 1];
-    rounds[0].groups = [desc.triangles.div_ceil(BLOCK), 1, 1, desc.triangles];
-    rounds[0].scan[0] = 1;
-    rounds[0].made[1] = desc.points;
+    rounds[0] = Round {
+        groups: [desc.triangles.div_ceil(BLOCK), 1, 1, 0],
+        scan: [1, 1, 1, 0],
+        triangles: desc.triangles,
+        vertices_before: desc.points,
+        ..none
+    };
     rounds
 }
 
 /// What completion starts with: dispatches of no groups, that become some where samples need them.
 pub fn completing(desc: &Desc) -> [u32; COMPLETING_WORDS] {
     let mut words = [0; COMPLETING_WORDS];
-    let rows = (2 * desc.size[1]).div_ceil(8);
-    words[..16].copy_from_slice(&[0, rows, 1, 0, 0, rows, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0]);
+    let rows = (2 * desc.size[1]).div_ceil(glsl::border::SHADER.local_size[1]);
+    for gradient in [0, 1] {
+        words[border_dispatch(gradient)..][..3].copy_from_slice(&[0, rows, 1]);
+        words[inward_dispatch(gradient)..][..3].copy_from_slice(&[0, 1, 1]);
+    }
     words
+}
+
+/// The word of what completion works on where the dispatch over samples at borders begins: of those that neither frame shows
+/// (0), and of those that one does (1).
+pub fn border_dispatch(gradient: usize) -> usize {
+    BORDER_DISPATCHES as usize + 4 * gradient
+}
+
+/// That of the dispatches that go inward from there.
+pub fn inward_dispatch(gradient: usize) -> usize {
+    INWARD_DISPATCHES as usize + 4 * gradient
 }
 
 /// Rows that make the pixel clip coordinates X, Y and W of a point less the eye.
@@ -103,9 +117,13 @@ impl View {
             along_low: along[1],
             eye,
             eye_low,
-            slot: [view.frame % desc.frames_resident, 0, 0, 0],
         }
     }
+}
+
+/// Where a frame's pose is among those on the device.
+fn pose_place(view: &frame::View, desc: &Desc) -> u32 {
+    view.frame % desc.frames_resident
 }
 
 impl Knot {
@@ -123,7 +141,7 @@ impl Knot {
         let ([across, across_low], [across_turn, across_turn_low]) = part(0);
         let ([down, down_low], [down_turn, down_turn_low]) = part(1);
         let ([along, along_low], [along_turn, along_turn_low]) = part(2);
-        let is_other = knot.view.camera != *current;
+        let has_other_camera = knot.view.camera != *current;
         Knot {
             across,
             down,
@@ -137,8 +155,10 @@ impl Knot {
             across_turn_low,
             down_turn_low,
             along_turn_low,
-            slot: [knot.view.frame % desc.frames_resident, is_other.into(), 0, 0],
             weights: knot.weights,
+            pose_place: pose_place(&knot.view, desc),
+            has_other_camera: has_other_camera.into(),
+            unused: [0; 2],
         }
     }
 }
@@ -149,43 +169,59 @@ impl BlurParams {
     /// `outer`: whether frames i - 1 and i + 2 have images.
     pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput, frame: &Frame, outer: [bool; 2]) -> BlurParams {
         let settings = &desc.settings;
-        let height = desc.size[1];
-        let mut params = BlurParams::of_views(desc, &interval.views, frame.background);
-        params.image[3] = interval.counts.generation;
+        let scaled = |pixels| Settings::scaled(pixels, desc.size[1]);
         let knots = match interval.trajectories {
             frame::Trajectories::Poses(knots) => knots.len() as u32,
             frame::Trajectories::Pieces(_) => 0,
         };
-        params.counts = [desc.points, desc.triangles, knots, interval.counts.seams];
-        let segments = interval.segments;
-        let ahead = segments.iter().take_while(|segment| segment.begin >= 0.0).count().max(1);
-        params.pieces = [segments.len() as u32, ahead as u32, layout.vertices, layout.triangles];
-        let scaled = |pixels| Settings::scaled(pixels, height);
-        params.model = [settings.strength, settings.reference_time, scaled(settings.tolerance), scaled(settings.edge)];
-        // Each of two sums of two products is off by less than 2^-23 of this, and what a hull has beside its outline is up
-        // to 5 * 2^-24 of it away.
-        let margin = interval.counts.farthest * 1e-6;
-        params.lens = [interval.views[1].camera.near as f32, LEAST_LENGTH, margin, 0.0];
-        let is_whole = desc.layers || desc.depth.is_some() || !desc.skipping;
-        params.modes = [frame.images.is_none().into(), settings.is_clipped().into(), is_whole.into(), 0];
-        let images = u32::from(outer[0]) + 2 * u32::from(outer[1]) + params.completion[1];
-        params.completion = [layout.tables, images, settings.skirt.to_bits(), layout.listed];
-        for (to, segment) in params.segments.iter_mut().zip(segments) {
-            *to = [segment.begin, segment.end, 0.0, 0.0];
+        let ahead = interval.segments.iter().take_while(|segment| segment.begin >= 0.0).count().max(1);
+        let mut segments = [SegmentTimes::zeroed(); MOST_SEGMENTS as usize];
+        for (to, segment) in segments.iter_mut().zip(interval.segments) {
+            *to = SegmentTimes { begin: segment.begin, end: segment.end, unused: [0; 2] };
         }
-        params
+        BlurParams {
+            segments,
+            segment_count: interval.segments.len() as u32,
+            segments_ahead: ahead as u32,
+            knots,
+            generation: interval.counts.generation,
+            seam_points: interval.counts.seams,
+            // Each of two sums of two products is off by less than 2^-23 of this, and what a hull has beside its outline is
+            // up to 5 * 2^-24 of it away.
+            hull_margin: interval.counts.farthest * 1e-6,
+            vertex_room: layout.vertices,
+            triangle_budget: layout.triangles,
+            list_room: layout.listed,
+            tables: layout.tables,
+            strength: settings.strength,
+            reference_time: settings.reference_time,
+            tolerance: scaled(settings.tolerance),
+            edge: scaled(settings.edge),
+            skirt: settings.skirt,
+            outer_images: u32::from(outer[0]) + 2 * u32::from(outer[1]),
+            is_drawn: frame.images.is_none().into(),
+            is_clipped: settings.is_clipped().into(),
+            is_whole: (desc.layers || desc.depth.is_some() || !desc.skipping).into(),
+            ..BlurParams::of_views(desc, &interval.views, frame.background)
+        }
     }
 
     /// What the kernels of a frame that stands still are told.
     pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: Background) -> BlurParams {
-        let mut params = BlurParams::zeroed();
-        params.views = views.map(|view| View::new(&view, desc));
-        params.image = [desc.size[0], desc.size[1], desc.seed, 0];
-        params.counts = [desc.points, desc.triangles, 0, 0];
-        params.lens[0] = views[1].camera.near as f32;
+        let mut params = BlurParams {
+            views: views.map(|view| View::new(&view, desc)),
+            pose_places: views.map(|view| pose_place(&view, desc)),
+            size: desc.size,
+            tiles: desc.size.map(|side| side.div_ceil(TILE)),
+            seed: desc.seed,
+            points: desc.points,
+            triangles: desc.triangles,
+            near: views[1].camera.near as f32,
+            ..BlurParams::zeroed()
+        };
         match background {
             Background::Clear(colour) => params.background = colour,
-            Background::Copy(_) => params.completion[1] = 4,
+            Background::Copy(_) => params.has_background_image = 1,
             Background::Keep => {}
         }
         params
@@ -206,16 +242,22 @@ impl ToonParams {
     /// What the kernels that draw a frame are told.
     pub fn new(desc: &Desc, camera: &Camera, light: &Light) -> ToonParams {
         let toon = &desc.settings.toon;
-        let mut params = ToonParams::zeroed();
-        params.light = match light.source {
-            LightSource::Direction(way) => row(-way.normalize(), 0.0),
-            LightSource::Position(place) => row(place, 1.0),
-        };
         let [r, g, b] = toon.outline.colour;
-        params.ink = [r, g, b, toon.outline.strength];
         let span = camera.half_extent(desc.size).y / f64::from(desc.size[1]);
-        params.lens = [span as f32, light.ambient as f32, ink_width(toon), 0.0];
-        params.counts = [toon.tones.len() as u32, desc.groups, 0, 0];
+        let mut params = ToonParams {
+            light: match light.source {
+                LightSource::Direction(way) => row(-way.normalize(), 0.0),
+                LightSource::Position(place) => row(place, 1.0),
+            },
+            ink_colour: [r, g, b, 0.0],
+            ink_strength: toon.outline.strength,
+            ink_width: ink_width(toon),
+            sample_extent: span as f32,
+            ambient: light.ambient as f32,
+            tone_count: toon.tones.len() as u32,
+            groups: desc.groups,
+            ..ToonParams::zeroed()
+        };
         for (to, tone) in params.tones.iter_mut().zip(&toon.tones) {
             let [r, g, b] = tone.colour;
             *to = [r, g, b, tone.from];

@@ -1,252 +1,170 @@
-//! The passes of the blur effect, declared once. Every kernel binds its slots by their names.
+//! The passes of the blur effect, declared once. Kernels bind by name.
 
 use ash::vk;
 
 use crate::blur::frame::Desc;
 use crate::blur::layout::*;
-use crate::blur::params::{PIECE_SEGMENTS, ink_reach};
+use crate::blur::params::{
+    BlurParams, Control, FROM_GRADIENT, FROM_SURFACE, Knot, LIGHT_CANDIDATES, MOST_KNOTS, PIECE_SEGMENTS, ROUNDS,
+    Round, ToonParams, ink_reach,
+};
 use crate::blur::settings::{Completion, Operator, Refine, Space};
+use crate::blur::steps::{CHOOSE_ROUNDS, GRADIENT_DISPATCHES, MEAN_DISPATCHES};
 use crate::host::DepthFormat;
 use crate::plan::{
-    Blend, ColourAttachment, Declare, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage,
+    Blend, ColourAttachment, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage, passes,
 };
 use crate::shaders::blur as glsl;
 
-/// What an effect declares: its passes, and which is which.
-#[derive(Debug)]
-pub struct Passes {
-    /// By [`PassId`].
-    pub list: Vec<Pass>,
-    pub(super) params: PassId,
-    pub(super) mesh: PassId,
-    pub(super) poses: PassId,
-    pub(super) background: PassId,
-    pub(super) interval: PassId,
-    pub(super) project: PassId,
-    pub(super) knots: PassId,
-    pub(super) trajectory: PassId,
-    pub(super) pieces: PassId,
-    pub(super) extent: PassId,
-    pub(super) seams: PassId,
-    pub(super) settle: PassId,
-    pub(super) begin: PassId,
+passes! {
+    (desc: &Desc), resource;
+    params = Pass::transfer("blur.params")
+        .updates::<BlurParams>(PARAMS, 1)
+        .updates::<Control>(CONTROL, 1)
+        .updates::<Round>(ROUND_LIST, ROUNDS as usize + 1);
+    mesh = copies("blur.mesh", HOST_TOPOLOGY, [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS]);
+    /// Where frames go around, those that come are in two runs.
+    poses = copies("blur.poses", [HOST_POSES], [POSES]).times(2);
+    background = copies("blur.background", [HOST_FRAMES[1]], [TARGET]);
+    interval = {
+        let [motions, labels, clusters, hull, seams, fronts, _] = HOST_INTERVAL;
+        let from = [motions, labels, clusters, hull, seams, fronts];
+        copies("blur.interval", from, [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS])
+    };
+    project = Pass::compute("blur.trajectory", &glsl::project::SHADER);
+    knots = Pass::transfer("blur.trajectory").updates::<Knot>(KNOTS, MOST_KNOTS);
+    trajectory = Pass::compute("blur.trajectory", &glsl::trajectory::SHADER)
+        .specialise([desc.segments.min(PIECE_SEGMENTS), in_screen(desc)]);
+    pieces = copies("blur.trajectory", [HOST_INTERVAL[6]], [SPLINES]).times(desc.segments as usize);
+    extent = Pass::compute("blur.extent", &glsl::extent::SHADER);
+    seams = Pass::compute("blur.seams", &glsl::seams::SHADER).times(desc.settings.seam_smoothing as usize);
+    settle = Pass::compute("blur.extent", &glsl::settle::SHADER).specialise([in_screen(desc)]);
+    begin = Pass::compute("blur.refine", &glsl::begin::SHADER);
     /// Of even rounds, and of odd ones, which read what even ones write.
-    pub(super) count: [PassId; 2],
-    pub(super) scan: PassId,
+    count: [PassId; 2] = [ACTIVE, NEXT].map(|active| {
+        let by_length = u32::from(desc.settings.refine == Refine::Length);
+        let pass = Pass::compute("blur.refine", &glsl::count::SHADER).specialise([in_screen(desc), by_length]);
+        pass.bind(glsl::count::ACTIVE, active).times(ROUNDS as usize / 2 + 1)
+    });
+    scan = Pass::compute("blur.refine", &glsl::scan::SHADER).times(ROUNDS as usize + 1);
     /// As `count`.
-    pub(super) emit: [PassId; 2],
+    emit: [PassId; 2] = [(ACTIVE, NEXT), (NEXT, ACTIVE)].map(|(active, next)| {
+        let pass = Pass::compute("blur.refine", &glsl::emit::SHADER).specialise([in_screen(desc)]);
+        pass.bind(glsl::emit::ACTIVE, active).bind(glsl::emit::NEXT, next).times(ROUNDS as usize / 2 + 1)
+    });
     /// Frames i and i + 1.
-    pub(super) visibility: [PassId; 2],
+    visibility: [PassId; 2] = [0, 1].map(|i| {
+        drawing("blur.visibility", &glsl::visibility_vertex::SHADER, SEEN[i], SEEN_DEPTH[i], desc.size)
+    });
     /// At pixel centres, and at four samples a pixel.
-    pub(super) distort: [PassId; 2],
-    pub(super) layers: PassId,
-    pub(super) frames: PassId,
+    distort: [PassId; 2] = [(DISTORTED, DISTORTED_DEPTH, 1), (SAMPLED, SAMPLED_DEPTH, 2)].map(|(image, depth, scale)| {
+        let extent = desc.size.map(|side| scale * side);
+        drawing("blur.distort", &glsl::distort_vertex::SHADER, image, depth, extent)
+    });
+    layers = Pass::compute("blur.layers", &glsl::layers::SHADER);
+    frames = copies("blur.frames", HOST_FRAMES, FRAMES);
     /// Frames i - 1 and i + 2.
-    pub(super) outer_visibility: [PassId; 2],
+    outer_visibility: [PassId; 2] = [0, 1].map(|i| {
+        let extent = if desc.outer { desc.size } else { [1, 1] };
+        drawing("blur.visibility", &glsl::visibility_vertex::SHADER, OUTER_SEEN[i], OUTER_DEPTH[i], extent)
+    });
     /// As `outer_visibility`.
-    pub(super) outer_frames: [PassId; 2],
-    pub(super) groups: PassId,
-    pub(super) completing: PassId,
-    pub(super) sums: PassId,
-    pub(super) cover: PassId,
-    pub(super) large_groups: PassId,
-    pub(super) normals: PassId,
-    pub(super) normals_large: PassId,
-    pub(super) learn: PassId,
-    pub(super) fill: PassId,
-    pub(super) pairs: PassId,
-    pub(super) light: PassId,
-    pub(super) tone: PassId,
-    pub(super) shade_params: PassId,
-    pub(super) shade: PassId,
+    outer_frames: [PassId; 2] = [0, 1].map(|i| copies("blur.frames", [HOST_OUTER[i]], [OUTER_FRAMES[i]]));
+    groups = copies("blur.mesh", HOST_GROUPS, [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES]);
+    completing = Pass::transfer("blur.params").fills(COMPLETING).updates::<u32>(COMPLETING, COMPLETING_WORDS);
+    sums = Pass::transfer("blur.learn").fills(SUMS);
+    tiles_begin = Pass::transfer("blur.tiles").fills(TILES).updates::<u32>(TILES, TILE_WORDS).fills(SAMPLE_STATES);
+    tiles = Pass::compute("blur.tiles", &glsl::tiles::SHADER);
+    cover = Pass::compute("blur.cover", &glsl::cover::SHADER);
+    /// Of frames that are drawn, and of the output.
+    large_groups = Pass::transfer("blur.normals").updates::<u32>(LARGE_GROUPS, LARGE_WORDS).times(2);
+    normals = Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups]).times(2);
+    normals_large = Pass::compute("blur.normals", &glsl::normals_large::SHADER).specialise([desc.groups]).times(2);
+    learn = Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups]);
+    fill = Pass::compute("blur.learn", &glsl::fill::SHADER);
+    pairs = Pass::compute("blur.tones", &glsl::pairs::SHADER).specialise([desc.groups]);
+    light = Pass::compute("blur.tones", &glsl::light::SHADER).times(LIGHT_CANDIDATES.len());
+    tone = Pass::compute("blur.tones", &glsl::tone::SHADER).times(2);
+    shade_params = Pass::transfer("blur.shade").updates::<ToonParams>(TOON_BUFFER, 1);
     /// Of frames that are drawn, if any are and completion follows from the surface.
-    pub(super) shade_drawn: Option<PassId>,
-    pub(super) sides: PassId,
+    shade_drawn: Option<PassId> = (desc.toon && desc.settings.completion == Completion::Surface).then(|| {
+        Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise([desc.groups, completion(desc)])
+    });
+    shade = Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion(desc)]);
+    sides = Pass::compute("blur.layers", &glsl::sides::SHADER);
     /// Of samples that neither frame shows, and of those that one does.
-    pub(super) border: [PassId; 2],
+    border: [PassId; 2] = [0, 1]
+        .map(|gradient| Pass::compute("blur.complete", &glsl::border::SHADER).specialise([gradient]));
     /// As `border`.
-    pub(super) inward: [PassId; 2],
-    pub(super) tiles_begin: PassId,
-    pub(super) tiles: PassId,
-    pub(super) compose: PassId,
-    pub(super) composite: PassId,
-    pub(super) colours: PassId,
-    pub(super) toon_params: PassId,
-    pub(super) toon_project: PassId,
-    pub(super) toon_see: PassId,
-    pub(super) toon_lines: PassId,
+    inward: [PassId; 2] = [(0, MEAN_DISPATCHES), (1, GRADIENT_DISPATCHES)].map(|(gradient, dispatches)| {
+        let pass = Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]);
+        pass.times(dispatches as usize)
+    });
+    compose = Pass::compute("blur.compose", &glsl::compose::SHADER)
+        .specialise([u32::from(desc.layers), u32::from(desc.depth.is_some())]);
+    composite = match desc.depth {
+        Some(format) => composite_depth(desc, format),
+        None => whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc),
+    };
+    colours = copies("blur.mesh", [HOST_COLOURS], [TOON_BUFFER]);
+    toon_params = Pass::transfer("blur.toon").updates::<ToonParams>(TOON_BUFFER, 1).times(DRAWN_FRAMES);
+    toon_project = Pass::compute("blur.toon", &glsl::project::SHADER);
+    toon_see = sampling("blur.toon", desc).times(DRAWN_FRAMES);
+    toon_lines = {
+        let second = u32::from(desc.settings.toon.outline.operator == Operator::Second);
+        Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]).times(DRAWN_FRAMES)
+    };
     /// Into each place.
-    pub(super) toon: [PassId; TOON.len()],
+    toon: [PassId; TOON.len()] = TOON.map(|image| toon(desc, image));
     /// Of each place.
-    pub(super) toon_background: [PassId; TOON.len()],
-    pub(super) toon_frames: PassId,
+    toon_background: [PassId; TOON.len()] = TOON.map(|image| begin(desc, image));
+    toon_frames = from_toon("blur.frames", &FRAMES);
     /// Frames i - 1 and i + 2.
-    pub(super) toon_outer_frames: [PassId; 2],
-    pub(super) behind: PassId,
-    pub(super) ghost: PassId,
-    pub(super) ghost_blend: PassId,
-    pub(super) lines_begin: PassId,
-    pub(super) lines_choose: PassId,
-    pub(super) lines: PassId,
-    pub(super) depth_params: PassId,
-    pub(super) depth_project: PassId,
-    pub(super) depth_see: PassId,
+    toon_outer_frames: [PassId; 2] = OUTER_FRAMES.map(|image| from_toon("blur.frames", &[image]));
+    behind = copies("blur.background", [HOST_BACKGROUND], [BACKGROUND]);
+    ghost = ghost(desc).specialise([in_screen(desc)]).times(desc.settings.ghosts.count as usize);
+    ghost_blend = {
+        let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghosts_blend_fragment::SHADER);
+        let pass = over_target("blur.ghosts", Topology::Quads, vertex, fragment, desc);
+        pass.times(desc.settings.ghosts.count as usize)
+    };
+    lines_begin = Pass::transfer("blur.lines").fills(TRAILING);
+    lines_choose = Pass::compute("blur.lines", &glsl::lines_choose::SHADER).times(CHOOSE_ROUNDS as usize);
+    lines = {
+        let (vertex, fragment) = (&glsl::lines_vertex::SHADER, &glsl::lines_fragment::SHADER);
+        over_target("blur.lines", Topology::Triangles, vertex, fragment, desc).specialise([in_screen(desc)])
+    };
+    depth_params = Pass::transfer("blur.depth").updates::<BlurParams>(PARAMS, 1);
+    depth_project = Pass::compute("blur.depth", &glsl::project::SHADER);
+    depth_see = sampling("blur.depth", desc);
     /// An image that is given, and one that has been drawn.
-    pub(super) depth_frame: [PassId; 2],
-    pub(super) surface: PassId,
+    depth_frame: [PassId; 2] =
+        [copies("blur.depth", [HOST_FRAMES[1]], [FRAMES[1]]), from_toon("blur.depth", &FRAMES[1..])];
+    surface = Pass::compute("blur.depth", &glsl::surface::SHADER).specialise([u32::from(desc.layers)]);
     /// None where the host has no depth.
-    pub(super) depth: Option<PassId>,
+    depth: Option<PassId> = desc.depth.map(|format| depth(desc, format));
 }
 
-impl Passes {
-    /// Declares every pass that some frame of this effect may need.
-    pub fn new(desc: &Desc) -> Passes {
-        let mut d = Declare::new(resource);
-        let screen = u32::from(desc.settings.space == Space::Screen);
-        let by_length = u32::from(desc.settings.refine == Refine::Length);
-        let completion = match desc.settings.completion {
-            Completion::None => 0,
-            Completion::Surface => 1,
-            Completion::Gradient => 2,
-        };
-        let segments = desc.segments.min(PIECE_SEGMENTS as u32);
-        Passes {
-            params: d.writes("blur.params", &[PARAMS, CONTROL, ROUND_LIST]),
-            mesh: d.transfer("blur.mesh", &copies(HOST_TOPOLOGY, [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS])),
-            poses: d.transfer("blur.poses", &copies([HOST_POSES], [POSES])),
-            background: d.transfer(
-                "blur.background",
-                &[(HOST_FRAMES[1].into(), Usage::COPY_SOURCE), (TARGET.into(), Usage::COPY_TARGET)],
-            ),
-            interval: d.transfer(
-                "blur.interval",
-                &copies(
-                    [0, 1, 2, 3, 4, 5].map(|place| HOST_INTERVAL[place]),
-                    [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS],
-                ),
-            ),
-            project: d.compute("blur.trajectory", &glsl::project::SHADER),
-            knots: d.writes("blur.trajectory", &[KNOTS]),
-            trajectory: d
-                .add(Pass::compute("blur.trajectory", &glsl::trajectory::SHADER).specialise([segments, screen])),
-            pieces: d.transfer("blur.trajectory", &copies([HOST_INTERVAL[6]], [SPLINES])),
-            extent: d.compute("blur.extent", &glsl::extent::SHADER),
-            seams: d.compute("blur.seams", &glsl::seams::SHADER),
-            settle: d.add(Pass::compute("blur.extent", &glsl::settle::SHADER).specialise([screen])),
-            begin: d.compute("blur.refine", &glsl::begin::SHADER),
-            count: [ACTIVE, NEXT].map(|active| {
-                let pass = Pass::compute("blur.refine", &glsl::count::SHADER).specialise([screen, by_length]);
-                d.add(pass.bind(glsl::count::ACTIVE, active))
-            }),
-            scan: d.compute("blur.refine", &glsl::scan::SHADER),
-            emit: [(ACTIVE, NEXT), (NEXT, ACTIVE)].map(|(active, next)| {
-                let pass = Pass::compute("blur.refine", &glsl::emit::SHADER).specialise([screen]);
-                d.add(pass.bind(glsl::emit::ACTIVE, active).bind(glsl::emit::NEXT, next))
-            }),
-            visibility: [0, 1].map(|i| {
-                let vertex = &glsl::visibility_vertex::SHADER;
-                d.add(drawing("blur.visibility", vertex, SEEN[i], SEEN_DEPTH[i], desc.size))
-            }),
-            distort: [(DISTORTED, DISTORTED_DEPTH, 1), (SAMPLED, SAMPLED_DEPTH, 2)].map(|(image, depth, scale)| {
-                let extent = desc.size.map(|side| scale * side);
-                d.add(drawing("blur.distort", &glsl::distort_vertex::SHADER, image, depth, extent))
-            }),
-            layers: d.compute("blur.layers", &glsl::layers::SHADER),
-            frames: {
-                let from = HOST_FRAMES.map(|image| (image.into(), Usage::COPY_SOURCE));
-                let to = FRAMES.map(|image| (image.into(), Usage::COPY_TARGET));
-                d.transfer("blur.frames", &[from, to].concat())
-            },
-            outer_visibility: [0, 1].map(|i| {
-                let extent = if desc.outer { desc.size } else { [1, 1] };
-                let vertex = &glsl::visibility_vertex::SHADER;
-                d.add(drawing("blur.visibility", vertex, OUTER_SEEN[i], OUTER_DEPTH[i], extent))
-            }),
-            outer_frames: [0, 1].map(|i| {
-                let (from, to) = (HOST_OUTER[i].into(), OUTER_FRAMES[i].into());
-                d.transfer("blur.frames", &[(from, Usage::COPY_SOURCE), (to, Usage::COPY_TARGET)])
-            }),
-            groups: d.transfer("blur.mesh", &copies(HOST_GROUPS, [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES])),
-            completing: d.writes("blur.params", &[COMPLETING]),
-            sums: d.writes("blur.learn", &[SUMS]),
-            tiles_begin: d.writes("blur.tiles", &[TILES, SAMPLE_STATES]),
-            tiles: d.compute("blur.tiles", &glsl::tiles::SHADER),
-            cover: d.compute("blur.cover", &glsl::cover::SHADER),
-            large_groups: d.writes("blur.normals", &[LARGE_GROUPS]),
-            normals: d.add(Pass::compute("blur.normals", &glsl::normals::SHADER).specialise([desc.groups])),
-            normals_large: d.add(Pass::compute("blur.normals", &glsl::normals_large::SHADER).specialise([desc.groups])),
-            learn: d.add(Pass::compute("blur.learn", &glsl::learn::SHADER).specialise([desc.groups])),
-            fill: d.compute("blur.learn", &glsl::fill::SHADER),
-            pairs: d.add(Pass::compute("blur.tones", &glsl::pairs::SHADER).specialise([desc.groups])),
-            light: d.compute("blur.tones", &glsl::light::SHADER),
-            tone: d.compute("blur.tones", &glsl::tone::SHADER),
-            shade_params: d.writes("blur.shade", &[TOON_BUFFER]),
-            shade_drawn: (desc.toon && desc.settings.completion == Completion::Surface).then(|| {
-                d.add(Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise([desc.groups, completion]))
-            }),
-            shade: d.add(Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion])),
-            sides: d.compute("blur.layers", &glsl::sides::SHADER),
-            border: [0, 1]
-                .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::border::SHADER).specialise([gradient]))),
-            inward: [0, 1]
-                .map(|gradient| d.add(Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]))),
-            compose: d.add(
-                Pass::compute("blur.compose", &glsl::compose::SHADER)
-                    .specialise([u32::from(desc.layers), u32::from(desc.depth.is_some())]),
-            ),
-            composite: d.add(match desc.depth {
-                Some(format) => composite_depth(desc, format),
-                None => whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc),
-            }),
-            colours: d.transfer("blur.mesh", &copies([HOST_COLOURS], [TOON_BUFFER])),
-            toon_params: d.writes("blur.toon", &[TOON_BUFFER]),
-            toon_project: d.compute("blur.toon", &glsl::project::SHADER),
-            toon_see: d.add(sampling("blur.toon", desc)),
-            toon_lines: {
-                let second = u32::from(desc.settings.toon.outline.operator == Operator::Second);
-                d.add(Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]))
-            },
-            toon: TOON.map(|image| d.add(toon(desc, image))),
-            toon_background: TOON.map(|image| d.add(begin(desc, image))),
-            toon_frames: d.transfer("blur.frames", &from_toon(&FRAMES)),
-            toon_outer_frames: OUTER_FRAMES.map(|image| d.transfer("blur.frames", &from_toon(&[image]))),
-            behind: d.transfer(
-                "blur.background",
-                &[(HOST_BACKGROUND.into(), Usage::COPY_SOURCE), (BACKGROUND.into(), Usage::COPY_TARGET)],
-            ),
-            ghost: d.add(ghost(desc).specialise([screen])),
-            ghost_blend: {
-                let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghosts_blend_fragment::SHADER);
-                d.add(over_target("blur.ghosts", Topology::Quads, vertex, fragment, desc))
-            },
-            lines_begin: d.writes("blur.lines", &[TRAILING]),
-            lines_choose: d.compute("blur.lines", &glsl::lines_choose::SHADER),
-            lines: {
-                let (vertex, fragment) = (&glsl::lines_vertex::SHADER, &glsl::lines_fragment::SHADER);
-                d.add(over_target("blur.lines", Topology::Triangles, vertex, fragment, desc).specialise([screen]))
-            },
-            depth_params: d.writes("blur.depth", &[PARAMS]),
-            depth_project: d.compute("blur.depth", &glsl::project::SHADER),
-            depth_see: d.add(sampling("blur.depth", desc)),
-            depth_frame: [
-                d.transfer(
-                    "blur.depth",
-                    &[(HOST_FRAMES[1].into(), Usage::COPY_SOURCE), (FRAMES[1].into(), Usage::COPY_TARGET)],
-                ),
-                d.transfer("blur.depth", &from_toon(&FRAMES[1..])),
-            ],
-            surface: d.add(Pass::compute("blur.depth", &glsl::surface::SHADER).specialise([u32::from(desc.layers)])),
-            depth: desc.depth.map(|format| d.add(depth(desc, format))),
-            list: d.list,
-        }
+/// Frames i - 1 to i + 2, as far as they are drawn.
+const DRAWN_FRAMES: usize = 4;
+
+/// Whether trajectories are straight in screen space, as a specialisation constant.
+fn in_screen(desc: &Desc) -> u32 {
+    u32::from(desc.settings.space == Space::Screen)
+}
+
+/// How colours are completed, as a specialisation constant.
+fn completion(desc: &Desc) -> u32 {
+    match desc.settings.completion {
+        Completion::None => 0,
+        Completion::Surface => FROM_SURFACE,
+        Completion::Gradient => FROM_GRADIENT,
     }
 }
 
-/// Copies from the host's buffers.
-fn copies<const N: usize>(from: [crate::plan::BufferId; N], to: [crate::plan::BufferId; N]) -> Vec<(Resource, Usage)> {
-    let from = from.map(|id| (id.into(), Usage::COPY_SOURCE));
-    let to = to.map(|id| (id.into(), Usage::COPY_TARGET));
-    from.into_iter().chain(to).collect()
+/// Copies of the host's buffers or images, each to an own one.
+fn copies<R: Into<Resource>, const N: usize>(name: &'static str, from: [R; N], to: [R; N]) -> Pass {
+    from.into_iter().zip(to).fold(Pass::transfer(name), |pass, (from, to)| pass.copies(from, to))
 }
 
 /// Triangles by their numbers. The first of those that are equally near stays.
@@ -283,10 +201,11 @@ fn composite_depth(desc: &Desc, format: DepthFormat) -> Pass {
     Pass::raster("blur.composite", quad(fragment, Some(TARGET), Some(depth), desc))
 }
 
-/// Copies of drawn frames.
-fn from_toon(to: &[ImageId]) -> Vec<(Resource, Usage)> {
-    let to = to.iter().map(|image| ((*image).into(), Usage::COPY_TARGET));
-    TOON.iter().map(|image| ((*image).into(), Usage::COPY_SOURCE)).chain(to).collect()
+/// Copies of drawn frames, whichever they are.
+fn from_toon(name: &'static str, to: &[ImageId]) -> Pass {
+    let [first, others @ ..] = TOON;
+    let pass = to.iter().fold(Pass::transfer(name), |pass, to| pass.copies(first, *to));
+    others.into_iter().fold(pass, |pass, image| pass.uses(image, Usage::COPY_SOURCE))
 }
 
 /// A frame from what its samples see.

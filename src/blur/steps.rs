@@ -6,56 +6,24 @@ use crate::blur::frame::{
     DepthInput, Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories,
 };
 use crate::blur::layout::*;
-use crate::blur::motion::FRONTS_A_WORD;
 use crate::blur::params::{
-    self, BackgroundConstants, BlurParams, ChooseConstants, Control, GhostConstants, HostDepthConstants, Knot,
-    LIGHT_CANDIDATES, LINE_VERTICES, LightConstants, LinesConstants, MOST_KNOTS, MOST_LINES, ROUNDS, Round,
-    RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, FRONTS_A_WORD, GhostConstants, HostDepthConstants,
+    Knot, LIGHT_CANDIDATES, LINE_VERTICES, LightConstants, LinesConstants, MOST_KNOTS, MOST_LINES, NONE, NOTHING_SEEN,
+    ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
 use crate::host::Background;
-use crate::plan::{Command, PassId, Plan};
+use crate::plan::{Command, PassId, Plan, Shader};
+use crate::shaders::blur as glsl;
 
-/// What follows from motion: left out where nothing moves.
-const MOTION_STEPS: [&str; 12] = [
-    "blur.params",
-    "blur.interval",
-    "blur.trajectory",
-    "blur.extent",
-    "blur.seams",
-    "blur.refine",
-    "blur.visibility",
-    "blur.distort",
-    "blur.layers",
-    "blur.frames",
-    "blur.ghosts",
-    "blur.lines",
-];
-/// What makes the smeared picture: left out there, too, and where the picture is frame i + 1's.
-const PICTURE_STEPS: [&str; 9] = [
-    "blur.tiles",
-    "blur.cover",
-    "blur.normals",
-    "blur.learn",
-    "blur.tones",
-    "blur.shade",
-    "blur.complete",
-    "blur.compose",
-    "blur.composite",
-];
-
-/// State of a sample that sees nothing (`glsl/blur/samples.glsl`).
-const NOTHING_SEEN: u32 = 4;
-/// Lanes of a workgroup of `fill`, of which there is one a table, and of `tone`, of which there is one an object.
-const TABLE_LANES: u32 = 256;
-/// Of `light`, of which there is one a candidate.
-const LIGHT_LANES: u32 = 64;
 /// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
 /// stays as it is.
-const GRADIENT_DISPATCHES: u32 = 16;
+pub(super) const GRADIENT_DISPATCHES: u32 = 16;
 /// As [`GRADIENT_DISPATCHES`], where neither frame shows anything.
-const MEAN_DISPATCHES: u32 = 4;
+pub(super) const MEAN_DISPATCHES: u32 = 4;
+/// Rounds in which the points are chosen that speed lines trail from.
+pub(super) const CHOOSE_ROUNDS: u32 = 3;
 
 /// Fills a frame's plan.
 pub struct Steps<'a> {
@@ -111,11 +79,10 @@ pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 4] {
 impl Steps<'_> {
     /// Fills it.
     pub fn fill(&mut self, frame: &Frame) {
-        self.plan.clear();
         if frame.images.is_some() {
             let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
             self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
-            self.plan.skip("blur.toon", "images are given");
+            self.plan.skip(self.passes.toon_params, "images are given");
         }
         if matches!(frame.background, Background::Copy(_))
             && (frame.images.is_none() || still(self.desc, frame).is_none())
@@ -129,16 +96,17 @@ impl Steps<'_> {
                 self.groups();
                 self.colours(mesh);
             }
-            None => self.plan.skip("blur.mesh", "unchanged"),
+            None => self.plan.skip(self.passes.mesh, "unchanged"),
         }
         match &frame.poses {
             Some(poses) => self.poses(poses),
-            None => self.plan.skip("blur.poses", "none are new"),
+            None => self.plan.skip(self.passes.poses, "none are new"),
         }
         let still = still(self.desc, frame);
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
-            MOTION_STEPS.iter().chain(&PICTURE_STEPS).for_each(|name| self.plan.skip(name, reason));
+            self.skip_motion(reason);
+            self.skip_picture(reason);
             let there = self.toon(frame, There::default());
             return self.depth(frame, there);
         };
@@ -158,7 +126,7 @@ impl Steps<'_> {
         self.frames(frame, outer);
         if self.desc.settings.strength == 0.0 {
             // The target has frame i + 1, and only what is behind the mesh is missing.
-            PICTURE_STEPS.iter().for_each(|name| self.plan.skip(name, "strength is 0"));
+            self.skip_picture("strength is 0");
         } else {
             self.tiles();
             self.learn(frame, there);
@@ -170,11 +138,32 @@ impl Steps<'_> {
         self.depth(frame, There { is_seen: true, is_composed, ..there });
     }
 
+    /// What follows from motion is left out where nothing moves.
+    fn skip_motion(&mut self, reason: &'static str) {
+        let Passes { params, interval, trajectory, extent, seams, begin, visibility: [visibility, _], .. } =
+            self.passes;
+        let Passes { distort: [distort, _], layers, frames, ghost, lines, .. } = self.passes;
+        for pass in
+            [params, interval, trajectory, extent, seams, begin, visibility, distort, layers, frames, ghost, lines]
+        {
+            self.plan.skip(*pass, reason);
+        }
+    }
+
+    /// What makes the smeared picture is left out there, too, and where the picture is frame i + 1's.
+    fn skip_picture(&mut self, reason: &'static str) {
+        let Passes { tiles, cover, normals, learn, tone, shade, border: [border, _], compose, composite, .. } =
+            self.passes;
+        for pass in [tiles, cover, normals, learn, tone, shade, border, compose, composite] {
+            self.plan.skip(*pass, reason);
+        }
+    }
+
     /// After-images, the earliest first.
     fn ghosts(&mut self) {
         let ghosts = self.desc.settings.ghosts;
         if ghosts.count == 0 {
-            return self.plan.skip("blur.ghosts", "none are asked for");
+            return self.plan.skip(self.passes.ghost, "none are asked for");
         }
         for ghost in (1..=ghosts.count).rev() {
             let share = (ghosts.count + 1 - ghost) as f32 / ghosts.count as f32;
@@ -189,15 +178,15 @@ impl Steps<'_> {
     fn lines(&mut self, interval: &IntervalInput) {
         let lines = self.desc.settings.lines;
         if lines.count == 0 {
-            return self.plan.skip("blur.lines", "none are asked for");
+            return self.plan.skip(self.passes.lines, "none are asked for");
         }
         let clusters = interval.counts.clusters;
         let strips = lines.count.min(MOST_LINES / clusters);
         if strips == 0 {
-            return self.plan.skip("blur.lines", "there are too many clusters");
+            return self.plan.skip(self.passes.lines, "there are too many clusters");
         }
-        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: u32::MAX });
-        for round in 0..3 {
+        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: NONE });
+        for round in 0..CHOOSE_ROUNDS {
             let constants = ChooseConstants { round, strips };
             self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
         }
@@ -214,7 +203,7 @@ impl Steps<'_> {
     /// What the output shows of the mesh, for what is behind it.
     fn depth(&mut self, frame: &Frame, there: There) {
         let (Some(input), Some(pass)) = (&frame.depth, self.passes.depth) else {
-            return self.plan.skip("blur.depth", "the host has no depth");
+            return self.plan.skip(self.passes.depth_params, "the host has no depth");
         };
         if !there.is_composed {
             self.surface(frame, input, there);
@@ -262,7 +251,9 @@ impl Steps<'_> {
         for (index, (wanted, missing)) in (0..).zip(frames.into_iter().zip(missing)) {
             match missing {
                 Some(drawn) => self.draw_toon(index, &drawn, input),
-                None if wanted.is_some() => self.plan.skip("blur.toon", "the frame is there since an earlier output"),
+                None if wanted.is_some() => {
+                    self.plan.skip(self.passes.toon_params, "the frame is there since an earlier output")
+                }
                 None => {}
             }
         }
@@ -345,7 +336,7 @@ impl Steps<'_> {
             size_of::<params::Cluster>() as u64 * u64::from(counts.clusters),
             8 * u64::from(counts.hull),
             4 * u64::from(counts.seams),
-            4 * u64::from(self.desc.triangles.div_ceil(FRONTS_A_WORD as u32)),
+            4 * u64::from(self.desc.triangles.div_ceil(FRONTS_A_WORD)),
         ];
         let to = [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS];
         for ((from, to), bytes) in HOST_INTERVAL.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
@@ -388,7 +379,7 @@ impl Steps<'_> {
             self.plan.step_with(self.passes.seams, command, &SeamConstants { from: round % 2 });
         }
         if rounds == 0 {
-            self.plan.skip("blur.seams", "no clusters meet, or seam_smoothing is 0");
+            self.plan.skip(self.passes.seams, "no clusters meet, or seam_smoothing is 0");
         }
         self.plan.step_with(self.passes.settle, self.points(), &SettleConstants { from: rounds % 2 });
     }
@@ -422,7 +413,7 @@ impl Steps<'_> {
             self.plan.step(pass, draw);
         }
         if !self.desc.layers {
-            return self.plan.skip("blur.layers", "no layers are kept");
+            return self.plan.skip(self.passes.layers, "no layers are kept");
         }
         let [width, height] = self.desc.size;
         self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
@@ -456,14 +447,21 @@ impl Steps<'_> {
 
     /// A dispatch over tiles, of one, two or four workgroups each.
     fn over_tiles(kind: usize) -> Command {
-        Command::DispatchIndirect { arguments: TILES, offset: TILE_DISPATCHES[kind] }
+        Command::DispatchIndirect { arguments: TILES, offset: 4 * tile_dispatch(kind) as u64 }
+    }
+
+    /// So many workgroups.
+    fn groups_of(shader: &Shader, count: u32) -> Command {
+        Command::Dispatch { threads: [shader.local_size[0] * count, 1, 1] }
     }
 
     /// Which tiles are worked on; what the others have is nothing.
     fn tiles(&mut self) {
         let [width, height] = self.desc.size;
         let mut head = [0; TILE_WORDS];
-        (head[6], head[10], head[14]) = (1, 2, 4);
+        for (kind, workgroups) in [1, 2, 4].into_iter().enumerate() {
+            head[tile_dispatch(kind) + 2] = workgroups;
+        }
         self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: TILES, word: 0 });
         self.plan.update_slice(self.passes.tiles_begin, TILES, &head);
         self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: SAMPLE_STATES, word: NOTHING_SEEN });
@@ -483,26 +481,26 @@ impl Steps<'_> {
         match is_drawn || self.layout.tables > 0 {
             true if there.has_normals => {}
             true => self.normals(2),
-            false => self.plan.skip("blur.normals", "completion does not follow from the surface"),
+            false => self.plan.skip(self.passes.normals, "completion does not follow from the surface"),
         }
         if is_drawn || self.layout.tables == 0 {
             let reason = match is_drawn {
                 true => "what drawn frames hide can be drawn",
                 false => "completion does not follow from the surface",
             };
-            return ["blur.learn", "blur.tones"].iter().for_each(|name| self.plan.skip(name, reason));
+            return [self.passes.learn, self.passes.tone].into_iter().for_each(|pass| self.plan.skip(pass, reason));
         }
         self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Self::over_tiles(1);
         self.plan.step(self.passes.learn, pixels);
-        self.plan.step(self.passes.fill, Command::Dispatch { threads: [TABLE_LANES * 2 * self.layout.tables, 1, 1] });
+        self.plan.step(self.passes.fill, Self::groups_of(&glsl::fill::SHADER, 2 * self.layout.tables));
         self.plan.step(self.passes.pairs, pixels);
         for (round, candidates) in (0..).zip(LIGHT_CANDIDATES) {
-            let command = Command::Dispatch { threads: [LIGHT_LANES * candidates, 1, 1] };
+            let command = Self::groups_of(&glsl::light::SHADER, candidates);
             self.plan.step_with(self.passes.light, command, &LightConstants { round });
         }
         for (is_own, groups) in [(0, 1), (1, self.layout.tables)] {
-            let command = Command::Dispatch { threads: [TABLE_LANES * groups, 1, 1] };
+            let command = Self::groups_of(&glsl::tone::SHADER, groups);
             self.plan.step_with(self.passes.tone, command, &ToneConstants { is_own });
         }
     }
@@ -510,9 +508,9 @@ impl Steps<'_> {
     /// Samples that get their colour from neighbours: no group runs where there are none.
     fn inward(&mut self, gradient: usize, dispatches: u32) {
         let at = |word: usize| Command::DispatchIndirect { arguments: COMPLETING, offset: 4 * word as u64 };
-        self.plan.step(self.passes.border[gradient], at(4 * gradient));
+        self.plan.step(self.passes.border[gradient], at(params::border_dispatch(gradient)));
         for _ in 0..dispatches {
-            self.plan.step(self.passes.inward[gradient], at(8 + 4 * gradient));
+            self.plan.step(self.passes.inward[gradient], at(params::inward_dispatch(gradient)));
         }
     }
 
@@ -541,25 +539,4 @@ impl Steps<'_> {
             None => self.plan.step(self.passes.composite, draw),
         }
     }
-}
-
-/// Room that a plan of this effect needs: steps, and bytes of updates.
-pub fn capacity(desc: &Desc) -> (usize, usize) {
-    let steps = 67
-        + 48
-        + 2 * desc.settings.ghosts.count as usize
-        + GRADIENT_DISPATCHES as usize
-        + MEAN_DISPATCHES as usize
-        + 2
-        + desc.segments as usize
-        + desc.settings.seam_smoothing as usize
-        + 3 * (ROUNDS as usize + 1);
-    let bytes = (TOON.len() + 1) * size_of::<ToonParams>()
-        + size_of::<BlurParams>()
-        + size_of::<Control>()
-        + MOST_KNOTS * size_of::<Knot>();
-    (
-        steps,
-        4 * (COMPLETING_WORDS + TILE_WORDS) + 2 * 4 * LARGE_WORDS + bytes + (ROUNDS as usize + 1) * size_of::<Round>(),
-    )
 }

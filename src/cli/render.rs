@@ -122,7 +122,6 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let shot = Shot::load(&options.shot, &options.set)?;
     let frames = options.frames.unwrap_or(shot.frames);
     check_light(&shot)?;
-    check_blur(&shot)?;
     let [first, last] = frames;
     if first < shot.frames[0] || last > shot.frames[1] {
         let [a, b] = shot.frames;
@@ -317,7 +316,10 @@ impl Job<'_> {
             return Ok(());
         }
         let kept = count - rendered;
-        let table = if times.is_empty() { String::new() } else { profile::table(times) };
+        let mut table = if times.is_empty() { String::new() } else { profile::table(times) };
+        if self.common.verbose {
+            table += &profile::skips(times);
+        }
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
         let frames = if rendered == 1 { "frame" } else { "frames" };
         let more = if count > 1 { " ..." } else { "" };
@@ -361,18 +363,6 @@ fn check_light(shot: &Shot) -> Result<(), Failure> {
             let (name, light) = (&shot.name, flame.settings.light);
             let allowed = "only with something for the fire to tint: add a table [smoke] or [blur], or leave it out";
             Err(Failure::usage(format!("{name}: flame.light = {light}: allowed: {allowed}")))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Behind a blur there is nothing but a colour.
-fn check_blur(shot: &Shot) -> Result<(), Failure> {
-    match (&shot.blur, &shot.background) {
-        (Some(_), Background::Image(path)) => {
-            let (name, path) = (&shot.name, path.display());
-            let allowed = "a colour or \"none\" in a shot with [blur]";
-            Err(Failure::usage(format!("{name}: background = \"{path}\": allowed: {allowed}")))
         }
         _ => Ok(()),
     }

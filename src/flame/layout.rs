@@ -6,26 +6,29 @@ use crate::error::{Error, Result};
 use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, SceneFormat};
 use crate::flame::params::{
-    CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS, MASK_SIDE,
-    Particle, SHARE_SIDE, TILE, buckets,
+    CELLS_ACROSS, CellLevel, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS,
+    MASK_SIDE, MOST_COUNT, Particle, SHARE_SIDE, SUM_VECTORS, TILE, UNFINISHED_VECTORS, UNLAID_VECTORS, buckets,
 };
-use crate::flame::settings::{MOST_COUNT, Method, Mode, Sampling, Settings};
+use crate::flame::settings::{Method, Mode, Sampling, Settings};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{LOOP_BUDGET, Sizes, buffers};
-use crate::plan::{BufferId, ImageId, Resource, Slot};
+use crate::plan::{Binding, BufferId, ImageId, Resource};
+use crate::shaders::flame as glsl;
 
-/// Loop turns that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
+/// Loop iterations that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
 pub const TURNS: u32 = 44_000;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
 pub const FIRST_STAGE: u32 = 16;
+/// Bytes of a vector of four words.
+const VECTOR: u64 = 16;
 /// The most dispatches of a frame's repetitions.
 const MOST_PARTS: u64 = 1 << 15;
 /// The most repetitions that are drawn one after the other.
 const MOST_DRAWN: u32 = 4096;
 /// The most counters of a scan, which one workgroup walks over twice within its loop budget.
-const MOST_COUNTERS: u64 = 256 * 20_000;
+const MOST_COUNTERS: u64 = glsl::scan::SHADER.local_size[0] as u64 * 20_000;
 
 buffers! {
     "flame"
@@ -72,26 +75,30 @@ pub const KERNEL: ImageId = ImageId(1);
 pub const DRAWN: ImageId = ImageId(2);
 /// Its depth buffer.
 pub const DRAWN_DEPTH: ImageId = ImageId(3);
+/// Buffers of the host's.
+pub const HOST_BUFFERS: usize = 3;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(4);
 /// The host's background.
 pub const BACKGROUND: ImageId = ImageId(5);
 /// The host's depth image.
 pub const HOST_DEPTH: ImageId = ImageId(6);
+/// Images of the host's.
+pub const HOST_IMAGES: usize = 3;
 
-/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
-pub fn resource(slot: &Slot) -> Option<Resource> {
-    let image = match slot.name {
+/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+pub fn resource(binding: &Binding) -> Option<Resource> {
+    let image = match binding.name {
         "levels" => Some(LEVELS),
         "kernel" => Some(KERNEL),
         "drawn" => Some(DRAWN),
         _ => None,
     };
-    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    let buffer = BLOCKS.iter().position(|name| *name == binding.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
-/// Loop turns of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
+/// Loop iterations of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
     /// Whatever is in the list.
@@ -142,8 +149,8 @@ impl Stage {
 pub struct Layout {
     /// Screen tiles across and down.
     pub tiles: [u32; 2],
-    /// Cells of each level: first, across, down.
-    pub levels: Vec<[u32; 4]>,
+    /// Levels of cells.
+    pub levels: Vec<CellLevel>,
     /// Cells of all levels.
     pub cells: u32,
     /// Depth buckets.
@@ -237,9 +244,9 @@ impl Layout {
         let texels = u64::from(MASK_SIDE * MASK_SIDE * desc.settings.variants);
         self.set(PARAMS, size_of::<FlameParams>() as u64);
         self.set(CONTROL, size_of::<Control>() as u64);
-        self.set(POSITIONS, particles * 16);
+        self.set(POSITIONS, particles * VECTOR);
         self.set(IDS, particles * 4);
-        self.set(COLOURS, table.entries.len() as u64 * 16);
+        self.set(COLOURS, table.entries.len() as u64 * VECTOR);
         self.set(PARTICLES, particles * size_of::<Particle>() as u64);
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
@@ -248,7 +255,7 @@ impl Layout {
             self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
         }
         let arguments: u64 = self.stages.iter().map(|stage| u64::from(2 * stage.parts)).sum();
-        self.set(PART_ARGUMENTS, arguments * 16);
+        self.set(PART_ARGUMENTS, arguments * VECTOR);
     }
 
     fn size_pictures(&mut self, desc: &Desc) {
@@ -259,26 +266,26 @@ impl Layout {
         let segmented = !is_raster(desc) && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
         // What a tile's pixels have of a repetition, or of a bin, that is not done yet.
         let unfinished = match desc.settings.mode {
-            Mode::Stochastic => 16,
-            Mode::Expected => 32,
+            Mode::Stochastic => VECTOR,
+            Mode::Expected => VECTOR * u64::from(UNFINISHED_VECTORS),
         };
         // Between dispatches, the last two bins of each pixel of the expected image, which lean on their neighbours.
         let is_cut = desc.settings.mode == Mode::Expected && self.stages.iter().any(|stage| stage.parts > 1);
-        self.set(UNLAID, kept(is_cut, pixels * if desc.layers { 64 } else { 48 }));
+        self.set(UNLAID, kept(is_cut, pixels * VECTOR * u64::from(UNLAID_VECTORS + u32::from(desc.layers))));
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);
         self.set(TILE_REPETITIONS, tiles * 4);
         self.set(TILE_OPEN, tiles * 4);
         self.set(SCENE_WORDS, kept(words, pixels * 4));
         self.set(SCENE, kept(desc.scene.is_some(), pixels * 4));
-        self.set(SUMS, pixels * 64);
+        self.set(SUMS, pixels * VECTOR * u64::from(SUM_VECTORS));
         let sprites = u64::from(desc.particles) * most_count(desc);
         self.set(SPRITE_LIST, kept(is_raster(desc), sprites * 8));
         self.set(LAMP, size_of::<Lamp>() as u64);
         self.set(WINNERS, kept(segmented, pixels * unfinished));
-        self.set(PICTURE, pixels * 16);
-        self.set(MEAN, kept(desc.layers, pixels * 16));
-        self.set(VARIANCE, kept(desc.layers, pixels * 16));
+        self.set(PICTURE, pixels * VECTOR);
+        self.set(MEAN, kept(desc.layers, pixels * VECTOR));
+        self.set(VARIANCE, kept(desc.layers, pixels * VECTOR));
         self.set(NEAREST, kept(desc.layers, pixels * 4));
     }
 
@@ -338,7 +345,8 @@ impl Layout {
 
 /// One workgroup lists the sprites, each of its invocations within the loop budget; and a step a repetition must be recorded.
 fn check_raster(desc: &Desc) -> Result<()> {
-    let sprites = u64::from(desc.particles).div_ceil(256) * (most_count(desc) + 2);
+    let sprites =
+        u64::from(desc.particles).div_ceil(glsl::sprites::SHADER.local_size[0].into()) * (most_count(desc) + 2);
     if sprites > u64::from(LOOP_BUDGET) {
         let what = "the flame's list of sprites (sprites of 256 particles)";
         let advice = "use method = \"tiles\", fewer particles or a smaller flame.count";
@@ -369,11 +377,13 @@ pub fn most_count(desc: &Desc) -> u64 {
 }
 
 /// Levels of cells: tiles, and squares of 2 x 2 of the level before, up to where a particle that covers the picture stands.
-fn levels(tiles: [u32; 2]) -> (Vec<[u32; 4]>, u32) {
+fn levels(tiles: [u32; 2]) -> (Vec<CellLevel>, u32) {
     let (mut levels, mut cells, mut sides) = (Vec::new(), 0, tiles);
     loop {
-        levels.push([cells, sides[0], sides[1], 0]);
-        cells += sides[0] * sides[1];
+        let [across, down] = sides;
+        let end = cells + across * down;
+        levels.push(CellLevel { first: cells, across, down, end });
+        cells = end;
         if sides[0].max(sides[1]) <= CELLS_ACROSS {
             return (levels, cells);
         }

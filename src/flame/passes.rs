@@ -1,127 +1,90 @@
-//! The passes of the flame effect, declared once. Every kernel binds its slots by their names.
+//! The passes of the flame effect, declared once. Kernels bind by name.
 
 use ash::vk;
 
 use crate::flame::colour::{Form, Table};
 use crate::flame::frame::Desc;
 use crate::flame::layout::*;
+use crate::flame::params::{
+    CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP,
+};
 use crate::flame::settings::{Mode, Sampling, Shape};
-use crate::plan::{Blend, ColourAttachment, Declare, DepthAttachment, Pass, PassId, Raster, Topology, Usage};
+use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
 use crate::shaders::flame as glsl;
 
-/// What an effect declares: its passes, and which is which.
-#[derive(Debug)]
-pub struct Passes {
-    /// By [`PassId`].
-    pub list: Vec<Pass>,
-    pub(super) params: PassId,
-    pub(super) tables: PassId,
-    pub(super) particles: PassId,
-    pub(super) background: PassId,
-    pub(super) scene_copy: PassId,
-    pub(super) scene: PassId,
-    pub(super) mask: PassId,
-    pub(super) mips: PassId,
-    pub(super) prepare: PassId,
-    pub(super) range: PassId,
-    pub(super) bin_reset: PassId,
-    pub(super) count: PassId,
-    pub(super) scan: PassId,
-    pub(super) fill: PassId,
-    pub(super) tiles: PassId,
-    /// Where the mask is minified, and where it is magnified.
-    pub(super) accumulate: [PassId; 2],
-    pub(super) converge: PassId,
-    pub(super) adapt: PassId,
-    pub(super) weigh: PassId,
-    pub(super) rebuild: PassId,
-    pub(super) shares: PassId,
-    pub(super) kernel: PassId,
-    pub(super) clear: PassId,
-    pub(super) sprites: PassId,
-    pub(super) raster: PassId,
-    pub(super) add: PassId,
-    pub(super) lamp: PassId,
-    pub(super) light: PassId,
-    pub(super) resolve: PassId,
-    pub(super) composite: PassId,
+passes! {
+    (desc: &Desc, layout: &Layout, table: &Table), resource;
+    params = Pass::transfer("flame.params").updates::<FlameParams>(PARAMS, 1).updates::<Control>(CONTROL, 1);
+    tables = Pass::transfer("flame.tables").updates::<[f32; 4]>(COLOURS, table.entries.len());
+    particles = Pass::transfer("flame.particles").copies(HOST_POSITIONS, POSITIONS).copies(HOST_IDS, IDS);
+    background = Pass::transfer("flame.background").copies(BACKGROUND, TARGET);
+    scene_copy = Pass::transfer("flame.scene").copies(HOST_DEPTH, SCENE_WORDS).copies(HOST_SCENE, SCENE);
+    scene = Pass::compute("flame.scene", &glsl::scene::SHADER);
+    mask = Pass::compute("flame.mask", &glsl::mask::SHADER);
+    mips = Pass::compute("flame.mask", &glsl::mips::SHADER).times(MASK_LEVELS as usize - 1);
+    prepare = Pass::compute("flame.prepare", &glsl::prepare::SHADER).specialise([form(table)]);
+    range = Pass::compute("flame.prepare", &glsl::range::SHADER);
+    bin_reset = Pass::transfer("flame.bin").fills(CELLS);
+    count = Pass::compute("flame.bin", &glsl::count::SHADER);
+    scan = Pass::compute("flame.bin", &glsl::scan::SHADER);
+    fill = Pass::compute("flame.bin", &glsl::fill::SHADER);
+    tiles = Pass::compute("flame.bin", &glsl::tiles::SHADER);
+    /// Where the mask is minified, and where it is magnified; the expected image has one for both.
+    accumulate: Vec<PassId> = accumulate(desc, layout);
+    converge = Pass::compute("flame.accumulate", &glsl::converge::SHADER).times(layout.stages.len());
+    adapt = Pass::compute("flame.accumulate", &glsl::adapt::SHADER).times(layout.stages.len());
+    weigh = Pass::compute("flame.prepare", &glsl::weigh::SHADER);
+    rebuild = Pass::compute("flame.kernel", &glsl::rebuild::SHADER);
+    shares = Pass::compute("flame.kernel", &glsl::shares::SHADER);
+    kernel = Pass::compute("flame.kernel", &glsl::kernel::SHADER)
+        .specialise([u32::from(desc.settings.shape == Shape::Cube)]);
+    clear = [PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES].into_iter().fold(Pass::transfer("flame.clear"), Pass::fills);
+    sprites = Pass::compute("flame.raster", &glsl::sprites::SHADER);
+    raster = raster(desc).times(drawn(layout));
+    add = Pass::compute("flame.raster", &glsl::add::SHADER).times(drawn(layout));
+    lamp = Pass::compute("flame.light", &glsl::light::SHADER);
+    light = light(desc);
+    resolve = Pass::compute("flame.resolve", &glsl::resolve::SHADER)
+        .specialise([u32::from(desc.layers), u32::from(desc.settings.mode == Mode::Expected)]);
+    composite = composite(desc);
 }
 
-impl Passes {
-    /// Declares every pass that some frame of this effect may need.
-    pub fn new(desc: &Desc, table: &Table) -> Passes {
-        let mut d = Declare::new(resource);
-        let (from, to) = (Usage::COPY_SOURCE, Usage::COPY_TARGET);
-        let form = match table.form {
-            Form::Radiance => 0,
-            Form::Chromaticity => 1,
-            Form::Ramp => 2,
-        };
-        Passes {
-            params: d.writes("flame.params", &[PARAMS, CONTROL]),
-            tables: d.writes("flame.tables", &[COLOURS]),
-            particles: d.transfer(
-                "flame.particles",
-                &[(HOST_POSITIONS.into(), from), (HOST_IDS.into(), from), (POSITIONS.into(), to), (IDS.into(), to)],
-            ),
-            background: d.transfer("flame.background", &[(TARGET.into(), to), (BACKGROUND.into(), from)]),
-            scene_copy: d.transfer(
-                "flame.scene",
-                &[(HOST_DEPTH.into(), from), (HOST_SCENE.into(), from), (SCENE_WORDS.into(), to), (SCENE.into(), to)],
-            ),
-            scene: d.compute("flame.scene", &glsl::scene::SHADER),
-            mask: d.compute("flame.mask", &glsl::mask::SHADER),
-            mips: d.compute("flame.mask", &glsl::mips::SHADER),
-            prepare: d.add(Pass::compute("flame.prepare", &glsl::prepare::SHADER).specialise([form])),
-            range: d.compute("flame.prepare", &glsl::range::SHADER),
-            bin_reset: d.writes("flame.bin", &[CELLS]),
-            count: d.compute("flame.bin", &glsl::count::SHADER),
-            scan: d.compute("flame.bin", &glsl::scan::SHADER),
-            fill: d.compute("flame.bin", &glsl::fill::SHADER),
-            tiles: d.compute("flame.bin", &glsl::tiles::SHADER),
-            accumulate: match desc.settings.mode {
-                Mode::Stochastic => [0, 1].map(|magnified| d.add(accumulate(desc, magnified))),
-                Mode::Expected => [d.add(expected(desc)); 2],
-            },
-            converge: d.compute("flame.accumulate", &glsl::converge::SHADER),
-            adapt: d.compute("flame.accumulate", &glsl::adapt::SHADER),
-            weigh: d.compute("flame.prepare", &glsl::weigh::SHADER),
-            rebuild: d.compute("flame.kernel", &glsl::rebuild::SHADER),
-            shares: d.compute("flame.kernel", &glsl::shares::SHADER),
-            kernel: d.add(
-                Pass::compute("flame.kernel", &glsl::kernel::SHADER)
-                    .specialise([u32::from(desc.settings.shape == Shape::Cube)]),
-            ),
-            clear: d.writes("flame.clear", &[PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES]),
-            sprites: d.compute("flame.raster", &glsl::sprites::SHADER),
-            raster: d.add(raster(desc)),
-            add: d.compute("flame.raster", &glsl::add::SHADER),
-            lamp: d.compute("flame.light", &glsl::light::SHADER),
-            light: d.add(light(desc)),
-            resolve: d.add(
-                Pass::compute("flame.resolve", &glsl::resolve::SHADER)
-                    .specialise([u32::from(desc.layers), u32::from(desc.settings.mode == Mode::Expected)]),
-            ),
-            composite: d.add(composite(desc)),
-            list: d.list,
-        }
+/// How colours follow from the table, as `prepare` is told.
+fn form(table: &Table) -> u32 {
+    match table.form {
+        Form::Radiance => RADIANCE,
+        Form::Chromaticity => CHROMATICITY,
+        Form::Ramp => RAMP,
     }
 }
 
 /// What kernels that make sprites are specialised by.
-fn variant(desc: &Desc, magnified: u32) -> [u32; 5] {
+fn variant(desc: &Desc, look_up: u32) -> [u32; 5] {
     let settings = &desc.settings;
     [
         u32::from(settings.shape == Shape::Cube),
         u32::from(settings.sampling == Sampling::ShuffledSobol),
         u32::from(settings.flicker > 0.0),
-        magnified,
+        look_up,
         u32::from(desc.scene.is_some()),
     ]
 }
 
-fn accumulate(desc: &Desc, magnified: u32) -> Pass {
-    Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, magnified))
+fn accumulate(desc: &Desc, layout: &Layout) -> Vec<Pass> {
+    let parts = layout.stages.iter().map(|stage| stage.parts as usize).sum::<usize>();
+    let stochastic = |look_up| {
+        let pass = Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, look_up));
+        pass.times(parts)
+    };
+    match desc.settings.mode {
+        Mode::Stochastic => [MINIFIED, MAGNIFIED].map(stochastic).into(),
+        Mode::Expected => vec![expected(desc).times(2 * parts)],
+    }
+}
+
+/// Repetitions that are drawn.
+fn drawn(layout: &Layout) -> usize {
+    layout.stages.iter().map(|stage| stage.drawn() as usize).sum()
 }
 
 /// One repetition, drawn.
@@ -137,7 +100,7 @@ fn raster(desc: &Desc) -> Pass {
         extent,
     };
     // Which look-up a sprite needs is its own to find out: the mask may be magnified in one frame and not in another.
-    Pass::raster("flame.raster", raster).specialise(variant(desc, 2))
+    Pass::raster("flame.raster", raster).specialise(variant(desc, EITHER))
 }
 
 /// What the fire does to the scene around it.

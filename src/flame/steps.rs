@@ -8,25 +8,15 @@ use crate::flame::colour::Table;
 use crate::flame::frame::{Desc, Frame, SceneDepth, SceneFormat};
 use crate::flame::layout::*;
 use crate::flame::params::{
-    AccumulateConstants, AddConstants, Control, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
-    PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants,
+    AccumulateConstants, AddConstants, Control, FLOATS, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
+    PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants, UNORM_16, UNORM_24,
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::{Mode, Shape};
 use crate::host::{Background, HostDepth};
-use crate::plan::{Command, Plan};
+use crate::plan::{Command, Plan, Shader};
+use crate::shaders::flame as glsl;
 use crate::view::Camera;
-
-/// What follows from particles: left out where none can be seen.
-const FIRE_STEPS: [&str; 7] = [
-    "flame.scene",
-    "flame.prepare",
-    "flame.bin",
-    "flame.accumulate",
-    "flame.light",
-    "flame.resolve",
-    "flame.composite",
-];
 
 /// What this frame is to the ones before.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +42,6 @@ pub(super) struct Steps<'a> {
 
 impl Steps<'_> {
     pub(super) fn fill(&mut self, frame: &Frame, params: &FlameParams, table: &Table) {
-        self.plan.clear();
         self.background(&frame.background);
         self.particles(frame);
         self.clear();
@@ -65,12 +54,11 @@ impl Steps<'_> {
             self.mask();
         } else {
             let reason = dark.unwrap_or("size and seed unchanged");
-            self.plan.skip("flame.tables", reason);
-            self.plan.skip("flame.mask", reason);
+            self.plan.skip(self.passes.tables, reason);
+            self.plan.skip(self.passes.mask, reason);
         }
         if let Some(reason) = dark {
-            FIRE_STEPS.iter().for_each(|name| self.plan.skip(name, reason));
-            return;
+            return self.skip_fire(reason);
         }
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.scene(frame);
@@ -82,10 +70,18 @@ impl Steps<'_> {
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }
 
+    /// What follows from particles is left out where none can be seen.
+    fn skip_fire(&mut self, reason: &'static str) {
+        let Passes { scene, prepare, count, converge, light, resolve, composite, .. } = self.passes;
+        for pass in [scene, prepare, count, converge, light, resolve, composite] {
+            self.plan.skip(*pass, reason);
+        }
+    }
+
     fn background(&mut self, background: &Background) {
         let (image, from, extent) = (TARGET, BACKGROUND, self.desc.size);
         let command = match background {
-            Background::Keep => return self.plan.skip("flame.background", "the target is kept"),
+            Background::Keep => return self.plan.skip(self.passes.background, "the target is kept"),
             Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits) },
             Background::Copy(_) => Command::CopyImage { from, to: image, extent },
         };
@@ -94,7 +90,7 @@ impl Steps<'_> {
 
     fn particles(&mut self, frame: &Frame) {
         let Some(particles) = frame.particles.filter(|particles| particles.count > 0) else {
-            return self.plan.skip("flame.particles", "unchanged, or none");
+            return self.plan.skip(self.passes.particles, "unchanged, or none");
         };
         let count = u64::from(particles.count);
         let (from, to) = (HOST_POSITIONS, POSITIONS);
@@ -109,7 +105,7 @@ impl Steps<'_> {
     /// what the memory held before, is left in the list either.
     fn clear(&mut self) {
         if !self.desc.layers {
-            return self.plan.skip("flame.clear", "no layers are kept");
+            return self.plan.skip(self.passes.clear, "no layers are kept");
         }
         let particles = self.moment.dark.map(|_| PARTICLES);
         for buffer in [PICTURE, MEAN, VARIANCE].into_iter().chain(particles) {
@@ -139,35 +135,30 @@ impl Steps<'_> {
                 let (from, to, extent) = (HOST_DEPTH, SCENE_WORDS, self.desc.size);
                 self.plan.step(self.passes.scene_copy, Command::CopyDepth { from, to, extent });
                 let kind = match made.format {
-                    vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => 0,
-                    vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => 1,
-                    _ => 2,
+                    vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => UNORM_16,
+                    vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => UNORM_24,
+                    _ => FLOATS,
                 };
                 let constants = SceneConstants { terms, kind };
                 self.plan.step_with(self.passes.scene, Command::Dispatch { threads: [pixels, 1, 1] }, &constants);
             }
-            _ => self.plan.skip("flame.scene", "nothing else is in the scene"),
+            _ => self.plan.skip(self.passes.scene, "nothing else is in the scene"),
         }
     }
 
     /// Particles by tile and depth.
     fn lists(&mut self) {
         let particles = Command::Dispatch { threads: [self.moment.given.count, 1, 1] };
-        let one_group = Command::Dispatch { threads: [256, 1, 1] };
         self.plan.step(self.passes.prepare, particles);
         self.plan.step(self.passes.range, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
-        let repetitions = match self.desc.settings.mode {
-            Mode::Stochastic => self.desc.settings.repetitions,
-            Mode::Expected => self.desc.settings.bins,
-        };
         let Cost { base, visit, eighths } = Cost::new(self.desc);
-        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, base, visit, eighths, repetitions };
-        self.plan.step_with(self.passes.scan, one_group, &constants);
+        let constants = ScanConstants { budget: TURNS, base, visit, eighths };
+        self.plan.step_with(self.passes.scan, one_group(&glsl::scan::SHADER), &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {
-            self.plan.step_with(self.passes.tiles, one_group, &parts_of(stage));
+            self.plan.step_with(self.passes.tiles, one_group(&glsl::tiles::SHADER), &parts_of(stage));
         }
     }
 
@@ -175,37 +166,35 @@ impl Steps<'_> {
     fn kernel(&mut self, frame: &Frame) {
         let settings = &self.desc.settings;
         if settings.mode == Mode::Stochastic {
-            return self.plan.skip("flame.kernel", "mode is \"stochastic\"");
+            return self.plan.skip(self.passes.kernel, "mode is \"stochastic\"");
         }
         // A cube is seen from another side by another camera.
         let turned = settings.shape == Shape::Cube && self.moment.camera != Some(frame.camera);
         let force = u32::from(self.moment.camera.is_none() || turned);
         let threads = [self.moment.given.count, 1, 1];
         self.plan.step(self.passes.weigh, Command::Dispatch { threads });
-        let once = Command::Dispatch { threads: [1, 1, 1] };
+        let once = one_group(&glsl::rebuild::SHADER);
         self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
         self.plan.step(self.passes.shares, dispatch(offset_of!(Control, share_groups)));
         self.plan.step(self.passes.kernel, dispatch(offset_of!(Control, kernel_groups)));
     }
 
     fn repetitions(&mut self) {
-        let before = self.moment.given.before;
         if is_raster(self.desc) {
-            return self.drawn(before);
+            return self.drawn(self.moment.given.before);
         }
         for (index, stage) in self.layout.stages.iter().enumerate() {
             if index > 0 {
                 self.plan.step(self.passes.converge, dispatch(offset_of!(Control, active_groups)));
-                let one_group = Command::Dispatch { threads: [256, 1, 1] };
-                self.plan.step_with(self.passes.adapt, one_group, &parts_of(stage));
+                self.plan.step_with(self.passes.adapt, one_group(&glsl::adapt::SHADER), &parts_of(stage));
             }
-            for (kind, pass) in self.passes.accumulate.iter().enumerate() {
+            let kinds = [self.passes.accumulate.first(), self.passes.accumulate.last()];
+            for (kind, pass) in kinds.into_iter().flatten().enumerate() {
                 for part in 0..stage.parts {
                     let argument = stage.arguments + kind as u32 * stage.parts + part;
                     let offset = 16 * u64::from(argument);
                     let command = Command::DispatchIndirect { arguments: PART_ARGUMENTS, offset };
-                    let (repetitions, last) = (stage.first, stage.last);
-                    let constants = AccumulateConstants { part, repetitions, last, before };
+                    let constants = AccumulateConstants { part, first: stage.first, last: stage.last };
                     self.plan.step_with(*pass, command, &constants);
                 }
             }
@@ -214,7 +203,7 @@ impl Steps<'_> {
 
     /// The paper's way: a render pass a repetition.
     fn drawn(&mut self, before: u32) {
-        self.plan.step(self.passes.sprites, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.sprites, one_group(&glsl::sprites::SHADER));
         let [width, height] = self.desc.size;
         for repetition in before..before + self.desc.settings.repetitions {
             let sprites = draw(offset_of!(Control, sprite_draw));
@@ -228,9 +217,9 @@ impl Steps<'_> {
     /// What the fire does to the scene around it.
     fn light(&mut self) {
         if self.desc.settings.light == 0.0 || self.desc.scene.is_none() {
-            return self.plan.skip("flame.light", "light is 0, or nothing else is in the scene");
+            return self.plan.skip(self.passes.light, "light is 0, or nothing else is in the scene");
         }
-        self.plan.step(self.passes.lamp, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.lamp, one_group(&glsl::light::SHADER));
         self.plan.step(self.passes.light, draw(offset_of!(Control, screen_draw)));
     }
 }
@@ -238,10 +227,15 @@ impl Steps<'_> {
 fn parts_of(stage: &Stage) -> PartsConstants {
     PartsConstants {
         first: stage.arguments,
-        most: stage.parts,
+        parts: stage.parts,
         repetitions: stage.last - stage.first,
-        stages: stage.first,
+        done: stage.first,
     }
+}
+
+/// A dispatch of a single workgroup.
+fn one_group(shader: &Shader) -> Command {
+    Command::Dispatch { threads: shader.local_size }
 }
 
 /// A dispatch whose groups the device has counted.
@@ -252,11 +246,4 @@ fn dispatch(member: usize) -> Command {
 /// A draw whose quads the device has counted.
 fn draw(member: usize) -> Command {
     Command::DrawIndirect { arguments: CONTROL, offset: member as u64 }
-}
-
-/// Room that a plan of this effect needs: steps, and bytes of updates.
-pub fn capacity(layout: &Layout, table: &Table) -> (usize, usize) {
-    let parts: u32 = layout.stages.iter().map(|stage| 2 * stage.parts.max(stage.drawn()) + 2).sum();
-    let bytes = size_of::<FlameParams>() + size_of::<Control>() + 16 * table.entries.len();
-    (40 + parts as usize, bytes)
 }

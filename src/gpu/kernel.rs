@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::resources::Resources;
 use crate::gpu::{debug, raster};
 use crate::host::Host;
-use crate::plan::{Kernel, Pass, Resource, Shader, SlotKind, Stage};
+use crate::plan::{DescriptorKind, Kernel, Pass, Resource, Shader, Stage};
 
 /// The Vulkan side of one pass; null handles for transfer passes.
 #[derive(Debug, Default)]
@@ -56,8 +56,8 @@ impl Pipelines {
                 if matches!(pass.kernel, Kernel::Transfer) {
                     continue;
                 }
-                if let Some(slot) = pass.unbound().next() {
-                    let why = format!("{}: nothing is bound to {}", pass.name, slot.name);
+                if let Some(binding) = pass.unbound().next() {
+                    let why = format!("{}: nothing is bound to {}", pass.name, binding.name);
                     return Err(Error::HostResource { name: "pass", why });
                 }
                 let Some(pipeline) = self.pipelines.last_mut() else { continue };
@@ -94,19 +94,24 @@ impl Pipelines {
     }
 }
 
-fn descriptor_type(kind: SlotKind) -> vk::DescriptorType {
+fn descriptor_type(kind: DescriptorKind) -> vk::DescriptorType {
     match kind {
-        SlotKind::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
-        SlotKind::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
-        SlotKind::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
-        SlotKind::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
+        DescriptorKind::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
+        DescriptorKind::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
+        DescriptorKind::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
+        DescriptorKind::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
     }
 }
 
 unsafe fn create_pool(host: &Host, passes: &[Pass]) -> Result<vk::DescriptorPool> {
     let mut sizes = Vec::new();
-    for kind in [SlotKind::StorageBuffer, SlotKind::UniformBuffer, SlotKind::StorageImage, SlotKind::SampledImage] {
-        let count = passes.iter().flat_map(|p| &p.bindings).filter(|(slot, _)| slot.kind == kind).count();
+    for kind in [
+        DescriptorKind::StorageBuffer,
+        DescriptorKind::UniformBuffer,
+        DescriptorKind::StorageImage,
+        DescriptorKind::SampledImage,
+    ] {
+        let count = passes.iter().flat_map(|p| &p.bindings).filter(|(binding, _)| binding.kind == kind).count();
         if count > 0 {
             sizes.push(vk::DescriptorPoolSize { ty: descriptor_type(kind), descriptor_count: count as u32 });
         }
@@ -117,20 +122,20 @@ unsafe fn create_pool(host: &Host, passes: &[Pass]) -> Result<vk::DescriptorPool
 }
 
 unsafe fn create_set_layout(host: &Host, pass: &Pass) -> Result<vk::DescriptorSetLayout> {
-    let stages = |binding| {
+    let stages = |number| {
         let shaders = pass.shaders().into_iter().flatten();
-        let using = shaders.filter(|shader| shader.slots.iter().any(|slot| slot.binding == binding));
+        let using = shaders.filter(|shader| shader.bindings.iter().any(|other| other.number == number));
         using.fold(vk::ShaderStageFlags::empty(), |flags, shader| flags | stage_flags(shader.stage))
     };
     let bindings: Vec<_> = pass
         .bindings
         .iter()
-        .map(|(slot, _)| {
+        .map(|(binding, _)| {
             vk::DescriptorSetLayoutBinding::default()
-                .binding(slot.binding)
-                .descriptor_type(descriptor_type(slot.kind))
+                .binding(binding.number)
+                .descriptor_type(descriptor_type(binding.kind))
                 .descriptor_count(1)
-                .stage_flags(stages(slot.binding))
+                .stage_flags(stages(binding.number))
         })
         .collect();
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -186,11 +191,11 @@ unsafe fn allocate_set(
 }
 
 unsafe fn write_set(host: &Host, pass: &Pass, resources: &Resources, set: vk::DescriptorSet) {
-    for (slot, resource) in &pass.bindings {
+    for (binding, resource) in &pass.bindings {
         let write = vk::WriteDescriptorSet::default()
             .dst_set(set)
-            .dst_binding(slot.binding)
-            .descriptor_type(descriptor_type(slot.kind));
+            .dst_binding(binding.number)
+            .descriptor_type(descriptor_type(binding.kind));
         match resource {
             Resource::Buffer(id) => {
                 let (buffer, offset, range) = resources.buffer(*id);

@@ -3,7 +3,7 @@
 pub mod buffer;
 pub mod capabilities;
 pub mod debug;
-pub mod effect;
+pub mod executor;
 #[cfg(feature = "cli")]
 pub mod headless;
 pub mod image;

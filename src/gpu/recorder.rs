@@ -93,8 +93,8 @@ impl Recorder {
                 timing.end_scope(host, commands);
                 debug::end_label(host, commands);
             }
-            for (name, reason) in &plan.skipped {
-                timing.skip(name, reason);
+            for (pass, reason) in &plan.skipped {
+                timing.skip(passes[usize::from(pass.0)].name, reason);
             }
             close(host, stream.current(), resources);
         }

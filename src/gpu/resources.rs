@@ -73,6 +73,16 @@ impl Resources {
         ImageId(self.images.len() as u16 - 1)
     }
 
+    /// Takes all images of the host's back.
+    #[cfg(feature = "cli")]
+    pub(crate) fn take_back_images(&mut self) {
+        for slot in &mut self.images {
+            if let ImageSlot::Host(image) = slot {
+                *image = None;
+            }
+        }
+    }
+
     /// Hands over a buffer for the frame about to be recorded, or takes it back.
     pub fn set_host_buffer(&mut self, id: BufferId, buffer: Option<HostBuffer>) {
         self.buffers[usize::from(id.0)] = BufferSlot::Host(buffer);

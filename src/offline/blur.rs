@@ -157,7 +157,7 @@ impl BlurInput {
                 .most_triangles
                 .max(desc.triangles.saturating_mul(4))
                 .min(crate::blur::params::BASE_MASK),
-            segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS as u32),
+            segments: (inner + settings.reach().ceil() as u32).min(MOST_SEGMENTS),
             frames_resident: last.saturating_sub(first).saturating_add(1).max(4),
             seed,
             layers,

@@ -3,13 +3,14 @@
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-use crate::blur::{self, Blur};
+use crate::blur;
+use crate::effect::{Effect, Kind};
 use crate::error::{Error, Result};
-use crate::flame::{self, Flame};
+use crate::flame;
 use crate::gpu::profiler::Mode;
-use crate::host::Host;
+use crate::host::{Host, Memory};
 use crate::plan::{BufferId, Pass, Plan};
-use crate::smoke::{self, Smoke};
+use crate::smoke;
 
 /// What effects are made for: at least one, all of one picture size.
 #[derive(Clone, Debug, Default)]
@@ -72,66 +73,58 @@ pub enum EffectBuffer {
     Blur(BufferId),
 }
 
-/// An effect that has been made. What differs from one to the other is how it is made and what its frames are.
-pub(crate) trait Effect {
-    /// As [`Smoke::set_mode`].
+/// An effect that has been made, whatever its kind.
+pub(crate) trait AnyEffect {
+    /// As [`Effect::memory`].
+    fn memory(&self) -> Memory;
+    /// As [`Effect::set_mode`].
     fn set_mode(&mut self, mode: Mode);
-    /// As [`Smoke::plan`].
+    /// As [`Effect::plan`].
     fn plan(&self) -> &Plan;
-    /// As [`Smoke::plan_capacity`].
-    fn plan_capacity(&self) -> (usize, usize);
-    /// As [`Smoke::passes`].
+    /// As [`Effect::passes`].
     fn passes(&self) -> &[Pass];
-    /// As [`Smoke::buffer`].
+    /// As [`Effect::buffer`].
     fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64);
-    /// As [`Smoke::replay`].
+    /// As [`Effect::replay`].
     ///
     /// # Safety
     /// As there.
     unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()>;
-    /// As [`Smoke::destroy`].
+    /// As [`Effect::destroy`].
     ///
     /// # Safety
     /// As there.
     unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator);
 }
 
-macro_rules! effect {
-    ($effect:ty) => {
-        impl Effect for $effect {
-            fn set_mode(&mut self, mode: Mode) {
-                self.set_mode(mode);
-            }
+impl<K: Kind> AnyEffect for Effect<K> {
+    fn memory(&self) -> Memory {
+        Effect::<K>::memory(self.desc(), u64::MAX).unwrap_or_default()
+    }
 
-            fn plan(&self) -> &Plan {
-                self.plan()
-            }
+    fn set_mode(&mut self, mode: Mode) {
+        self.set_mode(mode);
+    }
 
-            fn plan_capacity(&self) -> (usize, usize) {
-                self.plan_capacity()
-            }
+    fn plan(&self) -> &Plan {
+        self.plan()
+    }
 
-            fn passes(&self) -> &[Pass] {
-                self.passes()
-            }
+    fn passes(&self) -> &[Pass] {
+        self.passes()
+    }
 
-            fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
-                self.buffer(id)
-            }
+    fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
+        self.buffer(id)
+    }
 
-            unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-                // SAFETY: the caller's.
-                unsafe { self.replay(host, commands, plan) }
-            }
+    unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe { self.replay(host, commands, plan) }
+    }
 
-            unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
-                // SAFETY: the caller's.
-                unsafe { self.destroy(host, allocator) };
-            }
-        }
-    };
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        unsafe { self.destroy(host, allocator) };
+    }
 }
-
-effect!(Smoke);
-effect!(Flame);
-effect!(Blur);

@@ -9,7 +9,7 @@ use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 pub use crate::layout::LOOP_BUDGET;
 use crate::layout::{Sizes, buffers};
-use crate::plan::{BufferId, ImageId, Resource, Shader, Slot};
+use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
 use crate::shaders::smoke as glsl;
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
@@ -77,14 +77,14 @@ buffers! {
     EDGES = "Edges",
 }
 
-/// What a shader's slot stands for: each buffer and image goes by one name everywhere.
-pub fn resource(slot: &Slot) -> Option<Resource> {
-    let image = match slot.name {
+/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+pub fn resource(binding: &Binding) -> Option<Resource> {
+    let image = match binding.name {
         "seen" => Some(SEEN),
         "shadow_map" => Some(SHADOW_MAP),
         _ => None,
     };
-    let buffer = BLOCKS.iter().position(|name| *name == slot.name).map(|index| BufferId(index as u16));
+    let buffer = BLOCKS.iter().position(|name| *name == binding.name).map(|index| BufferId(index as u16));
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
@@ -108,6 +108,8 @@ pub const TARGET: ImageId = ImageId(3);
 pub const BACKGROUND: ImageId = ImageId(4);
 /// The host's depth.
 pub const HOST_DEPTH: ImageId = ImageId(5);
+/// Images of the host's.
+pub const HOST_IMAGES: usize = 3;
 
 /// Sizes of everything, from what the effect is made for.
 #[derive(Clone, Debug)]

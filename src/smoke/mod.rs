@@ -1,7 +1,7 @@
 //! Cel-shaded smoke from a density volume (Hoshino, Dobashi, Yamamoto: Cartoon Rendering of Smoke).
 //!
 //! Spheres grow inside the thresholded volume (section 3.1), are lit and shadowed (3.2), smoothed within groups of equal
-//! depth (3.3), cut into tones (3.4) and outlined from depth (3.5). [`Smoke::record`] records it all into the host's
+//! depth (3.3), cut into tones (3.4) and outlined from depth (3.5). [`Effect::record`] records it all into the host's
 //! command buffer.
 
 pub mod frame;
@@ -13,18 +13,15 @@ pub mod reference;
 pub mod settings;
 pub mod steps;
 
-use ash::vk;
-use gpu_allocator::vulkan::Allocator;
-
 pub use crate::host::{Background, DepthFormat, HostDepth};
 pub use frame::{Desc, Frame, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
 
+use crate::effect::{DeviceLimits, Effect, Kind};
 use crate::error::{Error, Result};
-use crate::gpu::effect::{Inventory, OnDevice, effect_methods};
-use crate::gpu::profiler::Timing;
-use crate::gpu::recorder::Stream;
-use crate::host::{Host, Memory, check_sides};
+use crate::gpu::executor::Description;
+use crate::gpu::resources::Resources;
+use crate::host::Memory;
 use crate::plan::Plan;
 use crate::view::Light;
 use layout::Layout;
@@ -33,24 +30,21 @@ use passes::Passes;
 use settings::Grow;
 use steps::{Moment, Steps, Tables, chosen_grow};
 
-/// The smoke effect: pipelines, and the buffers and images of one picture size.
-///
-/// Its state lives on the device and moves on with each recorded frame, so every recorded command buffer must be
-/// submitted, in order, to the same queue. A frame may be recorded before the one before it has finished.
+/// The smoke effect.
+pub type Smoke = Effect<SmokeKind>;
+
+/// What of the smoke is its own.
 #[derive(Debug)]
-pub struct Smoke {
-    desc: Desc,
+pub struct SmokeKind {
     layout: Layout,
     passes: Passes,
     tables: Tables,
-    plan: Plan,
-    on_device: OnDevice,
     state: State,
 }
 
 /// What is known of the frames recorded so far.
 #[derive(Clone, Copy, Debug, Default)]
-struct State {
+pub struct State {
     /// Whether a frame has been recorded.
     begun: bool,
     /// Frames since the restart.
@@ -64,111 +58,70 @@ struct State {
     shadowed: Option<Light>,
 }
 
-impl Smoke {
-    /// Device memory that an effect will take, before alignment. `limit` is the device's `maxStorageBufferRange`.
-    ///
-    /// # Errors
-    /// A setting out of range, or something larger than `limit`.
-    pub fn memory(desc: &Desc, limit: u64) -> Result<Memory> {
+impl Kind for SmokeKind {
+    const NAME: &'static str = "smoke";
+    type Desc = Desc;
+    type Frame<'a> = Frame;
+    type Recorded = State;
+
+    fn new(desc: &Desc, limits: &DeviceLimits) -> Result<SmokeKind> {
         validate(desc)?;
-        Ok(Layout::new(desc, limit)?.memory(desc))
-    }
-
-    /// Creates pipelines, buffers and images; leaves nothing behind on error.
-    ///
-    /// # Errors
-    /// A setting out of range, something too large for the device, no memory, a failed Vulkan call.
-    ///
-    /// # Safety
-    /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on, and `allocator` is its.
-    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: Desc) -> Result<Smoke> {
-        validate(&desc)?;
-        // SAFETY: the caller's.
-        let limits = unsafe { host.instance.get_physical_device_properties(host.physical_device) }.limits;
-        check_sides(desc.size, &limits)?;
-        let layout = Layout::new(&desc, u64::from(limits.max_storage_buffer_range))?;
-        let mut passes = Passes::new(&desc, &layout);
+        limits.check_sides(desc.size)?;
+        let layout = Layout::new(desc, limits.storage_range)?;
         let tables = Tables::new(&desc.settings, &layout);
-        let inventory = Inventory {
-            buffers: layout.buffers(),
+        let passes = Passes::new(desc, &layout, &tables);
+        Ok(SmokeKind { layout, passes, tables, state: State::default() })
+    }
+
+    fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
+        Desc { size, ..desc.clone() }
+    }
+
+    fn memory(&self, desc: &Desc) -> Memory {
+        self.layout.memory(desc)
+    }
+
+    fn describe(&mut self, desc: &Desc) -> Description {
+        Description {
+            passes: std::mem::take(&mut self.passes.list),
+            buffers: self.layout.buffers().collect(),
             host_buffers: layout::HOST_BUFFERS,
-            images: layout.images(&desc),
-            host_images: 3,
-        };
-        let list = std::mem::take(&mut passes.list);
-        // SAFETY: the caller's.
-        let on_device = unsafe { OnDevice::new(host, allocator, list, inventory)? };
-        let (steps, bytes) = steps::capacity(&layout, &tables);
-        let plan = Plan::with_capacity(steps, bytes);
-        Ok(Smoke { desc, layout, passes, tables, plan, on_device, state: State::default() })
+            images: self.layout.images(desc).into(),
+            host_images: layout::HOST_IMAGES,
+        }
     }
 
-    /// Records a frame. Allocates nothing, submits nothing, waits for nothing.
-    ///
-    /// # Errors
-    /// The frame does not fit what the effect was made for; nothing has been recorded then.
-    ///
-    /// # Safety
-    /// `host` is the one the effect was made with. `commands` is in recording state, outside of a render pass, of a queue
-    /// family with graphics and compute. Host images and buffers are in the states that they declare. The frame is
-    /// submitted after all frames recorded before it, to the same queue.
-    pub unsafe fn record(
-        &mut self,
-        host: &Host,
-        mut commands: vk::CommandBuffer,
-        frame: &Frame,
-        timing: &mut Timing,
-    ) -> Result<()> {
-        // SAFETY: the caller's.
-        unsafe { self.record_into(host, &mut commands, frame, timing) }
-    }
-
-    /// [`Self::record`] into the command buffers of a stream.
-    ///
-    /// # Errors
-    /// As there, and what the stream says: the frame is recorded in part then.
-    ///
-    /// # Safety
-    /// As there, for each command buffer.
-    pub(crate) unsafe fn record_into(
-        &mut self,
-        host: &Host,
-        stream: &mut dyn Stream,
-        frame: &Frame,
-        timing: &mut Timing,
-    ) -> Result<()> {
-        frame.validate(&self.desc, !self.state.begun)?;
-        let (moment, state) = self.moment(frame);
-        self.check_search(&moment.shape)?;
-        let params = SmokeParams::new(&self.desc, &self.layout, frame, &moment.shape, state.frames);
-        let Smoke { desc, layout, passes, tables, plan, .. } = self;
+    fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
+        frame.validate(desc, !self.state.begun)?;
+        let (moment, state) = self.moment(desc, frame);
+        self.check_search(&desc.settings, &moment.shape)?;
+        let SmokeKind { layout, passes, tables, .. } = self;
+        let params = SmokeParams::new(desc, layout, frame, &moment.shape, state.frames);
         Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, tables);
+        Ok(state)
+    }
+
+    fn upload(&self, _: &Desc, frame: &Frame, resources: &mut Resources) {
         let volume = frame.volume;
-        self.on_device.resources.set_host_buffer(layout::HOST_DENSITY, volume.map(|v| v.density));
-        self.on_device.resources.set_host_buffer(layout::HOST_VELOCITY, volume.and_then(|v| v.velocity));
-        self.on_device.resources.set_host_image(layout::TARGET, frame.target);
-        let background = match frame.background {
-            Background::Copy(image) if frame.target.is_some() => Some(image),
-            _ => None,
-        };
-        self.on_device.resources.set_host_image(layout::BACKGROUND, background);
+        resources.set_host_buffer(layout::HOST_DENSITY, volume.map(|v| v.density));
+        resources.set_host_buffer(layout::HOST_VELOCITY, volume.and_then(|v| v.velocity));
+        resources.set_host_image(layout::TARGET, frame.target);
+        let background = frame.background.image().filter(|_| frame.target.is_some());
+        resources.set_host_image(layout::BACKGROUND, background);
         let depth = frame.depth.filter(|_| frame.target.is_some());
-        self.on_device.resources.set_host_image(layout::HOST_DEPTH, depth.map(|depth| depth.image));
+        resources.set_host_image(layout::HOST_DEPTH, depth.map(|depth| depth.image));
         let edges = frame.edges.filter(|_| frame.target.is_some());
-        self.on_device.resources.set_host_buffer(layout::HOST_EDGES, edges);
-        // SAFETY: the caller's.
-        unsafe { self.on_device.record(host, stream, &self.plan, timing)? };
+        resources.set_host_buffer(layout::HOST_EDGES, edges);
+    }
+
+    fn recorded(&mut self, _: &Desc, _: &Frame, state: State) {
         self.state = state;
-        Ok(())
     }
+}
 
-    /// The most steps that a frame can have, and the most bytes of its updates.
-    pub fn plan_capacity(&self) -> (usize, usize) {
-        steps::capacity(&self.layout, &self.tables)
-    }
-
+impl SmokeKind {
     /// What this frame is to the ones before, and the state after it.
-    fn moment(&self, frame: &Frame) -> (Moment, State) {
+    fn moment(&self, desc: &Desc, frame: &Frame) -> (Moment, State) {
         let restart = frame.sequence == Sequence::Restart;
         let advance = frame.sequence == Sequence::Advance;
         let new_volume = frame.volume.is_some();
@@ -176,18 +129,17 @@ impl Smoke {
         state.begun = true;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());
-        let moving = self.desc.velocity || self.desc.settings.lifetime.is_some() || new_volume || state.unmet;
+        let moving = desc.velocity || desc.settings.lifetime.is_some() || new_volume || state.unmet;
         state.unmet = !restart && !advance && (state.unmet || new_volume);
         state.quiet = if restart || (moving && advance) { 0 } else { state.quiet + u32::from(advance) };
         let still = match () {
-            _ if restart || !self.desc.skipping && advance => None,
+            _ if restart || !desc.skipping && advance => None,
             _ if !advance => Some("the same moment again"),
-            _ if state.quiet > self.desc.settings.fade => Some("neither velocity nor density changes"),
+            _ if state.quiet > desc.settings.fade => Some("neither velocity nor density changes"),
             _ => None,
         };
         let same_light = self.state.shadowed == Some(frame.light) && !new_volume;
-        let same_shadow =
-            (still.is_some() && same_light && self.desc.skipping).then_some("particles and light unchanged");
+        let same_shadow = (still.is_some() && same_light && desc.skipping).then_some("particles and light unchanged");
         if frame.target.is_some() {
             state.shadowed = Some(frame.light);
         } else if still.is_none() {
@@ -198,8 +150,8 @@ impl Smoke {
     }
 
     /// A search that was asked for by name must be able to serve this volume.
-    fn check_search(&self, shape: &Shape) -> Result<()> {
-        match chosen_grow(&self.desc.settings, shape) {
+    fn check_search(&self, settings: &Settings, shape: &Shape) -> Result<()> {
+        match chosen_grow(settings, shape) {
             Grow::Field if !shape.is_cubic() => {
                 Err(Error::setting("smoke.grow", "field", "needs cubic voxels; \"chosen\" or \"pyramid\" serve all"))
             }
@@ -222,8 +174,6 @@ impl Smoke {
         }
     }
 }
-
-effect_methods!(Smoke, host_images: [layout::TARGET, layout::BACKGROUND, layout::HOST_DEPTH]);
 
 fn validate(desc: &Desc) -> Result<()> {
     desc.settings.validate()?;

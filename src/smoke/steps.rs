@@ -11,21 +11,6 @@ use crate::smoke::params::*;
 use crate::smoke::passes::Passes;
 use crate::smoke::settings::{Grow, Radius, Settings, Shadow};
 
-/// Names that are skipped as one.
-const PARTICLE_STEPS: [&str; 4] = ["smoke.occupancy", "smoke.advect", "smoke.grow", "smoke.list"];
-const PICTURE_STEPS: [&str; 10] = [
-    "smoke.shadow",
-    "smoke.occlusion",
-    "smoke.spheres",
-    "smoke.tiles",
-    "smoke.luminance",
-    "smoke.rows",
-    "smoke.columns",
-    "smoke.outline",
-    "smoke.tone",
-    "smoke.composite",
-];
-
 /// What the effect knows of a frame when it chooses the steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
@@ -104,7 +89,6 @@ pub struct Steps<'a> {
 impl Steps<'_> {
     /// The steps of `frame`.
     pub fn fill(mut self, frame: &Frame, params: &SmokeParams, tables: &Tables) {
-        self.plan.clear();
         if let Some(target) = &frame.target {
             self.background(&frame.background, target.extent);
         }
@@ -113,10 +97,8 @@ impl Steps<'_> {
                 self.plan.update(self.passes.params, CONTROL, &Control::reset());
                 self.clear();
             }
-            for name in PARTICLE_STEPS.into_iter().chain(PICTURE_STEPS) {
-                self.plan.skip(name, "no particles");
-            }
-            return;
+            self.skip_particles("no particles");
+            return self.skip_picture("no particles");
         }
         self.plan.update(self.passes.params, PARAMS, params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
@@ -124,23 +106,35 @@ impl Steps<'_> {
             self.plan.update_slice(self.passes.tables, WEIGHTS, &tables.weights);
             self.plan.update_slice(self.passes.tables, TONES, &tables.tones);
         } else {
-            self.plan.skip("smoke.tables", "unchanged");
+            self.plan.skip(self.passes.tables, "unchanged");
         }
         self.volume();
         self.particles();
         match frame.target {
             Some(_) => self.picture(frame),
-            None => {
-                let reason = "no target: the frame only moves the particles on";
-                PICTURE_STEPS.into_iter().for_each(|name| self.plan.skip(name, reason));
-            }
+            None => self.skip_picture("no target: the frame only moves the particles on"),
+        }
+    }
+
+    fn skip_particles(&mut self, reason: &'static str) {
+        let Passes { occupancy, advect, grow_reset, listing, .. } = self.passes;
+        for pass in [occupancy, advect, grow_reset, listing] {
+            self.plan.skip(*pass, reason);
+        }
+    }
+
+    fn skip_picture(&mut self, reason: &'static str) {
+        let Passes { shadow_reset, occluders, spheres, tiles, luminance, .. } = self.passes;
+        let Passes { rows, columns, outline, tone, composite, .. } = self.passes;
+        for pass in [shadow_reset, occluders, spheres, tiles, luminance, rows, columns, outline, tone, composite] {
+            self.plan.skip(*pass, reason);
         }
     }
 
     fn background(&mut self, background: &Background, extent: [u32; 2]) {
         debug_assert_eq!(extent, self.desc.size);
         match background {
-            Background::Keep => self.plan.skip("smoke.background", "the target is kept"),
+            Background::Keep => self.plan.skip(self.passes.background, "the target is kept"),
             Background::Clear(colour) => {
                 self.plan
                     .step(self.passes.background, Command::Clear { image: TARGET, value: colour.map(f32::to_bits) });
@@ -153,8 +147,8 @@ impl Steps<'_> {
 
     fn volume(&mut self) {
         if !self.moment.new_volume {
-            self.plan.skip("smoke.volume", "unchanged");
-            self.plan.skip("smoke.occupancy", "volume and threshold unchanged");
+            self.plan.skip(self.passes.volume, "unchanged");
+            self.plan.skip(self.passes.occupancy, "volume and threshold unchanged");
             return;
         }
         let shape = &self.moment.shape;
@@ -179,7 +173,7 @@ impl Steps<'_> {
                 for pass in self.passes.field {
                     self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(FIELD_VOXELS) * ny, nz, 1] });
                 }
-                self.plan.skip("smoke.pyramid", "the field is searched");
+                self.plan.skip(self.passes.pyramid, "the field is searched");
             }
             Grow::Pyramid => {
                 for level in 1..pyramid.count {
@@ -191,9 +185,9 @@ impl Steps<'_> {
                         &PyramidConstants { level },
                     );
                 }
-                self.plan.skip("smoke.field", "the pyramid is searched");
+                self.plan.skip(self.passes.field[0], "the pyramid is searched");
             }
-            _ => self.plan.skip("smoke.field", "voxels are searched one by one"),
+            _ => self.plan.skip(self.passes.field[0], "voxels are searched one by one"),
         }
     }
 
@@ -205,8 +199,8 @@ impl Steps<'_> {
             }
         }
         if let Some(reason) = self.moment.still {
-            self.plan.skip("smoke.advect", reason);
-            self.plan.skip("smoke.grow", reason);
+            self.plan.skip(self.passes.advect, reason);
+            self.plan.skip(self.passes.grow_reset, reason);
         } else {
             self.plan.step(self.passes.advect, Command::Dispatch { threads });
             let pyramid = Pyramid::new(self.moment.shape.dimensions);
@@ -274,7 +268,7 @@ impl Steps<'_> {
         let tiles = dispatch(offset_of!(Control, tile_groups));
         match settings.outline.strength > 0.0 {
             true => self.plan.step(self.passes.outline, tiles),
-            false => self.plan.skip("smoke.outline", "strength is 0"),
+            false => self.plan.skip(self.passes.outline, "strength is 0"),
         }
         self.plan.step(self.passes.tone, tiles);
         let tiles = draw(offset_of!(Control, tile_draw));
@@ -294,7 +288,7 @@ impl Steps<'_> {
         let bytes = size_of::<Edge>() as u64 * u64::from(width) * u64::from(height);
         match frame.edges {
             Some(_) => self.plan.step(self.passes.edges, Command::CopyBuffer { from: HOST_EDGES, to: EDGES, bytes }),
-            None => self.plan.skip("smoke.edges", "nothing covers pixels in part"),
+            None => self.plan.skip(self.passes.edges, "nothing covers pixels in part"),
         }
     }
 
@@ -328,7 +322,7 @@ impl Steps<'_> {
             _ => self.moment.same_shadow,
         };
         if let Some(reason) = reason {
-            self.plan.skip("smoke.shadow", reason);
+            self.plan.skip(self.passes.shadow_reset, reason);
             return;
         }
         let live = dispatch(offset_of!(Control, live_groups));
@@ -347,8 +341,8 @@ impl Steps<'_> {
 
     fn gaussian(&mut self) {
         if self.desc.settings.sigma == 0.0 {
-            self.plan.skip("smoke.rows", "sigma is 0");
-            self.plan.skip("smoke.columns", "sigma is 0");
+            self.plan.skip(self.passes.rows, "sigma is 0");
+            self.plan.skip(self.passes.columns, "sigma is 0");
             return;
         }
         let blocks = self.layout.tiles[0] * self.layout.tiles[1] * TILE_BLOCKS * TILE_BLOCKS;
@@ -383,21 +377,11 @@ fn draw(member: usize) -> Command {
     Command::DrawIndirect { arguments: CONTROL, offset: member as u64 }
 }
 
-/// Room that a plan of this effect needs: steps, and bytes of updates.
-pub fn capacity(layout: &Layout, tables: &Tables) -> (usize, usize) {
-    let steps = 80 + layout.search_parts + layout.luminance_parts + 3 * layout.batches;
-    let bytes = size_of::<SmokeParams>()
-        + size_of::<Control>()
-        + 4 * tables.weights.len()
-        + size_of_val(tables.tones.as_slice());
-    (steps as usize, bytes)
-}
-
 /// What never changes: the Gaussian's weights by distance, and the tones.
 #[derive(Clone, Debug)]
 pub struct Tables {
-    weights: Vec<f32>,
-    tones: Vec<Tone>,
+    pub(super) weights: Vec<f32>,
+    pub(super) tones: Vec<Tone>,
 }
 
 impl Tables {

@@ -47,7 +47,7 @@ fn without_opacity_nothing_changes() {
             return;
         };
         assert!(plain.output(I, true) == unseen.output(I, true), "strength {strength}");
-        let skipped = |film: &Film, name| film.rig.blur().plan().skipped.iter().any(|(other, _)| *other == name);
+        let skipped = |film: &Film, name| film.rig.blur().skipped().any(|(other, _)| other == name);
         assert!(skipped(&plain, "blur.lines") && skipped(&plain, "blur.ghosts"));
         assert!(!skipped(&unseen, "blur.lines") && !skipped(&unseen, "blur.ghosts"));
     }
@@ -71,7 +71,7 @@ fn lines_follow_what_trails() {
             let values = film.animation.channels(point, false);
             let bends = natural(&values);
             for part in 0..=200 {
-                let time = f64::from(vertex.extent[3]) - 2.0 * f64::from(part) / 200.0;
+                let time = f64::from(vertex.time) - 2.0 * f64::from(part) / 200.0;
                 let (at, _) = spline(&values, &bends, I, time);
                 let (x, y) = (at.x / at.z, at.y / at.z);
                 let side = reach.ceil() as i32;

@@ -183,11 +183,12 @@ impl Case {
             let base = row[3] & BASE_MASK;
             let corner = |i: usize| {
                 let vertex = vertices[row[i] as usize];
-                let [x, y, w, time] = vertex.drawn.map(f64::from);
-                let weights = match vertex.place[1] {
+                let [x, y, w, time] =
+                    [vertex.drawn[0], vertex.drawn[1], vertex.drawn_depth, vertex.drawn_time].map(f64::from);
+                let weights = match vertex.is_point {
                     1 => self.scene.mesh.triangles()[base as usize].map(|point| f64::from(u8::from(point == row[i]))),
                     _ => {
-                        let [v, w] = [2, 3].map(|k| f64::from(f32::from_bits(vertex.place[k])));
+                        let [v, w] = vertex.barycentrics.map(f64::from);
                         [1.0 - v - w, v, w]
                     }
                 };

@@ -117,7 +117,7 @@ fn k_and_l_are_those_of_brute_force() {
         let stride = points.len().div_ceil(if points.len() > 9000 { 300 } else { 4000 });
         let looked = (0..points.len()).filter(|place| place % stride == 0 || *place < 6);
         let expected = |place: &usize| extent(motion[*place], &points);
-        let found = |place: usize| [vertices[place].extent[0], vertices[place].extent[1]];
+        let found = |place: usize| [vertices[place].k, vertices[place].l];
         let different = looked.filter(|place| found(*place) != expected(place)).count();
         let extreme = interval.hull.len();
         assert_eq!(different, 0, "{name}: of {} points, {extreme} of them extreme", points.len());
@@ -135,7 +135,7 @@ fn a_line_across_the_motion_has_no_front() {
         let Some(vertices) = device(&interval, [0, count / 2, count - 1]) else { return };
         let last = points[points.len() - 1][1];
         for (vertex, [_, y]) in vertices.iter().zip(&points) {
-            assert_eq!([vertex.extent[0], vertex.extent[1]], [1.0, (last - y) / last]);
+            assert_eq!([vertex.k, vertex.l], [1.0, (last - y) / last]);
         }
     }
 }
@@ -158,11 +158,12 @@ fn new_vertices_have_the_extents_of_brute_force() {
         let new = &vertices[count as usize + 1..];
         assert!(new.len() > 100, "{} new vertices", new.len());
         for vertex in new.iter().step_by(1 + new.len() / 60) {
-            let [k, l] = extent(vertex.motion, &interval.hull);
+            let Vertex { position: [x, y], velocity: [vx, vy], .. } = *vertex;
+            let [k, l] = extent([x, y, vx, vy], &interval.hull);
             // Of more points than can be looked at, k of a line across the motion is what rounding makes of it.
-            let k_off = if tolerance == 0.0 { vertex.extent[0] - k } else { 0.0 };
-            let off = k_off.abs().max((vertex.extent[1] - l).abs());
-            assert!(off <= tolerance, "{count} points: {:?} is not {k}, {l}", vertex.extent);
+            let k_off = if tolerance == 0.0 { vertex.k - k } else { 0.0 };
+            let off = k_off.abs().max((vertex.l - l).abs());
+            assert!(off <= tolerance, "{count} points: {vertex:?} is not {k}, {l}");
         }
     }
 }
@@ -192,7 +193,7 @@ fn smoothing_is_the_references() {
         let expected = extents(&mesh, &interval, 1, strength, rounds);
         let found: Vec<Extent> = rig.vertices()[..labels.len()]
             .iter()
-            .map(|v| Extent { k: v.extent[0], l: v.extent[1], offset: v.extent[2], time: v.extent[3] })
+            .map(|v| Extent { k: v.k, l: v.l, offset: v.smoothing, time: v.time })
             .collect();
         let different = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
         assert_eq!(

@@ -7,14 +7,14 @@ use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::layout::{self, Layout};
 use celfx::blur::passes::Passes;
 use celfx::blur::settings::{Completion, Ghosts, Lines, Refine, Space};
-use celfx::blur::steps::{self, Steps};
+use celfx::blur::steps::Steps;
 use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
     TopologyInput, Trajectories, View,
 };
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
-use celfx::plan::{Command, Kernel, Plan, Resource, SlotKind, Topology, Usage};
+use celfx::plan::{Command, DescriptorKind, Kernel, PassId, Plan, Resource, Topology, Usage};
 use celfx::view::{Camera, Light, LightSource};
 
 use crate::common::allocations::allocated;
@@ -123,13 +123,19 @@ struct Effect {
 impl Effect {
     fn new(desc: Desc) -> Effect {
         let layout = Layout::new(&desc, RANGE).expect("a layout");
-        let (room, bytes) = steps::capacity(&desc);
-        Effect { layout, passes: Passes::new(&desc), plan: Plan::with_capacity(room, bytes), desc }
+        let passes = Passes::new(&desc);
+        Effect { layout, plan: Plan::for_passes(&passes.list), passes, desc }
     }
 
     fn fill(&mut self, frame: &Frame) {
         let Effect { desc, layout, passes, plan } = self;
+        plan.clear();
         Steps { plan, passes, desc, layout, drawn: &[None; 4] }.fill(frame);
+    }
+
+    fn skipped(&self) -> Vec<(&'static str, &'static str)> {
+        let name = |(pass, reason): &(PassId, &'static str)| (self.passes.list[usize::from(pass.0)].name, *reason);
+        self.plan.skipped.iter().map(name).collect()
     }
 
     fn names(&self) -> Vec<&'static str> {
@@ -210,7 +216,7 @@ fn the_steps_of_a_frame_in_order() {
     effect.fill(&frame);
     assert_eq!(effect.names(), ["blur.background"]);
     assert!(effect.plan.skipped.iter().all(|(_, reason)| !reason.is_empty()));
-    assert!(effect.plan.skipped.contains(&("blur.refine", "nothing moves")));
+    assert!(effect.skipped().contains(&("blur.refine", "nothing moves")));
 }
 
 /// What completion does not need is left out, and says why.
@@ -223,7 +229,7 @@ fn completion_is_skipped_by_name() {
         effect.fill(&frame);
         let names = effect.names();
         assert!(["blur.normals", "blur.learn", "blur.tones"].iter().all(|name| !names.contains(name)));
-        let skipped: Vec<_> = effect.plan.skipped.iter().map(|(name, _)| *name).collect();
+        let skipped: Vec<_> = effect.skipped().into_iter().map(|(name, _)| name).collect();
         assert!(["blur.normals", "blur.learn", "blur.tones"].iter().all(|name| skipped.contains(name)), "{skipped:?}");
         assert_eq!(effect.layout.tables, 0);
         // Where neither frame shows anything, colours come from neighbours, if there is such a sample.
@@ -268,7 +274,7 @@ fn no_strength_is_a_copy() {
     (frame.mesh, frame.poses) = (None, None);
     effect.fill(&frame);
     assert_eq!(effect.names(), ["blur.background"]);
-    assert!(effect.plan.skipped.contains(&("blur.distort", "strength is 0")));
+    assert!(effect.skipped().contains(&("blur.distort", "strength is 0")));
 }
 
 #[test]
@@ -291,23 +297,28 @@ fn poses_go_around() {
 }
 
 #[test]
-fn every_slot_is_bound_and_every_step_fits() {
+fn every_binding_is_bound_and_every_step_fits() {
     every(|effect, _| {
         let images = effect.layout.images(&effect.desc).len() as u16;
         for pass in &effect.passes.list {
             assert_eq!(pass.unbound().count(), 0, "{}", pass.name);
-            for (slot, resource) in &pass.bindings {
+            for (binding, resource) in &pass.bindings {
                 let own = match resource {
                     Resource::Buffer(id) => id.0 < layout::BUFFERS,
                     Resource::Image(id) => id.0 < images,
                 };
-                assert!(own, "{}: {} is bound to {resource:?}", pass.name, slot.name);
+                assert!(own, "{}: {} is bound to {resource:?}", pass.name, binding.name);
             }
-            let storage = pass.bindings.iter().filter(|(slot, _)| slot.kind == SlotKind::StorageBuffer).count();
+            let storage =
+                pass.bindings.iter().filter(|(binding, _)| binding.kind == DescriptorKind::StorageBuffer).count();
             assert!(storage <= 12, "{}: {storage} storage buffers", pass.name);
         }
-        let (steps, bytes) = steps::capacity(&effect.desc);
-        assert!(effect.plan.steps.len() <= steps && effect.plan.data.len() <= bytes);
+        for (id, pass) in effect.passes.list.iter().enumerate() {
+            let steps = effect.plan.steps.iter().filter(|step| usize::from(step.pass.0) == id).count();
+            assert!(steps <= pass.most_steps, "{}: {steps} steps, {} declared", pass.name, pass.most_steps);
+        }
+        let bytes: usize = effect.passes.list.iter().map(|pass| pass.most_bytes).sum();
+        assert!(effect.plan.data.len() <= bytes);
         for step in &effect.plan.steps {
             let pass = &effect.passes.list[usize::from(step.pass.0)];
             let pushed: u32 = pass.shaders().into_iter().flatten().map(|shader| shader.push_size).max().unwrap_or(0);

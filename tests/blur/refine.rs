@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use celfx::blur::params::{BASE_MASK, CULLED, Vertex};
+use celfx::blur::params::{BASE_MASK, CULLED, Control, ENDED_BY_BUDGET, Vertex};
 use celfx::blur::reference::extent::extents;
 use celfx::blur::reference::refine::{Refined, Rules, refine};
 use celfx::blur::reference::watertight::border;
@@ -64,7 +64,7 @@ impl Case {
 
 /// Bits of where a vertex is drawn.
 fn drawn(vertex: &Vertex) -> [u32; 3] {
-    [vertex.drawn[0], vertex.drawn[1], vertex.drawn[3]].map(f32::to_bits)
+    [vertex.drawn[0], vertex.drawn[1], vertex.drawn_time].map(f32::to_bits)
 }
 
 /// Triangles by their base, barycentric coordinates and drawn corners.
@@ -73,10 +73,10 @@ type Row = (u32, [[u32; 2]; 3], [[u32; 3]; 3]);
 fn rows(rig: &mut BlurRig, mesh: &Mesh) -> BTreeSet<Row> {
     let (vertices, finished) = (rig.vertices(), rig.finished());
     let place = |base: u32, vertex: u32| {
-        let own = vertices[vertex as usize].place;
+        let Vertex { is_point, barycentrics, .. } = vertices[vertex as usize];
         let corners = mesh.triangles()[base as usize];
         let whole = |corner: usize| f32::from(u8::from(corners[corner] == vertex)).to_bits();
-        if own[1] == 1 { [whole(1), whole(2)] } else { [own[2], own[3]] }
+        if is_point == 1 { [whole(1), whole(2)] } else { barycentrics.map(f32::to_bits) }
     };
     let row = |triangle: &[u32; 4]| {
         assert_eq!(triangle[3] & CULLED, 0, "open meshes are drawn whole");
@@ -119,7 +119,7 @@ fn triangles_are_the_references() {
         assert!(found.len() > case.mesh.triangles().len(), "{name}: nothing is divided");
         let (more, less) = (found.difference(&expected).count(), expected.difference(&found).count());
         assert_eq!((more, less), (0, 0), "{name}: of {} triangles", expected.len());
-        assert!(!refined.over_budget && rig.control().refined[2] == 0, "{name}: it came to its end by itself");
+        assert!(!refined.over_budget && rig.control().ended_by == 0, "{name}: it came to its end by itself");
     }
 }
 
@@ -179,10 +179,10 @@ fn a_budget_ends_it_and_is_reported() {
     let Some((mut rig, interval)) = case.refined(3) else { return };
     let refined = case.reference(&interval);
     let control = rig.control();
-    assert!(refined.over_budget && control.refined[2] == 1 && control.refined[3] > 0, "{control:?}");
-    assert!(control.refined[0] <= 1000 && control.draw[0] == 3 * control.refined[0]);
+    assert!(refined.over_budget && control.ended_by == ENDED_BY_BUDGET && control.undivided > 0, "{control:?}");
+    assert!(control.triangles <= 1000 && control.draw[0] == 3 * control.triangles);
     assert!(rows(&mut rig, &case.mesh) == expected(&refined));
-    assert!(control.refined[1] as usize == refined.vertices.len());
+    assert!(control.vertices as usize == refined.vertices.len());
 }
 
 /// Nothing ends where the tolerance is 0, but edges of a quarter of a pixel, the rounds and the budget.
@@ -193,8 +193,8 @@ fn no_tolerance_ends() {
     case.desc.most_triangles = 400_000;
     let Some((mut rig, _)) = case.refined(3) else { return };
     let control = rig.control();
-    eprintln!("{:?}", control.refined);
-    assert!(control.refined[2] != 1, "edges below a quarter of a pixel are not divided: {control:?}");
+    eprintln!("{control:?}");
+    assert!(control.ended_by != ENDED_BY_BUDGET, "edges below a quarter of a pixel are not divided: {control:?}");
     let (vertices, finished) = (rig.vertices(), rig.finished());
     let shortest = finished.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]).map(|edge| {
         let [a, b] = edge.map(|v| vertices[v as usize].drawn);
@@ -224,7 +224,7 @@ fn a_runner_comes_to_its_end_by_itself() {
             return;
         };
         film.output(8, true);
-        let [triangles, _, end, open] = film.rig.control().refined;
-        assert_eq!((end, open), (0, 0), "frame {}: of {triangles} triangles", i + 1);
+        let Control { triangles, ended_by, undivided, .. } = film.rig.control();
+        assert_eq!((ended_by, undivided), (0, 0), "frame {}: of {triangles} triangles", i + 1);
     }
 }

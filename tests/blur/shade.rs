@@ -2,7 +2,7 @@
 
 use celfx::blur::layout;
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::params::BASE_MASK;
+use celfx::blur::params::{BASE_MASK, Vertex};
 use celfx::blur::settings::Completion;
 use celfx::blur::{Interval, Mesh, Settings};
 use glam::{DVec2, DVec3};
@@ -147,13 +147,18 @@ fn pixels_see_the_triangles_that_f64_sees() {
         assert!(all > pixels * 9 / 10 && wrong == 0, "frame {frame}: {wrong} of {all}");
     }
     let (vertices, finished) = (scene.rig.vertices(), scene.rig.finished());
-    let corner = |v: &u32| DVec3::from_array([0, 1, 2].map(|i| f64::from(vertices[*v as usize].drawn[i])));
+    let corner = |v: &u32| drawn(&vertices[*v as usize]);
     let triangles: Vec<[Corner; 3]> = finished.iter().map(|t| [corner(&t[0]), corner(&t[1]), corner(&t[2])]).collect();
     let names: Vec<u32> = scene.rig.layer(layout::DISTORTED_NAMES);
     let (all, wrong) = differences(&names, &triangles);
     let covered = names.iter().filter(|name| **name > 0).count();
     eprintln!("{} triangles over {covered} pixels", triangles.len());
     assert!(all > pixels * 8 / 10 && covered > pixels / 10 && wrong == 0, "distorted: {wrong} of {all}");
+}
+
+/// Pixels and view depth of where a vertex is drawn.
+fn drawn(vertex: &Vertex) -> DVec3 {
+    DVec3::new(vertex.drawn[0].into(), vertex.drawn[1].into(), vertex.drawn_depth.into())
 }
 
 /// Colours that are places on the surface come from the same place in both frames.
@@ -178,20 +183,20 @@ fn colours_are_those_of_the_surface() {
         }
         let triangle = finished[names[pixel] as usize - 1];
         let corners = [0, 1, 2].map(|i| vertices[triangle[i] as usize]);
-        let drawn = corners.map(|v| DVec3::from_array([0, 1, 2].map(|i| f64::from(v.drawn[i]))));
+        let drawn = corners.map(|v| drawn(&v));
         let (Some(shares), false) = within(&drawn, centre(pixel)) else { continue };
         let base = triangle[3] & BASE_MASK;
-        let places = [0, 1, 2].map(|i| match corners[i].place[1] {
+        let places = [0, 1, 2].map(|i| match corners[i].is_point {
             1 => scene.surface(triangle[i]),
             _ => {
-                let [v, w] = [2, 3].map(|k| f64::from(f32::from_bits(corners[i].place[k])));
+                let [v, w] = corners[i].barycentrics.map(f64::from);
                 scene.place(base, [1.0 - v - w, v, w])
             }
         });
         let place: DVec2 = shares.iter().zip(places).map(|(share, place)| *share * place).sum();
-        let time: f64 = shares.iter().zip(corners).map(|(share, v)| share * f64::from(v.drawn[3])).sum();
+        let time: f64 = shares.iter().zip(corners).map(|(share, v)| share * f64::from(v.drawn_time)).sum();
         assert!((f64::from(times[pixel]) - time).abs() < 1e-3, "pixel {pixel}: {} is not {time}", times[pixel]);
-        if corners.iter().all(|v| v.drawn[3] == 1.0) {
+        if corners.iter().all(|v| v.drawn_time == 1.0) {
             continue;
         }
         for (bit, colours) in [1, 2].into_iter().zip(&colours) {

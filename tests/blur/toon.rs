@@ -159,8 +159,8 @@ impl Film {
     }
 
     fn reasons(&self) -> Vec<&'static str> {
-        let skipped = &self.rig.blur().plan().skipped;
-        skipped.iter().filter(|(name, _)| *name == "blur.toon").map(|(_, reason)| *reason).collect()
+        let skipped = self.rig.blur().skipped();
+        skipped.filter(|(name, _)| *name == "blur.toon").map(|(_, reason)| reason).collect()
     }
 
     /// Unit normals of the corners of each triangle in a frame.

@@ -48,6 +48,29 @@ pub fn write_cache(path: &Path, frames: u64, vertices: u64, values: &[f32]) {
 }
 
 #[test]
+fn an_image_is_behind_what_is_drawn() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    write_image(&folder.0.join("sky.png"), SIZE, 1);
+    folder.write("shot.toml", SHOT);
+    let render = |background: &str| {
+        let (output, set) = (format!("{}/####.png", background.len()), format!("background={background}"));
+        succeeds(&folder, &["render", "shot.toml", "-q", "--set", &set, "-o", &output, run::validate()]);
+        let path = |frame| folder.0.join(output.replace("####", &format!("{frame:04}")));
+        (3..=7).map(|frame| picture::read(&path(frame)).expect("readable").pixels).collect::<Vec<_>>()
+    };
+    let sky = picture::read(&folder.0.join("sky.png")).expect("readable").pixels;
+    let colour = render("[1.0, 0.0, 1.0]");
+    for (frame, (over_colour, over_sky)) in colour.iter().zip(render("sky.png")).enumerate() {
+        let bare: Vec<usize> = (0..sky.len()).filter(|i| over_colour[*i] == [1.0, 0.0, 1.0, 1.0]).collect();
+        assert!(bare.len() > sky.len() / 4 && bare.len() < sky.len(), "frame {frame}: {} bare pixels", bare.len());
+        assert!(bare.iter().all(|i| over_sky[*i] == sky[*i]), "frame {frame}: the sky is not what it is");
+    }
+}
+
+#[test]
 fn a_blurred_frame_alone_equals_the_frame_of_the_sequence() {
     if !has_device() {
         return;

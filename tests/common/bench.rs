@@ -58,7 +58,7 @@ impl Bench {
     pub fn new(desc: Desc) -> Option<Bench> {
         let mut device = device()?;
         let layout = Layout::new(&desc, RANGE).expect("a layout");
-        let passes = Passes::new(&desc, &layout);
+        let passes = Passes::new(&desc, &layout, &Tables::new(&desc.settings, &layout));
         let mut resources = Resources::default();
         let (host, allocator) = device.parts();
         // SAFETY: the handles are the device's own; everything is destroyed before it.

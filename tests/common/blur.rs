@@ -386,13 +386,13 @@ impl BlurRig {
 
     /// The refined triangles: vertices, and the base triangle's word.
     pub fn finished(&mut self) -> Vec<[u32; 4]> {
-        let count = self.control().refined[0];
+        let count = self.control().triangles;
         self.read(layout::FINISHED, count as usize)
     }
 
     /// The mesh's points, and the vertices of the refinement after them.
     pub fn vertices(&mut self) -> Vec<Vertex> {
-        let count = self.control().refined[1];
+        let count = self.control().vertices;
         self.read(layout::VERTICES, count as usize)
     }
 

@@ -40,8 +40,8 @@ fn steps(rig: &mut FlameRig, name: &str) -> usize {
 }
 
 fn reason(rig: &mut FlameRig, name: &str) -> Option<&'static str> {
-    let skipped = &rig.offline().flame().expect("a flame").plan().skipped;
-    skipped.iter().find(|(skipped, _)| *skipped == name).map(|(_, reason)| *reason)
+    let mut skipped = rig.offline().flame().expect("a flame").skipped();
+    skipped.find(|(skipped, _)| *skipped == name).map(|(_, reason)| reason)
 }
 
 /// Nothing but the background, bit for bit, and layers that say so.
@@ -52,7 +52,7 @@ fn assert_empty(name: &str, rig: &mut FlameRig) {
         assert!(layer.as_flattened().iter().all(|v| *v == 0.0), "{name}");
     }
     assert!(rig.nearest().iter().all(|z| *z == f32::INFINITY), "{name}");
-    assert!(rig.prepared().iter().all(|particle| particle.draw[2] == 0), "{name}: a particle is left");
+    assert!(rig.prepared().iter().all(|particle| particle.count == 0), "{name}: a particle is left");
 }
 
 /// Looks and particles of which the host knows that nothing can be seen.

@@ -232,8 +232,6 @@ fn sequence(device: &mut TestDevice, desc: &Desc, in_flight: usize, frames: u32)
             allocations
         };
         assert!(i < 2 || allocations == 0, "frame {i}: recording allocated {allocations} times");
-        let (steps, bytes) = flame.plan_capacity();
-        assert!(flame.plan().steps.len() <= steps && flame.plan().data.len() <= bytes);
         on_their_way.push_back(device.start(commands, "frame").expect("it starts"));
     }
     for (n, submission) in on_their_way.into_iter().enumerate() {

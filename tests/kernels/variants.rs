@@ -1,14 +1,14 @@
 //! Effects in all ways that their kernels are specialised for.
 
 use ash::vk;
+use celfx::blur::BlurKind;
 use celfx::blur::settings::{Completion, Refine, Space};
-use celfx::flame::colour::Table;
-use celfx::flame::settings::{Mode, Sampling, Shape};
-use celfx::flame::{self, SceneFormat};
-use celfx::gpu::buffer::BufferDesc;
-use celfx::gpu::image::ImageDesc;
+use celfx::effect::{DeviceLimits, Kind};
+use celfx::flame::settings::{Colour, Mode, Sampling, Shape};
+use celfx::flame::{self, FlameKind, SceneFormat};
+use celfx::gpu::executor::Description;
 use celfx::host::DepthFormat;
-use celfx::plan::Pass;
+use celfx::smoke::SmokeKind;
 use celfx::smoke::settings::{Integrator, Operator, Shadow};
 use celfx::{blur, smoke};
 
@@ -16,11 +16,7 @@ use crate::common::bench::RANGE;
 use crate::common::{flame as fire, scenes};
 
 /// What an effect's pipelines are made of.
-pub struct Variant {
-    pub passes: Vec<Pass>,
-    pub buffers: Vec<BufferDesc>,
-    pub images: Vec<ImageDesc>,
-}
+pub type Variant = Description;
 
 const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: false };
 
@@ -45,30 +41,31 @@ fn smoke_of([rk2, second, layers, skipping, depth, flat, plain]: [bool; 7], shad
     settings.sigma = if flat { 0.0 } else { settings.sigma };
     let desc = scenes::desc([16, 16], [8; 3], settings);
     let desc = smoke::Desc { layers, skipping, depth: depth.then_some(DEPTH), edges: depth, velocity: true, ..desc };
-    let layout = smoke::layout::Layout::new(&desc, RANGE).expect("a layout");
-    let passes = smoke::passes::Passes::new(&desc, &layout).list;
-    Variant { passes, buffers: layout.buffers().collect(), images: layout.images(&desc).to_vec() }
+    described::<SmokeKind>(&desc)
 }
 
 fn flames() -> impl Iterator<Item = Variant> {
-    let tables =
-        || [Table::physical(3e3, 1.0, 3e3), Table::displayable(3e3, 2.0, 1.0), Table::ramp(3e3, &[[1.0; 3]; 2])];
-    switches().flat_map(move |bits| tables().map(|table| flame_of(bits, &table)))
+    let colours = || [Colour::Physical, Colour::Displayable, Colour::Ramp(vec![[1.0; 3]; 2])];
+    switches().flat_map(move |bits| colours().map(|colour| flame_of(bits, colour)))
 }
 
-fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], table: &Table) -> Variant {
+fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: Colour) -> Variant {
     let settings = flame::Settings {
         mode: if expected { Mode::Expected } else { Mode::Stochastic },
         shape: if cube { Shape::Cube } else { Shape::Ball },
         sampling: if sobol { Sampling::ShuffledSobol } else { Sampling::Independent },
         flicker: if flicker { 0.5 } else { 0.0 },
+        colour,
         ..flame::Settings::default()
     };
     let scene = scene.then_some(SceneFormat::Buffer);
-    let desc = flame::Desc { scene, layers, ..fire::desc([16, 16], 8, settings) };
-    let layout = flame::layout::Layout::new(&desc, table, RANGE).expect("a layout");
-    let passes = flame::passes::Passes::new(&desc, table).list;
-    Variant { passes, buffers: layout.buffers().collect(), images: layout.images(&desc).to_vec() }
+    described::<FlameKind>(&flame::Desc { scene, layers, ..fire::desc([16, 16], 8, settings) })
+}
+
+/// What an effect is made of.
+fn described<K: Kind>(desc: &K::Desc) -> Variant {
+    let limits = DeviceLimits { storage_range: RANGE, image_side: 4096 };
+    K::new(desc, &limits).expect("it can be made").describe(desc)
 }
 
 fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], completion: Completion) -> Variant {
@@ -98,7 +95,5 @@ fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], c
         layers,
         skipping: true,
     };
-    let layout = blur::layout::Layout::new(&desc, RANGE).expect("a layout");
-    let passes = blur::passes::Passes::new(&desc).list;
-    Variant { passes, buffers: layout.buffers().collect(), images: layout.images(&desc).to_vec() }
+    described::<BlurKind>(&desc)
 }

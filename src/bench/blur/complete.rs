@@ -12,7 +12,7 @@ use crate::bench::report::{Accuracy, Row, Subject, Work};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::{COLOUR_LAYER, CONTROL, DISTORTED_NAMES, FINISHED, MASK_LAYER};
-use crate::blur::params::{BASE_MASK, Control};
+use crate::blur::params::{BASE_MASK, Control, SHOWN_BOTH, SHOWN_NEXT, SHOWN_PREVIOUS};
 use crate::blur::settings::Completion;
 use crate::blur::{Desc, MOST_TRIANGLES, Settings};
 use crate::error::Result;
@@ -33,9 +33,7 @@ const TURN: f64 = 15.0;
 /// The bar before the other.
 const FRONT: u32 = 0;
 /// Layer `blur.mask` where one of the frames shows the place.
-const ONE_SIDED: [u32; 2] = [1, 2];
-/// And where both do.
-const BOTH: u32 = 3;
+const ONE_SIDED: [u32; 2] = [SHOWN_PREVIOUS, SHOWN_NEXT];
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
     let variants = session.wanted(PASS, NAME, &VARIANTS);
@@ -107,7 +105,7 @@ fn render(
     rig.frame(effect, &shot())?;
     let pixels = scene.size[0] as usize * scene.size[1] as usize;
     let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
-    let triangles = control.first().map_or(0, |control| control.refined[0]);
+    let triangles = control.first().map_or(0, |control| control.triangles);
     let triangles: Vec<[u32; 4]> = rig.read(effect, FINISHED, triangles as usize)?;
     let object = |name: &u32| {
         let triangle = triangles.get((*name as usize).checked_sub(1)?)?;
@@ -131,7 +129,7 @@ fn compare(found: &Layers, truth: &Layers, [width, height]: [u32; 2]) -> Vec<f64
     let inside = (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| y * width + x));
     let counted = inside.filter(|pixel| {
         let mut around = [pixel - width, *pixel, pixel + width].into_iter().flat_map(|row| row - 1..=row + 1);
-        ONE_SIDED.contains(&found.mask[*pixel]) && truth.mask[*pixel] == BOTH && around.all(is_rear)
+        ONE_SIDED.contains(&found.mask[*pixel]) && truth.mask[*pixel] == SHOWN_BOTH && around.all(is_rear)
     });
     counted.map(|pixel| 100.0 * oklab(found.colour[pixel]).distance(oklab(truth.colour[pixel]))).collect()
 }

@@ -82,7 +82,7 @@ fn measure_workload(session: &mut Session, name: &str, points: u32, variants: &[
     }
     exact.extend(rig.read_kernels::<[f32; 2]>(kernels, EXTENTS, points as usize)?);
     let found: Vec<Vertex> = rig.read(effect, VERTICES, points as usize)?;
-    let found: Vec<[f32; 2]> = found.iter().map(|vertex| [vertex.extent[0], vertex.extent[1]]).collect();
+    let found: Vec<[f32; 2]> = found.iter().map(|vertex| [vertex.k, vertex.l]).collect();
     let hull = prepared.interval.hull.len();
     let of = format!("brute force in f32, bits that differ; hull of {hull}; brute against {CHECKED} of the CPU's");
     for ((variant, kind), times) in variants.iter().zip(&times) {

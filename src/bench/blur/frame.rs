@@ -78,7 +78,7 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
         };
         let (effect, picture) = render(rig, &scene, &images, &settings)?;
         let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
-        let triangles = control.first().map_or(0, |control| control.refined[0]);
+        let triangles = control.first().map_or(0, |control| control.triangles);
         found.push((effect, settings, triangles, accuracy(&picture, &truths[truth].1, &images[1])));
     }
     let rig = &mut session.rig;

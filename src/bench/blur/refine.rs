@@ -9,7 +9,7 @@ use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::Settings;
 use crate::blur::layout::{CONTROL, FINISHED, VERTICES};
-use crate::blur::params::{BASE_MASK, CULLED, Control, Piece, Vertex};
+use crate::blur::params::{BASE_MASK, CULLED, Control, ENDED_BY_BUDGET, Piece, Vertex};
 use crate::blur::reference::extent;
 use crate::blur::reference::path::Path;
 use crate::blur::settings::Refine;
@@ -17,6 +17,7 @@ use crate::error::Result;
 use crate::plan::Plan;
 use crate::reference::random::{hash, unit};
 use crate::simulate::mesh::Builtin;
+use bytemuck::Zeroable;
 
 const PASS: &str = "refine";
 const VARIANTS: [(&str, (Refine, f32)); 8] = [
@@ -35,8 +36,6 @@ const WORKLOADS: [(&str, u32); 2] = [("fox-like", 330), ("run", 10_000)];
 const MOST_TRIANGLES: u32 = 2_000_000;
 /// Random places on the surface.
 const PLACES: u32 = 20_000;
-/// What the device says if there was no room for more triangles.
-const BUDGET: u32 = 1;
 /// The error at which triangles are compared, in pixels.
 const COMPARED: f64 = 0.5;
 
@@ -130,16 +129,16 @@ impl Surface<'_> {
         settings: &'a Settings,
     ) -> Result<Surface<'a>> {
         let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
-        let [triangles, vertices, ended, _] = control.first().map_or([0; 4], |control| control.refined);
-        let mut drawn: Vec<[u32; 4]> = rig.read(effect, FINISHED, triangles as usize)?;
+        let control = control.first().copied().unwrap_or(Control::zeroed());
+        let mut drawn: Vec<[u32; 4]> = rig.read(effect, FINISHED, control.triangles as usize)?;
         drawn.retain(|triangle| triangle[3] & CULLED == 0);
         Ok(Surface {
             scene,
             prepared,
             settings,
-            vertices: rig.read(effect, VERTICES, vertices as usize)?,
+            vertices: rig.read(effect, VERTICES, control.vertices as usize)?,
             triangles: drawn,
-            is_cut_short: ended == BUDGET,
+            is_cut_short: control.ended_by == ENDED_BY_BUDGET,
         })
     }
 
@@ -171,11 +170,11 @@ impl Surface<'_> {
 
     /// Shares of the base triangle's corners.
     fn shares(&self, base: &[u32; 3], vertex: u32) -> [f64; 3] {
-        let place = self.vertices[vertex as usize].place;
-        if place[1] == 1 {
+        let Vertex { is_point, barycentrics, .. } = self.vertices[vertex as usize];
+        if is_point == 1 {
             return base.map(|corner| f64::from(u8::from(corner == vertex)));
         }
-        let [b, c] = [2, 3].map(|i| f64::from(f32::from_bits(place[i])));
+        let [b, c] = barycentrics.map(f64::from);
         [1.0 - b - c, b, c]
     }
 
@@ -231,7 +230,7 @@ impl Surface<'_> {
         let Some(cluster) = interval.cluster(label) else { return path.at(1.0).position };
         let [k, l] = extent::extent([x, y, vx, vy], interval.hull_of(cluster));
         let tooth = extent::tooth(SEED, interval.generation, cluster, l);
-        let offset = mix(&|p| self.vertices[p].extent[2]);
+        let offset = mix(&|p| self.vertices[p].smoothing);
         let time = extent::shifted(settings.strength, extent::time(settings.strength, k, tooth), offset);
         path.at(time).position
     }
@@ -268,7 +267,7 @@ mod tests {
             let piece = [prepared.interval.pieces[p]];
             let path = Path { segments: &prepared.interval.segments, pieces: &piece, on_screen: false };
             let [x, y] = path.at(extents[p].time).position;
-            Vertex { motion: [0.0; 4], extent: [0.0; 4], drawn: [x, y, 0.0, 0.0], place: [0, 1, 0, 0] }
+            Vertex { drawn: [x, y], is_point: 1, ..Vertex::zeroed() }
         };
         let triangles = scene.mesh.triangles().iter().zip(0..).map(|([a, b, c], base)| [*a, *b, *c, base]).collect();
         let vertices = (0..points).map(vertex).collect();

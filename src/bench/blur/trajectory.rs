@@ -94,7 +94,7 @@ fn knots(scene: &Scene, window: usize) -> Vec<Knot> {
         values[place].x = 1.0;
         let bends = spline::second_derivatives(&times, &values);
         let step = [own, own + 1].map(|end| f32::from(u8::from(end == place)));
-        let mut weights = [[0.0; 4]; PIECE_SEGMENTS];
+        let mut weights = [[0.0; 4]; PIECE_SEGMENTS as usize];
         weights[0] = [0.0, step[1] - step[0], bends[own].x as f32, bends[own + 1].x as f32];
         Knot { view: scene.view(first + place), weights }
     };

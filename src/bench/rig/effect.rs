@@ -12,7 +12,7 @@ use crate::gpu::profiler::Timing;
 use crate::host::{Background, Host, HostImage};
 use crate::io::particles::Particles;
 use crate::io::volume::Volume;
-use crate::offline::{Effect, ParticleUpload, VolumeUpload};
+use crate::offline::{AnyEffect, ParticleUpload, VolumeUpload};
 use crate::smoke::{self, Smoke, VolumeInput};
 
 /// An effect, what holds its input, and the input.
@@ -76,7 +76,7 @@ impl Input for Particles {
 }
 
 impl Made {
-    pub(super) fn effect(&self) -> &dyn Effect {
+    pub(super) fn effect(&self) -> &dyn AnyEffect {
         match self {
             Made::Smoke(smoke, ..) => smoke.as_ref(),
             Made::Flame(flame, ..) => flame.as_ref(),
@@ -84,7 +84,7 @@ impl Made {
         }
     }
 
-    pub(super) fn effect_mut(&mut self) -> &mut dyn Effect {
+    pub(super) fn effect_mut(&mut self) -> &mut dyn AnyEffect {
         match self {
             Made::Smoke(smoke, ..) => smoke.as_mut(),
             Made::Flame(flame, ..) => flame.as_mut(),

@@ -2,15 +2,7 @@
 
 use super::Pose;
 use crate::blur::mesh::Mesh;
-
-/// Bits of a triangle in [`super::Interval::fronts`].
-pub const FRONT_BITS: usize = 4;
-/// Triangles of a word of it.
-pub const FRONTS_A_WORD: usize = u32::BITS as usize / FRONT_BITS;
-/// Of the bits: whether only the outside can be seen.
-const CLOSED: u32 = 1;
-/// Whether the outside is where a triangle's corners follow each other clockwise, in frame i; the next one in frame i + 1.
-const TURNED: u32 = 2;
+use crate::blur::params::{CLOSED, FRONT_BITS, FRONTS_A_WORD, TURNED};
 
 /// [`super::Interval::fronts`] of frames i and i + 1. A shell that is flat in one of them, or that may hold the eye in one, is
 /// as one that is not closed.
@@ -27,10 +19,11 @@ pub(super) fn find(mesh: &Mesh, poses: [&Pose; 2], size: [u32; 2]) -> Vec<u32> {
         bits
     };
     let of_shell: Vec<u32> = (0..frames[0].1.len()).map(bits).collect();
-    let mut fronts = vec![0; mesh.triangles().len().div_ceil(FRONTS_A_WORD)];
+    let a_word = FRONTS_A_WORD as usize;
+    let mut fronts = vec![0; mesh.triangles().len().div_ceil(a_word)];
     for triangle in 0..mesh.triangles().len() {
         if let Some(shell) = mesh.shells().of(triangle) {
-            fronts[triangle / FRONTS_A_WORD] |= of_shell[shell] << (FRONT_BITS * (triangle % FRONTS_A_WORD));
+            fronts[triangle / a_word] |= of_shell[shell] << (FRONT_BITS as usize * (triangle % a_word));
         }
     }
     fronts

@@ -19,13 +19,13 @@ impl Motion {
             return None;
         }
         let timeline = timeline(window, &cuts, self.settings.reach().ceil() as usize, project);
-        let fits = timeline.knots.len() <= MOST_KNOTS && timeline.spans.len() <= PIECE_SEGMENTS;
+        let fits = timeline.knots.len() <= MOST_KNOTS && timeline.spans.len() <= PIECE_SEGMENTS as usize;
         if !fits || timeline.ends[0] == timeline.ends[1] {
             return None;
         }
         let times: Vec<f64> = timeline.knots.iter().map(|knot| knot.time).collect();
         let spline = Spline::new(&times);
-        let mut weights = vec![[[0.0; 4]; PIECE_SEGMENTS]; times.len()];
+        let mut weights = vec![[[0.0; 4]; PIECE_SEGMENTS as usize]; times.len()];
         for (place, span) in timeline.spans.iter().enumerate() {
             let [a, b] = span.knots;
             let squared = (times[b] - times[a]).powi(2);

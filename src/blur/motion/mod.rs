@@ -18,7 +18,7 @@ use clusters::Clusters;
 use spline::Knot;
 use trace::{Task, Traces};
 
-pub use fronts::{FRONT_BITS, FRONTS_A_WORD};
+pub use crate::shaders::blur::constants::{FRONT_BITS, FRONTS_A_WORD};
 pub use projection::Projection;
 pub use seams::MOST_NEIGHBOURS;
 

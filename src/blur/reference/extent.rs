@@ -2,14 +2,8 @@
 
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Cluster, Interval};
+use crate::blur::params::{LEAST_EXTENT, LEAST_SPEED_SQUARED, UNIT};
 use crate::reference::random::{hash, unit};
-
-/// Squared speed in (pixels per frame)^2 below which a vertex has no direction.
-const NO_SPEED_SQUARED: f32 = 1e-12;
-/// Extent in pixels below which a cluster has no front and rear.
-const NO_EXTENT: f32 = 1e-3;
-/// Units of k' when it is smoothed: 2^18 to 1.
-pub const UNIT: f32 = 262_144.0;
 
 /// What is known of a vertex of the distorted mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +29,7 @@ pub fn extent(motion: [f32; 4], points: &[[f32; 2]]) -> [f32; 2] {
     let [x, y, vx, vy] = motion;
     let squared = vx * vx + vy * vy;
     // Also where the square is not a number.
-    if squared.is_nan() || squared < NO_SPEED_SQUARED {
+    if squared.is_nan() || squared < LEAST_SPEED_SQUARED {
         return [1.0, 0.0];
     }
     let inverse = 1.0 / squared.sqrt();
@@ -48,7 +42,7 @@ pub fn extent(motion: [f32; 4], points: &[[f32; 2]]) -> [f32; 2] {
             (least, most) = (least.min(p), most.max(p));
         }
         let (n, m) = (most - own, least - own);
-        if n - m < NO_EXTENT { None } else { Some((-m / (n - m)).clamp(0.0, 1.0)) }
+        if n - m < LEAST_EXTENT { None } else { Some((-m / (n - m)).clamp(0.0, 1.0)) }
     };
     [share(along).unwrap_or(1.0), share([along[1], -along[0]]).unwrap_or(0.0)]
 }

@@ -5,24 +5,8 @@ use super::extent::{Extent, extent, shifted, time, tooth};
 use super::path::{Path, State};
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Interval, Piece};
+use crate::blur::params::{BETWEEN, LEAST_EDGE, LEAST_SURFACE, ROUNDS, USUAL_ROUNDS};
 use crate::blur::settings::{Refine, Settings, Space};
-
-/// The most rounds.
-pub const ROUNDS: u32 = 16;
-/// Squared length in pixels^2 below which an edge is not split: 0.25 pixels.
-const SHORTEST: f32 = 0.0625;
-
-/// Squared length in pixels^2, at the reference time, below which an edge is not split where errors decide: what is drawn
-/// of it stays long only because k' jumps.
-const LEAST_SURFACE: f32 = 1.0 / 4096.0;
-/// After so many rounds, each one's tolerance is twice that of the one before: an edge may be straight enough where it is
-/// looked at and its parts not, and then needles to its ends are divided again and again.
-const USUAL_ROUNDS: u32 = 11;
-
-/// Label of a vertex between two clusters, or between such and others: k, l and k' are the mean of its parents', so that
-/// k' is continuous. (If it belonged to one of the two, k' would jump beside the other's vertices, and what crosses the
-/// jump would be split to the last round: hundreds of triangles for each one at a seam.)
-pub const BETWEEN: u32 = u32::MAX;
 
 /// What decides.
 #[derive(Clone, Copy, Debug)]
@@ -157,12 +141,12 @@ impl Rules<'_> {
         };
         let length = squared(a.drawn, b.drawn);
         // Also where the length is not a number.
-        if a.label.max(b.label) == 0 || !(SHORTEST..f32::INFINITY).contains(&length) {
+        if a.label.max(b.label) == 0 || !(LEAST_EDGE * LEAST_EDGE..f32::INFINITY).contains(&length) {
             return false;
         }
         let by_length = self.settings.refine == Refine::Length;
         let place = |vertex: &Vertex| [vertex.motion[0], vertex.motion[1]];
-        if !by_length && squared(place(a), place(b)) < LEAST_SURFACE {
+        if !by_length && squared(place(a), place(b)) < LEAST_SURFACE * LEAST_SURFACE {
             return false;
         }
         let [tolerance, edge] =

@@ -3,16 +3,18 @@
 use super::input::Step;
 use super::layers;
 use super::outputs::Frame;
-use crate::blur;
-use crate::blur::params::Control;
+use crate::blur::params::{Control, ENDED_BY_BUDGET, ROUNDS};
+use crate::blur::{self, Blur};
 use crate::cli::{Common, Failure, interrupt};
 use crate::gpu::headless::{Headless, Messages, Options};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{BlurScene, EffectBuffer, Effects, Offline, Scene};
-use crate::plan::Plan;
 use crate::profile::FrameTimes;
 use crate::smoke::Sequence;
+
+/// What the device has decided of a blurred frame.
+const CONTROL: EffectBuffer = EffectBuffer::Blur(blur::layout::CONTROL);
 
 /// Renders the frames of one shot, in order.
 pub(super) struct Renderer<'a> {
@@ -44,7 +46,7 @@ impl<'a> Renderer<'a> {
         let mut offline = Offline::new(headless, effects.clone())?;
         let mut buffers = if layers { layers::buffers(&effects) } else { Vec::new() };
         // The last one tells how the refinement ended.
-        buffers.extend(effects.blur.iter().map(|_| EffectBuffer::Blur(blur::layout::CONTROL)));
+        buffers.extend(effects.blur.iter().map(|_| CONTROL));
         offline.set_layers(&buffers)?;
         match (&shot.background, background) {
             (_, Some(picture)) => offline.set_backdrop(&picture.pixels)?,
@@ -91,14 +93,14 @@ impl<'a> Renderer<'a> {
         })?;
         check(&self.messages)?;
         *particles = step.particles.as_ref().map_or(*particles, |particles| particles.position.len());
-        let is_still = offline.blur().is_some_and(|blur| is_skipped(blur.plan(), "blur.refine"));
+        let is_still = offline.blur().is_some_and(|blur| is_still(blur));
         *warning = step.blur.as_ref().and_then(|_| ended(offline, effects, number));
         let frame = rendered.then(|| {
             let is_alone = effects.smoke.is_none() && effects.flame.is_none();
             let picture = offline.picture();
             let motion = step.blur.as_ref().map(|blur| &blur.frame);
             let blurred = motion.map(|motion| layers::Blurred { motion, picture, is_alone, is_still });
-            let layers = layers::decode(effects, &offline.layers(), *particles, blurred.as_ref());
+            let layers = layers::decode(effects, &offline.layers(), *particles, shot.size, blurred);
             Frame { number, origin, pixels: offline.picture().to_vec(), layers }
         });
         Ok((frame, offline.times()))
@@ -121,30 +123,31 @@ impl<'a> Renderer<'a> {
     }
 }
 
-fn is_skipped(plan: &Plan, name: &str) -> bool {
-    plan.skipped.iter().any(|(skipped, _)| *skipped == name)
+/// Whether nothing moved in the frame recorded last.
+fn is_still(blur: &Blur) -> bool {
+    blur.skipped().any(|(pass, _)| pass == "blur.refine")
 }
 
 /// Says it where a frame's refinement did not come to its own end.
 fn ended(offline: &mut Offline, effects: &Effects, number: u32) -> Option<String> {
     let desc = effects.blur.as_ref()?;
-    if is_skipped(offline.blur()?.plan(), "blur.refine") {
+    if is_still(offline.blur()?) {
         return None;
     }
     let layers = offline.layers();
     let control: Control = layers.last()?.get(..size_of::<Control>()).map(bytemuck::pod_read_unaligned)?;
-    let [triangles, _, end, open] = control.refined;
+    let Control { triangles, undivided, .. } = control;
     let (key, value) = match desc.settings.refine {
         blur::settings::Refine::Error => ("blur.tolerance", desc.settings.tolerance),
         blur::settings::Refine::Length => ("blur.edge", desc.settings.edge),
     };
-    let why = match end {
+    let why = match control.ended_by {
         0 => return None,
-        1 => "there is room for no more".to_owned(),
-        _ => format!("{} rounds are the most", blur::params::ROUNDS),
+        ENDED_BY_BUDGET => "there is room for no more".to_owned(),
+        _ => format!("{ROUNDS} rounds are the most"),
     };
     Some(format!(
-        "frame {number}: the blur's refinement ended at {triangles} triangles, {open} of which are coarser than \
+        "frame {number}: the blur's refinement ended at {triangles} triangles, {undivided} of which are coarser than \
          {key} = {value} asks for: {why}. Raise {key}, or use a simpler mesh"
     ))
 }

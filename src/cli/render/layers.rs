@@ -1,30 +1,69 @@
-//! The layers of a shot's effects: from the bytes of the buffers that their passes wrote.
+//! The layers of a shot's effects: from the bytes of the buffers that their passes wrote. Each effect has one table.
 
 mod blur;
 mod flame;
 mod smoke;
 
-use super::outputs::Layer;
+use super::outputs::{Layer, LayerData};
 use crate::offline::{BlurFrame, EffectBuffer, Effects};
+use crate::plan::BufferId;
 
 /// A layer's name, as in the file name, and whether it is an array.
 pub(super) type LayerName = (&'static str, bool);
 
-/// The layers of a shot with these effects.
-pub(super) fn names(has_smoke: bool, has_flame: bool, has_blur: bool) -> Vec<LayerName> {
-    let smoke = smoke::LAYERS.iter().filter(|_| has_smoke);
-    let flame = flame::LAYERS.iter().filter(|_| has_flame);
-    smoke.chain(flame).chain(blur::LAYERS.iter().filter(|_| has_blur)).copied().collect()
+/// A line of an effect's table.
+struct Entry {
+    name: &'static str,
+    /// Whether it is an array, and not an image of the picture's size.
+    is_array: bool,
+    /// What it is made of.
+    buffers: &'static [BufferId],
+    decode: fn(&Made) -> LayerData,
 }
 
-/// The buffers that layers are made of, in the order in which [`decode`] takes them.
+impl Entry {
+    const fn array(name: &'static str, buffers: &'static [BufferId], decode: fn(&Made) -> LayerData) -> Entry {
+        Entry { name, is_array: true, buffers, decode }
+    }
+
+    const fn image(name: &'static str, buffers: &'static [BufferId], decode: fn(&Made) -> LayerData) -> Entry {
+        Entry { name, is_array: false, buffers, decode }
+    }
+}
+
+/// The tables of these effects, and what each effect's buffers are called.
+fn tables(effects: &Effects) -> impl Iterator<Item = (&'static [Entry], fn(BufferId) -> EffectBuffer)> {
+    type Table = (bool, &'static [Entry], fn(BufferId) -> EffectBuffer);
+    let all: [Table; 3] = [
+        (effects.smoke.is_some(), smoke::LAYERS, EffectBuffer::Smoke),
+        (effects.flame.is_some(), flame::LAYERS, EffectBuffer::Flame),
+        (effects.blur.is_some(), blur::LAYERS, EffectBuffer::Blur),
+    ];
+    all.into_iter().filter(|(is_there, ..)| *is_there).map(|(_, entries, buffer)| (entries, buffer))
+}
+
+/// The layers of a shot with these effects.
+pub(super) fn names(has_smoke: bool, has_flame: bool, has_blur: bool) -> Vec<LayerName> {
+    let all = [(has_smoke, smoke::LAYERS), (has_flame, flame::LAYERS), (has_blur, blur::LAYERS)];
+    let entries = all.into_iter().filter(|(is_there, _)| *is_there).flat_map(|(_, entries)| entries);
+    entries.map(|entry| (entry.name, entry.is_array)).collect()
+}
+
+/// The buffers that layers are made of, each once.
 pub(super) fn buffers(effects: &Effects) -> Vec<EffectBuffer> {
-    let smoke = effects.smoke.iter().flat_map(|_| smoke::BUFFERS.map(EffectBuffer::Smoke));
-    let flame = effects.flame.iter().flat_map(|_| flame::BUFFERS.map(EffectBuffer::Flame));
-    smoke.chain(flame).chain(effects.blur.iter().flat_map(|_| blur::BUFFERS.map(EffectBuffer::Blur))).collect()
+    let mut buffers = Vec::new();
+    for (entries, name) in tables(effects) {
+        for buffer in entries.iter().flat_map(|entry| entry.buffers).map(|id| name(*id)) {
+            if !buffers.contains(&buffer) {
+                buffers.push(buffer);
+            }
+        }
+    }
+    buffers
 }
 
 /// A blurred frame, as far as it is not in the effect's buffers.
+#[derive(Clone, Copy)]
 pub(super) struct Blurred<'a> {
     /// The motion.
     pub(super) motion: &'a BlurFrame,
@@ -36,40 +75,70 @@ pub(super) struct Blurred<'a> {
     pub(super) is_still: bool,
 }
 
-/// Makes the layers of a frame of `particles` particles, and of a mesh's motion. Without bytes there are none.
-pub(super) fn decode(effects: &Effects, bytes: &[&[u8]], particles: usize, blurred: Option<&Blurred>) -> Vec<Layer> {
-    let mut layers = Vec::new();
-    let mut bytes = bytes;
-    if let (Some(desc), Some((taken, rest))) = (&effects.smoke, bytes.split_first_chunk()) {
-        layers.extend(smoke::decode(*taken, pixels(desc.size), desc.settings.sigma > 0.0));
-        bytes = rest;
-    }
-    if let (Some(desc), Some((taken, rest))) = (&effects.flame, bytes.split_first_chunk()) {
-        layers.extend(flame::decode(*taken, pixels(desc.size), particles, desc.settings.variants));
-        bytes = rest;
-    }
-    if let (Some(desc), Some(blurred), Some((taken, _))) = (&effects.blur, blurred, bytes.split_first_chunk()) {
-        layers.extend(match blurred.is_still {
-            true => blur::still(*taken, blurred),
-            false => blur::decode(*taken, pixels(desc.size), blurred),
-        });
-    }
-    layers
+/// A frame that has been made, as an effect's layers see it.
+struct Made<'a> {
+    effects: &'a Effects,
+    /// Pixels of the picture.
+    pixels: usize,
+    /// Particles of the flame's frame.
+    particles: usize,
+    blurred: Option<Blurred<'a>>,
+    /// The effect's buffers.
+    buffers: Vec<(BufferId, &'a [u8])>,
 }
 
-fn pixels(size: [u32; 2]) -> usize {
-    size[0] as usize * size[1] as usize
+impl Made<'_> {
+    /// The first `count` elements of a buffer, or as many as there are.
+    fn read<T: bytemuck::AnyBitPattern>(&self, id: BufferId, count: usize) -> Vec<T> {
+        let bytes = self.buffers.iter().find(|(other, _)| *other == id).map_or(&[][..], |(_, bytes)| bytes);
+        bytes.chunks_exact(size_of::<T>()).take(count).map(bytemuck::pod_read_unaligned).collect()
+    }
+
+    /// An element a pixel.
+    fn image<T: bytemuck::AnyBitPattern>(&self, id: BufferId) -> Vec<T> {
+        self.read(id, self.pixels)
+    }
 }
 
-/// The first `count` elements, or as many as there are.
-fn read<T: bytemuck::AnyBitPattern>(bytes: &[u8], count: usize) -> Vec<T> {
-    bytes.chunks_exact(size_of::<T>()).take(count).map(bytemuck::pod_read_unaligned).collect()
+/// Makes the layers of a frame of `particles` particles, and of a mesh's motion, from the bytes of [`buffers`]. Without
+/// bytes there are none.
+pub(super) fn decode(
+    effects: &Effects,
+    bytes: &[&[u8]],
+    particles: usize,
+    size: [u32; 2],
+    blurred: Option<Blurred>,
+) -> Vec<Layer> {
+    let all = buffers(effects);
+    if bytes.len() < all.len() {
+        return Vec::new();
+    }
+    let pixels = size[0] as usize * size[1] as usize;
+    let layers = tables(effects).flat_map(|(entries, name)| {
+        let own = |entry: &'static Entry| entry.buffers.iter().map(|id| (*id, name(*id)));
+        let of = |(id, buffer)| Some((id, bytes[all.iter().position(|other| *other == buffer)?]));
+        let buffers = entries.iter().flat_map(own).filter_map(of).collect();
+        let made = Made { effects, pixels, particles, blurred, buffers };
+        entries.iter().map(move |entry| Layer { name: entry.name, data: (entry.decode)(&made) })
+    });
+    layers.collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::outputs::LayerData;
     use super::*;
+
+    /// An effect's layers of a picture of two pixels, from the bytes of some of its buffers.
+    pub(super) fn of(
+        entries: &'static [Entry],
+        effects: &Effects,
+        buffers: &[(BufferId, &[u8])],
+        particles: usize,
+        blurred: Option<Blurred>,
+    ) -> Vec<Layer> {
+        let made = Made { effects, pixels: 2, particles, blurred, buffers: buffers.to_vec() };
+        entries.iter().map(|entry| Layer { name: entry.name, data: (entry.decode)(&made) }).collect()
+    }
 
     /// The values of a layer, one after the other.
     pub(super) fn values(layers: &[Layer], name: &str) -> Vec<f32> {
@@ -88,6 +157,6 @@ mod tests {
         assert_eq!((count(false, false, true), count(true, true, true)), (8, 25));
         assert!(names(false, true, false).iter().all(|(name, _)| name.starts_with("flame")));
         assert!(names(false, false, true).iter().all(|(name, _)| name.starts_with("blur")));
-        assert!(decode(&Effects::default(), &[&[0_u8; 16][..]; 40], 3, None).is_empty());
+        assert!(decode(&Effects::default(), &[&[0_u8; 16][..]; 40], 3, [1, 1], None).is_empty());
     }
 }

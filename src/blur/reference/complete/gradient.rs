@@ -4,7 +4,7 @@ use super::inward;
 use crate::blur::reference::visible::{Colour, Frame, Shaded};
 
 /// Saturation below which a colour has no hue.
-const GREY: f64 = 0.05;
+const GREY: f64 = crate::blur::params::GREY as f64;
 
 /// Hue, saturation, value of a colour that is not premultiplied: hue and saturation from 0 to 1, hue 0 where there is
 /// none, value the largest channel.

@@ -5,18 +5,15 @@
 
 use std::collections::BTreeMap;
 
+use crate::blur::params::{self, LARGEST_SCALE, UNITS};
 use crate::blur::reference::visible::{Colour, Frame, Surface};
 
 /// Bins along each side of the octahedral map.
-pub const SIDE: usize = 32;
+pub const SIDE: usize = params::SIDE as usize;
 /// Bins of an object.
-pub const BINS: usize = SIDE * SIDE;
-/// Units of a channel, of the frame's scale.
-const UNITS: f32 = 65_536.0;
-/// The largest scale.
-const LARGEST_SCALE: f32 = 16.0;
+pub const BINS: usize = params::BINS as usize;
 /// The largest channel in units.
-const MOST: u32 = 65_535;
+const MOST: u32 = UNITS as u32 - 1;
 
 /// The bin of a normal of any length: x and y of the octahedral map, from 0 to 1, times [`SIDE`], rounded down; the bin
 /// of (x, y) is `y * SIDE + x`. None where the normal is 0 or not finite.

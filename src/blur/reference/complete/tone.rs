@@ -13,36 +13,31 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::table::{lessons, scale};
-use crate::blur::params::{LIGHT_CANDIDATES, MOST_SITES, TONE_STEPS};
+use crate::blur::params::{
+    self, ALLOWED, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, LIGHT_CANDIDATES, MOST_CHANGE,
+    MOST_FEW, MOST_SITES, MOST_STRIDE, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, WANTED_SITES, WHOLE,
+};
 use crate::blur::reference::visible::{Colour, Frame, Surface};
+use crate::shaders::common::constants::MOST_HALF;
 
 /// Units of a natural logarithm.
-pub const LOGARITHM: f64 = 256.0;
+const LOGARITHM: f64 = params::LOGARITHM as f64;
 /// Added to colours before their logarithm: what is black has no tone.
-pub const LEAST_COLOUR: f64 = 0.01;
-/// The largest change of a logarithm, in units.
-const MOST_CHANGE: i32 = 1024;
+const LEAST_COLOUR: f64 = params::LEAST_COLOUR as f64;
 /// The largest channel that counts.
-const BRIGHTEST: f64 = 65_504.0;
-/// Places that are wanted at most, but for the grid's chance.
-const WANTED_SITES: u64 = 16_384;
-/// Tones of neighbouring steps that differ by less, over three channels, change evenly between their middles.
-const EVEN: i32 = 128;
-/// Weight of a place, and of two neighbouring steps having one tone.
-const WHOLE: u32 = 16;
-/// Units of a change that is seen, over three channels.
-const CLEAR: u32 = 77;
+const BRIGHTEST: f64 = MOST_HALF as f64;
+/// Steps of the cosine to the light that is found, of which each has its tone.
+const TONE_STEPS: usize = params::TONE_STEPS as usize;
 /// How tones are solved for in the search, and those under the light that is found.
 const SEARCHING: Weighing = Weighing { scale: CLEAR, times: 2 };
-const FINDING: Weighing = Weighing { scale: 13, times: 5 };
-/// Candidates of the first round under a light that stays.
-const STILL_STARTS: usize = 512;
-/// Unexplained badness that each place of an object may have.
-const ALLOWED: u32 = 4;
+const FINDING: Weighing = Weighing { scale: RESIDUAL, times: REPEATS as usize };
+/// Candidates of the first round under a light that stays, and those around each direction under one that turns.
+const STILL_STARTS: usize = params::STILL_STARTS as usize;
+const TURNED_STARTS: usize = params::TURNED_STARTS as usize;
 /// How far from each other directions of a light that turns are in the first round.
-const AROUND: f64 = 0.25;
+const AROUND: f64 = params::AROUND as f64;
 /// The distance that each later round halves.
-const REACH: f64 = 0.24;
+const REACH: f64 = params::REACH as f64;
 
 /// A place that both frames show.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,10 +85,10 @@ pub fn change(from: f64, to: f64) -> i32 {
     ((logarithm + 0.5).floor() as i32).clamp(-MOST_CHANGE, MOST_CHANGE)
 }
 
-/// Weight of a residual r, the sum over the channels of how far a change is from that of the tone: r r / 154 below 77
-/// (0.3), above r - 38: an outlier, a border of two paints, has no more than its share.
+/// Weight of a residual r, the sum over the channels of how far a change is from that of the tone: r r / 2 C below C =
+/// [`CLEAR`] (0.3), above r - C / 2: an outlier, a border of two paints, has no more than its share.
 pub fn badness(residual: u32) -> u32 {
-    if residual < 77 { residual * residual / 154 } else { residual - 38 }
+    if residual < CLEAR { residual * residual / (2 * CLEAR) } else { residual - CLEAR / 2 }
 }
 
 /// Over three channels.
@@ -115,7 +110,9 @@ pub fn sites(surface: &Surface, frames: [&Frame; 2]) -> [Vec<Site>; 2] {
     let width = frames[0].seen.size[0] as usize;
     let moves = |name: &&u32| name.checked_sub(1).is_some_and(|base| !surface.still[base as usize]);
     let moving: usize = frames.iter().map(|frame| frame.seen.seen.iter().filter(moves).count()).sum();
-    let stride = (1_usize..256).find(|stride| (stride * stride) as u64 * WANTED_SITES >= moving as u64).unwrap_or(256);
+    let most = MOST_STRIDE as usize;
+    let is_enough = |stride: &usize| (stride * stride) as u64 * u64::from(WANTED_SITES) >= moving as u64;
+    let stride = (1..most).find(is_enough).unwrap_or(most);
     let (mut all, mut few) = (Vec::new(), Vec::new());
     for side in 0..2 {
         let other = 1 - side;
@@ -135,11 +132,11 @@ pub fn sites(surface: &Surface, frames: [&Frame; 2]) -> [Vec<Site>; 2] {
             if changed(change) >= CLEAR {
                 few.push(site);
             } else if (at[0] / stride).is_multiple_of(4) && (at[1] / stride).is_multiple_of(2) {
-                few.push(Site { weight: 8, ..site });
+                few.push(Site { weight: FEW_WEIGHT, ..site });
             }
         }
     }
-    let fits = all.len() <= MOST_SITES[0] as usize && few.len() <= MOST_SITES[1] as usize;
+    let fits = all.len() <= MOST_SITES as usize && few.len() <= MOST_FEW as usize;
     if fits { [all, few] } else { [Vec::new(), Vec::new()] }
 }
 
@@ -246,19 +243,18 @@ fn beside(light: [f64; 3], index: usize, count: usize, distance: f64) -> [f64; 3
 /// eight around each of 64 under one that turns by 0.25. Later rounds r: the best of the one before and those around it,
 /// eight (from round 4 on four) at a distance of 0.24 / 2^r, of both directions independently.
 fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
-    let first = LIGHT_CANDIDATES[0] as usize;
     if round > 0 {
-        let around = if round < 4 { 8 } else { 4 };
+        let directions = if round < COARSE_SEARCHES as usize { COARSE } else { FINE } as usize;
         let distance = REACH / f64::from(1_u32 << round);
-        let own = [index / (around + 1), index % (around + 1)];
-        return [0, 1].map(|side| beside(best[side], own[side], around, distance));
+        let own = [index / directions, index % directions];
+        return [0, 1].map(|side| beside(best[side], own[side], directions - 1, distance));
     }
     if index < STILL_STARTS {
         return [spread(index, STILL_STARTS); 2];
     }
     let turned = index - STILL_STARTS;
-    let earlier = spread(turned / 8, (first - STILL_STARTS) / 8);
-    [earlier, beside(earlier, 1 + turned % 8, 8, AROUND)]
+    let earlier = spread(turned / TURNED_STARTS, (STARTS as usize - STILL_STARTS) / TURNED_STARTS);
+    [earlier, beside(earlier, 1 + turned % TURNED_STARTS, TURNED_STARTS, AROUND)]
 }
 
 /// The directions under which tones leave least unexplained. In the first round of 24, later of 32 steps, solved for twice;
@@ -267,8 +263,8 @@ fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
 pub fn search([all, few]: &[Vec<Site>; 2]) -> [[f64; 3]; 2] {
     let mut best = [[0.0; 3]; 2];
     for (round, count) in LIGHT_CANDIDATES.into_iter().enumerate() {
-        let places = if round < 4 { few } else { all };
-        let steps = if round == 0 { 24 } else { 32 };
+        let places = if round < COARSE_SEARCHES as usize { few } else { all };
+        let steps = if round == 0 { FIRST_STEPS } else { SEARCH_STEPS } as usize;
         let cost = |index: usize| {
             let lights = candidate(round, index, best);
             let tones = solve(places, lights, steps, SEARCHING);

@@ -1,35 +1,28 @@
-//! The layers of the blur effect.
+//! The layers of the blur effect. Where nothing moved, or the strength is 0, a frame is frame i + 1: all of it is at
+//! k' = 1, no triangle has been drawn, and buffers hold what an earlier frame left.
 
-use super::{Blurred, LayerName, read};
-use crate::blur::Mesh;
-use crate::blur::layout;
-use crate::blur::params::{Control, Vertex};
-use crate::cli::render::outputs::{Layer, LayerData};
+use super::{Blurred, Entry, Made};
+use crate::blur::layout::{
+    COLOUR_LAYER, CONTROL, FINISHED, MASK_LAYER, NEXT_LAYER, PICTURE, PREVIOUS_LAYER, SUBFRAME_LAYER, VERTICES,
+};
+use crate::blur::params::{Control, SHOWN_NEXT, Vertex};
+use crate::blur::{Interval, Mesh};
+use crate::cli::render::outputs::LayerData;
 use crate::plan::BufferId;
 
-/// Every layer's name, and whether it is an array.
-pub(super) const LAYERS: [LayerName; 8] = [
-    ("blur.vertices", true),
-    ("blur.triangles", true),
-    ("blur.previous", false),
-    ("blur.next", false),
-    ("blur.subframe", false),
-    ("blur.mask", false),
-    ("blur.colour", false),
-    ("blur", false),
-];
-
-/// The buffers that layers are made of, in the order in which [`decode`] takes them.
-pub(super) const BUFFERS: [BufferId; 9] = [
-    layout::CONTROL,
-    layout::VERTICES,
-    layout::FINISHED,
-    layout::PREVIOUS_LAYER,
-    layout::NEXT_LAYER,
-    layout::SUBFRAME_LAYER,
-    layout::MASK_LAYER,
-    layout::COLOUR_LAYER,
-    layout::PICTURE,
+pub(super) const LAYERS: &[Entry] = &[
+    Entry::array("blur.vertices", &[CONTROL, VERTICES], vertices),
+    Entry::array("blur.triangles", &[CONTROL, VERTICES, FINISHED], triangles),
+    Entry::image("blur.previous", &[PREVIOUS_LAYER], |made| LayerData::Colour(shown(made, PREVIOUS_LAYER))),
+    Entry::image("blur.next", &[NEXT_LAYER, PICTURE], |made| {
+        LayerData::Colour(if is_still(made) { picture(made) } else { made.image(NEXT_LAYER) })
+    }),
+    Entry::image("blur.subframe", &[SUBFRAME_LAYER], |made| {
+        LayerData::Value(if is_still(made) { vec![1.0; made.pixels] } else { made.image(SUBFRAME_LAYER) })
+    }),
+    Entry::image("blur.mask", &[MASK_LAYER], mask),
+    Entry::image("blur.colour", &[COLOUR_LAYER], |made| LayerData::Colour(shown(made, COLOUR_LAYER))),
+    Entry::image("blur", &[PICTURE], |made| LayerData::Colour(picture(made))),
 ];
 
 /// Columns of `blur.vertices`: x, y, velocity x, y, cluster, k, l, k'.
@@ -37,71 +30,74 @@ const COLUMNS: u64 = 8;
 /// Values of each corner in `blur.triangles`: x, y, view depth, k'.
 const CORNER: u64 = 4;
 /// In `blur.mask`: frame i + 1 alone shows it.
-const NEXT: f32 = 2.0;
+const NEXT: f32 = SHOWN_NEXT as f32;
 
-/// Makes the layers of a picture of `pixels` pixels.
-pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, blurred: &Blurred) -> Vec<Layer> {
-    let mesh = &blurred.motion.mesh;
-    let [control, vertices, finished, previous, next, subframe, mask, colour, picture] = bytes;
-    let control: Vec<Control> = read(control, 1);
-    let [triangles, count, ..] = control.first().map_or([0; 4], |control| control.refined);
-    let vertices: Vec<Vertex> = read(vertices, (count as usize).max(mesh.points()));
-    let finished: Vec<[u32; 4]> = read(finished, triangles as usize);
-    let corners = finished.iter().flat_map(|triangle| &triangle[..3]);
-    let corners: Vec<f32> = corners.filter_map(|corner| vertices.get(*corner as usize)).flat_map(|v| v.drawn).collect();
-    let mask: Vec<u32> = read(mask, pixels);
-    let data = [
-        LayerData::table(COLUMNS, rows(&vertices, mesh)),
-        LayerData::Array { shape: vec![corners.len() as u64 / (3 * CORNER), 3, CORNER], values: corners },
-        LayerData::Colour(read(previous, pixels)),
-        LayerData::Colour(read(next, pixels)),
-        LayerData::Value(read(subframe, pixels)),
-        LayerData::Value(mask.into_iter().map(|mask| mask as f32).collect()),
-        LayerData::Colour(read(colour, pixels)),
-        LayerData::Colour(match blurred.is_alone {
-            true => blurred.picture.to_vec(),
-            false => read(picture, pixels).into_iter().map(whole).collect(),
-        }),
-    ];
-    named(data)
+fn is_still(made: &Made) -> bool {
+    made.blurred.is_some_and(|blurred| blurred.is_still)
 }
 
-/// The layers of a frame that is frame i + 1, because nothing moves or the strength is 0: all of it is at k' = 1, and
-/// no triangle has been drawn.
-pub(super) fn still(bytes: [&[u8]; BUFFERS.len()], blurred: &Blurred) -> Vec<Layer> {
-    let Blurred { motion, picture, is_alone, .. } = blurred;
-    let count = picture.len();
-    // Other effects are drawn over it.
-    let picture = if *is_alone { picture.to_vec() } else { read(bytes[BUFFERS.len() - 1], count) };
-    let (mesh, interval) = (&motion.mesh, &motion.interval);
+/// Triangles and vertices of the refined mesh, and its vertices.
+fn refined(made: &Made) -> (usize, Vec<Vertex>) {
+    let points = made.blurred.map_or(0, |blurred| blurred.motion.mesh.points());
+    let control: Vec<Control> = made.read(CONTROL, 1);
+    let [triangles, count] = control.first().map_or([0; 2], |control| [control.triangles, control.vertices]);
+    (triangles as usize, made.read(VERTICES, (count as usize).max(points)))
+}
+
+/// A row for each vertex of the file.
+fn vertices(made: &Made) -> LayerData {
+    let Some(Blurred { motion, is_still, .. }) = made.blurred else { return LayerData::table(COLUMNS, Vec::new()) };
+    let rows = match is_still {
+        true => still_rows(&motion.mesh, &motion.interval),
+        false => rows(&motion.mesh, &refined(made).1),
+    };
+    LayerData::table(COLUMNS, rows)
+}
+
+fn rows(mesh: &Mesh, vertices: &[Vertex]) -> Vec<f32> {
+    let points = mesh.file_to_point().iter().filter_map(|point| vertices.get(*point as usize));
+    let row = |Vertex { position: [x, y], velocity: [vx, vy], k, l, time, cluster, .. }: &Vertex| {
+        [*x, *y, *vx, *vy, *cluster as f32, *k, *l, *time]
+    };
+    points.flat_map(row).collect()
+}
+
+fn still_rows(mesh: &Mesh, interval: &Interval) -> Vec<f32> {
     let row = |point: &u32| {
         let point = *point as usize;
         let [x, y, vx, vy] = interval.motion.get(point).copied().unwrap_or_default();
         [x, y, vx, vy, interval.labels.get(point).copied().unwrap_or_default() as f32, 1.0, 0.0, 1.0]
     };
-    named([
-        LayerData::table(COLUMNS, mesh.file_to_point().iter().flat_map(row).collect()),
-        LayerData::Array { shape: vec![0, 3, CORNER], values: Vec::new() },
-        LayerData::Colour(vec![[0.0; 4]; count]),
-        LayerData::Colour(picture.clone()),
-        LayerData::Value(vec![1.0; count]),
-        LayerData::Value(vec![NEXT; count]),
-        LayerData::Colour(vec![[0.0; 4]; count]),
-        LayerData::Colour(picture),
-    ])
+    mesh.file_to_point().iter().flat_map(row).collect()
 }
 
-fn named(data: [LayerData; LAYERS.len()]) -> Vec<Layer> {
-    LAYERS.into_iter().zip(data).map(|((name, _), data)| Layer { name, data }).collect()
+fn triangles(made: &Made) -> LayerData {
+    let (count, vertices) = if is_still(made) { (0, Vec::new()) } else { refined(made) };
+    let finished: Vec<[u32; 4]> = made.read(FINISHED, count);
+    let corners = finished.iter().flat_map(|triangle| &triangle[..3]);
+    let row = |v: &Vertex| [v.drawn[0], v.drawn[1], v.drawn_depth, v.drawn_time];
+    let values: Vec<f32> = corners.filter_map(|corner| vertices.get(*corner as usize)).flat_map(row).collect();
+    LayerData::Array { shape: vec![values.len() as u64 / (3 * CORNER), 3, CORNER], values }
 }
 
-/// A row for each vertex of the file.
-fn rows(vertices: &[Vertex], mesh: &Mesh) -> Vec<f32> {
-    let points = mesh.file_to_point().iter().filter_map(|point| vertices.get(*point as usize));
-    let row = |Vertex { motion: [x, y, vx, vy], extent: [k, l, _, moved], place, .. }: &Vertex| {
-        [*x, *y, *vx, *vy, place[0] as f32, *k, *l, *moved]
-    };
-    points.flat_map(row).collect()
+/// What of the smear pixels show.
+fn shown(made: &Made, id: BufferId) -> Vec<[f32; 4]> {
+    if is_still(made) { vec![[0.0; 4]; made.pixels] } else { made.image(id) }
+}
+
+fn mask(made: &Made) -> LayerData {
+    let mask = || made.image::<u32>(MASK_LAYER).into_iter().map(|mask| mask as f32).collect();
+    LayerData::Value(if is_still(made) { vec![NEXT; made.pixels] } else { mask() })
+}
+
+/// The picture of the blur alone.
+fn picture(made: &Made) -> Vec<[f32; 4]> {
+    match made.blurred {
+        Some(Blurred { is_alone: true, picture, .. }) => picture.to_vec(),
+        // Other effects are drawn over it.
+        Some(Blurred { is_still: true, .. }) => made.image(PICTURE),
+        _ => made.image(PICTURE).into_iter().map(whole).collect(),
+    }
 }
 
 /// A pixel without its mark: an alpha of negative sign is that of a pixel of frame i + 1.

@@ -1,86 +1,72 @@
 //! The layers of the flame effect.
 
-use super::{LayerName, read};
-use crate::cli::render::outputs::{Layer, LayerData};
-use crate::flame::layout;
+use super::{Entry, Made};
+use crate::cli::render::outputs::LayerData;
+use crate::flame::layout::{MASK, MEAN, NEAREST, PARTICLES, PICTURE, POSITIONS, VARIANCE};
 use crate::flame::params::{MASK_SIDE, Particle};
-use crate::plan::BufferId;
 
-/// Every layer's name, and whether it is an array.
-pub(super) const LAYERS: [LayerName; 8] = [
-    ("flame.particles", true),
-    ("flame.mask", true),
-    ("flame.mean", false),
-    ("flame.variance", false),
-    ("flame.coverage", false),
-    ("flame.depth", false),
-    ("flame.repetitions", false),
-    ("flame", false),
-];
-
-/// The buffers that layers are made of, in the order in which [`decode`] takes them.
-pub(super) const BUFFERS: [BufferId; 7] = [
-    layout::POSITIONS,
-    layout::PARTICLES,
-    layout::MASK,
-    layout::MEAN,
-    layout::VARIANCE,
-    layout::NEAREST,
-    layout::PICTURE,
+pub(super) const LAYERS: &[Entry] = &[
+    Entry::array("flame.particles", &[POSITIONS, PARTICLES], particles),
+    Entry::array("flame.mask", &[MASK], mask),
+    Entry::image("flame.mean", &[MEAN], |made| LayerData::Rgb(made.image(MEAN).iter().map(colour).collect())),
+    Entry::image("flame.variance", &[VARIANCE], |made| {
+        LayerData::Rgb(made.image(VARIANCE).iter().map(colour).collect())
+    }),
+    Entry::image("flame.coverage", &[MEAN], |made| LayerData::Value(made.image(MEAN).iter().map(last).collect())),
+    Entry::image("flame.depth", &[NEAREST], |made| LayerData::Value(made.image(NEAREST))),
+    Entry::image("flame.repetitions", &[VARIANCE], |made| {
+        LayerData::Value(made.image(VARIANCE).iter().map(last).collect())
+    }),
+    Entry::image("flame", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
 /// Columns of `flame.particles`: x, y, z, temperature, mean count, alpha, r, g, b.
 const COLUMNS: u64 = 9;
 
-/// Makes the layers of a picture of `pixels` pixels from so many particles and different masks.
-pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, particles: usize, variants: u32) -> Vec<Layer> {
-    let [positions, prepared, mask, mean, variance, nearest, picture] = bytes;
-    let shape = [variants, MASK_SIDE, MASK_SIDE].map(u64::from);
-    let texels = shape.iter().product::<u64>() as usize;
-    let mean: Vec<[f32; 4]> = read(mean, pixels);
-    let variance: Vec<[f32; 4]> = read(variance, pixels);
-    let data = [
-        LayerData::table(COLUMNS, rows(positions, prepared, particles)),
-        LayerData::Array { shape: shape.to_vec(), values: read(mask, texels) },
-        LayerData::Rgb(mean.iter().map(colour).collect()),
-        LayerData::Rgb(variance.iter().map(colour).collect()),
-        LayerData::Value(mean.iter().map(|pixel| pixel[3]).collect()),
-        LayerData::Value(read(nearest, pixels)),
-        LayerData::Value(variance.iter().map(|pixel| pixel[3]).collect()),
-        LayerData::Colour(read(picture, pixels)),
-    ];
-    LAYERS.into_iter().zip(data).map(|((name, _), data)| Layer { name, data }).collect()
-}
-
 fn colour([r, g, b, _]: &[f32; 4]) -> [f32; 3] {
     [*r, *g, *b]
 }
 
+fn last([.., last]: &[f32; 4]) -> f32 {
+    *last
+}
+
+fn mask(made: &Made) -> LayerData {
+    let variants = made.effects.flame.as_ref().map_or(0, |desc| desc.settings.variants);
+    let shape = [variants, MASK_SIDE, MASK_SIDE].map(u64::from);
+    let texels = shape.iter().product::<u64>() as usize;
+    LayerData::Array { shape: shape.to_vec(), values: made.read(MASK, texels) }
+}
+
 /// The particles that are not dropped, in row order. Buffers may be longer than this frame's particles.
-fn rows(positions: &[u8], prepared: &[u8], particles: usize) -> Vec<f32> {
-    let positions: Vec<[f32; 4]> = read(positions, particles);
-    let prepared: Vec<Particle> = read(prepared, particles);
-    let kept = positions.iter().zip(&prepared).filter(|(_, particle)| particle.draw[2] > 0);
+fn particles(made: &Made) -> LayerData {
+    let positions: Vec<[f32; 4]> = made.read(POSITIONS, made.particles);
+    let prepared: Vec<Particle> = made.read(PARTICLES, made.particles);
+    let kept = positions.iter().zip(&prepared).filter(|(_, particle)| particle.count > 0);
     let row = |([x, y, z, temperature], particle): (&[f32; 4], &Particle)| {
-        let [r, g, b, mean_count] = particle.colour;
-        [*x, *y, *z, *temperature, mean_count, particle.view[3], r, g, b]
+        let [r, g, b, alpha] = particle.colour;
+        [*x, *y, *z, *temperature, particle.mean_count, alpha, r, g, b]
     };
-    kept.flat_map(row).collect()
+    LayerData::table(COLUMNS, kept.flat_map(row).collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::values;
+    use super::super::tests::{of, values};
     use super::*;
+    use crate::flame::{Desc, Settings};
+    use crate::offline::TARGET_FORMAT;
     use bytemuck::Zeroable;
 
     #[test]
     fn dropped_particles_are_left_out_and_pixels_taken_apart() {
         let positions: Vec<[f32; 4]> = (0..4).map(|i| [i as f32, 10.0, 20.0, 1000.0 + i as f32]).collect();
         let particle = |count: u32| Particle {
-            view: [7.0, 7.0, 7.0, 2.5],
-            colour: [0.5, 0.25, 0.125, 6.5],
-            draw: [9, 9, count, 9],
+            view: [7.0; 2],
+            mean_count: 6.5,
+            colour: [0.5, 0.25, 0.125, 2.5],
+            id: 9,
+            count,
             ..Particle::zeroed()
         };
         // The last row is one of an earlier frame with more particles.
@@ -91,15 +77,27 @@ mod tests {
         let nearest = [2.0_f32, f32::INFINITY];
         let picture = [[1.0_f32, 2.0, 3.0, 0.4], [0.0; 4]];
         let bytes = [
-            bytemuck::cast_slice(&positions),
-            bytemuck::cast_slice(&prepared),
-            bytemuck::cast_slice(&mask),
-            bytemuck::cast_slice(&mean),
-            bytemuck::cast_slice(&variance),
-            bytemuck::cast_slice(&nearest),
-            bytemuck::cast_slice(&picture),
+            (POSITIONS, bytemuck::cast_slice(&positions)),
+            (PARTICLES, bytemuck::cast_slice(&prepared)),
+            (MASK, bytemuck::cast_slice(&mask)),
+            (MEAN, bytemuck::cast_slice(&mean)),
+            (VARIANCE, bytemuck::cast_slice(&variance)),
+            (NEAREST, bytemuck::cast_slice(&nearest)),
+            (PICTURE, bytemuck::cast_slice(&picture)),
         ];
-        let layers = decode(bytes, 2, 3, 2);
+        let settings = Settings { variants: 2, ..Settings::default() };
+        let desc = Desc {
+            size: [2, 1],
+            target_format: TARGET_FORMAT,
+            scene: None,
+            particles: 4,
+            hottest: 2000.0,
+            seed: 0,
+            settings,
+            layers: true,
+            skipping: true,
+        };
+        let layers = of(LAYERS, &desc.into(), &bytes, 3, None);
         let rows = [
             [0.0, 10.0, 20.0, 1000.0, 6.5, 2.5, 0.5, 0.25, 0.125],
             [2.0, 10.0, 20.0, 1002.0, 6.5, 2.5, 0.5, 0.25, 0.125],

@@ -1,84 +1,65 @@
-//! The layers of the smoke effect: from the bytes of the buffers that its passes wrote.
+//! The layers of the smoke effect.
 
-use super::{LayerName, read};
-use crate::cli::render::outputs::{Layer, LayerData};
-use crate::plan::BufferId;
-use crate::smoke::layout;
+use super::{Entry, Made};
+use crate::cli::render::outputs::LayerData;
+use crate::smoke::layout::{
+    CONTROL, DEPTH, GROUPS, OUTLINE_LAYER, PICTURE, PIXELS, SHADOW, SMOOTH, SPHERES, TONE_LAYER, VISIBLE,
+};
 use crate::smoke::params::{Control, GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
-/// Every layer's name, and whether it is an array.
-pub(super) const LAYERS: [LayerName; 9] = [
-    ("smoke.spheres", true),
-    ("smoke.luminance", false),
-    ("smoke.depth", false),
-    ("smoke.id", false),
-    ("smoke.shadow", false),
-    ("smoke.smooth", false),
-    ("smoke.tone", false),
-    ("smoke.outline", false),
-    ("smoke", false),
+pub(super) const LAYERS: &[Entry] = &[
+    Entry::array("smoke.spheres", &[CONTROL, VISIBLE, SPHERES, GROUPS], spheres),
+    Entry::image("smoke.luminance", &[PIXELS], |made| LayerData::Value(luminance(made))),
+    Entry::image("smoke.depth", &[DEPTH], |made| LayerData::Value(made.image(DEPTH))),
+    Entry::image("smoke.id", &[PIXELS], |made| {
+        LayerData::Value(made.image::<u32>(PIXELS).into_iter().map(|word| (word & GROUP_MASK) as f32).collect())
+    }),
+    Entry::image("smoke.shadow", &[SHADOW], |made| LayerData::Value(made.image(SHADOW))),
+    Entry::image("smoke.smooth", &[SMOOTH, PIXELS], smooth),
+    Entry::image("smoke.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
+    Entry::image("smoke.outline", &[OUTLINE_LAYER], |made| LayerData::Value(made.image(OUTLINE_LAYER))),
+    Entry::image("smoke", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
-/// The buffers that layers are made of, in the order in which [`decode`] takes them.
-pub(super) const BUFFERS: [BufferId; 11] = [
-    layout::CONTROL,
-    layout::VISIBLE,
-    layout::SPHERES,
-    layout::GROUPS,
-    layout::PIXELS,
-    layout::DEPTH,
-    layout::SHADOW,
-    layout::SMOOTH,
-    layout::TONE_LAYER,
-    layout::OUTLINE_LAYER,
-    layout::PICTURE,
-];
+fn luminance(made: &Made) -> Vec<f32> {
+    made.image::<u32>(PIXELS).into_iter().map(|word| (word >> GROUP_BITS) as f32 / LUMINANCE_ONE).collect()
+}
 
-/// Makes the layers of a picture of `pixels` pixels. Without `filtered` the smoothed luminance is the luminance itself.
-pub(super) fn decode(bytes: [&[u8]; BUFFERS.len()], pixels: usize, filtered: bool) -> Vec<Layer> {
-    let [control, visible, spheres, groups, words, depth, shadow, smooth, tone, outline, picture] = bytes;
-    let words: Vec<u32> = read(words, pixels);
-    let luminance: Vec<f32> = words.iter().map(|word| (word >> GROUP_BITS) as f32 / LUMINANCE_ONE).collect();
-    let smooth = if filtered { read(smooth, pixels) } else { luminance.clone() };
-    let data = [
-        LayerData::table(5, sphere_rows(control, visible, spheres, groups)),
-        LayerData::Value(luminance),
-        LayerData::Value(read(depth, pixels)),
-        LayerData::Value(words.iter().map(|word| (word & GROUP_MASK) as f32).collect()),
-        LayerData::Value(read(shadow, pixels)),
-        LayerData::Value(smooth),
-        LayerData::Colour(read(tone, pixels)),
-        LayerData::Value(read(outline, pixels)),
-        LayerData::Colour(read(picture, pixels)),
-    ];
-    LAYERS.into_iter().zip(data).map(|((name, _), data)| Layer { name, data }).collect()
+/// The luminance itself where nothing is smoothed.
+fn smooth(made: &Made) -> LayerData {
+    let is_filtered = made.effects.smoke.as_ref().is_some_and(|desc| desc.settings.sigma > 0.0);
+    LayerData::Value(if is_filtered { made.image(SMOOTH) } else { luminance(made) })
 }
 
 /// x, y, z, radius and group of the visible spheres, in particle order.
-fn sphere_rows(control: &[u8], visible: &[u8], spheres: &[u8], groups: &[u8]) -> Vec<f32> {
-    let control: Vec<Control> = read(control, 1);
+fn spheres(made: &Made) -> LayerData {
+    let control: Vec<Control> = made.read(CONTROL, 1);
     let count = control.first().map_or(0, |control| control.visible as usize);
-    let visible: Vec<u32> = read(visible, count);
-    let row = |slot: &u32| {
-        let slot = *slot as usize;
-        let sphere: [f32; 4] = at(spheres, slot)?;
-        let group: u32 = at(groups, slot)?;
-        let [x, y, z, radius] = sphere;
-        Some([x, y, z, radius, group as f32])
+    let (spheres, groups) = (made.read::<[f32; 4]>(SPHERES, usize::MAX), made.read::<u32>(GROUPS, usize::MAX));
+    let row = |place: u32| {
+        let [x, y, z, radius] = *spheres.get(place as usize)?;
+        Some([x, y, z, radius, *groups.get(place as usize)? as f32])
     };
-    visible.iter().filter_map(row).flatten().collect()
-}
-
-/// Element `index`.
-fn at<T: bytemuck::AnyBitPattern>(bytes: &[u8], index: usize) -> Option<T> {
-    bytes.chunks_exact(size_of::<T>()).nth(index).map(bytemuck::pod_read_unaligned)
+    let visible = made.read::<u32>(VISIBLE, count);
+    LayerData::table(5, visible.into_iter().filter_map(row).flatten().collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::values;
+    use super::super::tests::{of, values};
     use super::*;
+    use crate::offline::{Effects, TARGET_FORMAT};
+    use crate::smoke::{Desc, Settings};
     use bytemuck::Zeroable;
+
+    fn effects(sigma: f32) -> Effects {
+        let settings = Settings { sigma, ..Settings::default() };
+        let (size, target_format, dimensions) = ([2, 1], TARGET_FORMAT, [1; 3]);
+        let (velocity, point_light, layers, skipping) = (false, false, true, true);
+        let (depth, edges, seed) = (None, false, 0);
+        Desc { size, target_format, depth, edges, dimensions, velocity, point_light, seed, settings, layers, skipping }
+            .into()
+    }
 
     #[test]
     fn words_are_taken_apart_and_spheres_come_in_particle_order() {
@@ -87,24 +68,28 @@ mod tests {
         let pixels = [0xffff_ff07_u32, 0];
         let zero = [[0.0f32; 4]; 2];
         let bytes = [
-            bytemuck::bytes_of(&control),
-            bytemuck::cast_slice(&[1_u32, 3, 77]),
-            bytemuck::cast_slice(&spheres),
-            bytemuck::cast_slice(&[5_u32, 6, 7, 8]),
-            bytemuck::cast_slice(&pixels),
-            bytemuck::cast_slice(&[2.0f32, f32::INFINITY]),
-            bytemuck::cast_slice(&[1.0f32, 0.0]),
-            bytemuck::cast_slice(&[0.25f32, 0.0]),
-            bytemuck::cast_slice(&zero),
-            bytemuck::cast_slice(&[0.5f32, 0.0]),
-            bytemuck::cast_slice(&zero),
+            (CONTROL, bytemuck::bytes_of(&control)),
+            (VISIBLE, bytemuck::cast_slice(&[1_u32, 3, 77])),
+            (SPHERES, bytemuck::cast_slice(&spheres)),
+            (GROUPS, bytemuck::cast_slice(&[5_u32, 6, 7, 8])),
+            (PIXELS, bytemuck::cast_slice(&pixels)),
+            (DEPTH, bytemuck::cast_slice(&[2.0f32, f32::INFINITY])),
+            (SHADOW, bytemuck::cast_slice(&[1.0f32, 0.0])),
+            (SMOOTH, bytemuck::cast_slice(&[0.25f32, 0.0])),
+            (TONE_LAYER, bytemuck::cast_slice(&zero)),
+            (OUTLINE_LAYER, bytemuck::cast_slice(&[0.5f32, 0.0])),
+            (PICTURE, bytemuck::cast_slice(&zero)),
         ];
-        let layers = decode(bytes, 2, true);
+        let layers = of(LAYERS, &effects(4.0), &bytes, 0, None);
         assert_eq!(values(&layers, "smoke.spheres"), [1.0, 0.0, 1.0, 0.5, 6.0, 3.0, 0.0, 1.0, 0.5, 8.0]);
         assert_eq!(values(&layers, "smoke.luminance"), [1.0, 0.0]);
         assert_eq!(values(&layers, "smoke.id"), [7.0, 0.0]);
         assert_eq!(values(&layers, "smoke.depth"), [2.0, f32::INFINITY]);
         assert_eq!(values(&layers, "smoke.smooth"), [0.25, 0.0]);
-        assert_eq!(values(&decode(bytes, 2, false), "smoke.smooth"), [1.0, 0.0], "without sigma nothing is smoothed");
+        assert_eq!(
+            values(&of(LAYERS, &effects(0.0), &bytes, 0, None), "smoke.smooth"),
+            [1.0, 0.0],
+            "without sigma nothing is smoothed"
+        );
     }
 }

@@ -1,0 +1,4 @@
+// Which round of the refinement it is.
+layout(push_constant) uniform RoundConstants {
+    uint round;
+} constants;

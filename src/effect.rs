@@ -1,0 +1,258 @@
+//! What an effect is, and where its parts are.
+//!
+//! All effects are divided alike:
+//!
+//! | file | holds |
+//! |---|---|
+//! | `desc.rs` | what an effect is made for |
+//! | `settings.rs` | the look: one field a key of the shot's table |
+//! | `frame.rs` | what a host says of one frame |
+//! | `layout.rs` | its buffers and images, and how large they are |
+//! | `params.rs` | what its kernels are told |
+//! | `passes.rs` | its passes, each declared once |
+//! | `steps.rs` | which passes a frame takes, in which order, and why others are left out |
+//! | `mod.rs` | its [`Kind`]: how these make an [`Effect`] |
+//!
+//! A setting becomes a pass in `steps.rs`, which fills a [`Plan`]; [`crate::barrier`] derives the barriers between its
+//! steps from what `passes.rs` and the shaders declare; [`crate::gpu::recorder`] walks the list into a command buffer.
+
+use std::fmt;
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::error::{Error, Result};
+use crate::gpu::executor::{Description, Executor};
+use crate::gpu::profiler::{Mode, Timing};
+use crate::gpu::recorder::Stream;
+use crate::gpu::resources::Resources;
+use crate::host::{Host, Memory};
+use crate::plan::{BufferId, Pass, Plan};
+
+/// What of an effect is its own; all else is [`Effect`]'s.
+pub trait Kind: fmt::Debug + Sized {
+    /// Its name: of its folders, its table in a shot, and before the dot of its passes.
+    const NAME: &'static str;
+    /// What it is made for, fixed until it is resized.
+    type Desc: Clone + fmt::Debug;
+    /// What a host says of one frame.
+    type Frame<'a>;
+    /// What will be known of a frame once it has been recorded.
+    type Recorded;
+
+    /// Checks what it is made for and computes sizes. Pure.
+    ///
+    /// # Errors
+    /// A setting out of range; something larger than a limit.
+    fn new(desc: &Self::Desc, limits: &DeviceLimits) -> Result<Self>;
+
+    /// The same for a picture of another size.
+    fn resized(desc: &Self::Desc, size: [u32; 2]) -> Self::Desc;
+
+    /// Device memory, before alignment.
+    fn memory(&self, desc: &Self::Desc) -> Memory;
+
+    /// Its passes, and the buffers and images that they name. Called once.
+    fn describe(&mut self, desc: &Self::Desc) -> Description;
+
+    /// Fills the cleared plan with a frame's steps. Allocates nothing.
+    ///
+    /// # Errors
+    /// The frame does not fit what the effect was made for.
+    fn plan(&mut self, desc: &Self::Desc, frame: &Self::Frame<'_>, plan: &mut Plan) -> Result<Self::Recorded>;
+
+    /// Hands over what the frame brings: the host's buffers and images.
+    fn upload(&self, desc: &Self::Desc, frame: &Self::Frame<'_>, resources: &mut Resources);
+
+    /// Notes that a planned frame has been recorded.
+    fn recorded(&mut self, desc: &Self::Desc, frame: &Self::Frame<'_>, recorded: Self::Recorded);
+}
+
+/// What a device allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceLimits {
+    /// Bytes of a storage buffer that a shader can bind: `maxStorageBufferRange`.
+    pub storage_range: u64,
+    /// Pixels along a side of an image that can be rendered to.
+    pub image_side: u32,
+}
+
+impl DeviceLimits {
+    /// Those of a device.
+    pub fn new(limits: &vk::PhysicalDeviceLimits) -> DeviceLimits {
+        let framebuffer = limits.max_framebuffer_width.min(limits.max_framebuffer_height);
+        let image_side = framebuffer.min(limits.max_image_dimension2_d);
+        DeviceLimits { storage_range: u64::from(limits.max_storage_buffer_range), image_side }
+    }
+
+    /// Refuses a picture with a side that the device cannot render to.
+    pub(crate) fn check_sides(&self, size: [u32; 2]) -> Result<()> {
+        match size.into_iter().find(|side| *side > self.image_side) {
+            Some(side) => Err(Error::Limit {
+                what: "a side of the picture",
+                needed: side.into(),
+                limit: self.image_side.into(),
+                advice: "render a smaller picture",
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// An effect on a device: pipelines, and the buffers and images of one picture size.
+///
+/// Its state lives on the device and moves on with each recorded frame, so every recorded command buffer must be
+/// submitted, in order, to the same queue. A frame may be recorded before the one before it has finished.
+#[derive(Debug)]
+pub struct Effect<K: Kind> {
+    desc: K::Desc,
+    kind: K,
+    plan: Plan,
+    executor: Executor,
+}
+
+impl<K: Kind> Effect<K> {
+    /// Device memory that an effect will take, before alignment. `limit` is the device's `maxStorageBufferRange`.
+    ///
+    /// # Errors
+    /// A setting out of range, or something larger than `limit`.
+    pub fn memory(desc: &K::Desc, limit: u64) -> Result<Memory> {
+        let limits = DeviceLimits { storage_range: limit, image_side: u32::MAX };
+        Ok(K::new(desc, &limits)?.memory(desc))
+    }
+
+    /// Creates pipelines, buffers and images; leaves nothing behind on error.
+    ///
+    /// # Errors
+    /// A setting out of range, something too large for the device, no memory, a failed Vulkan call.
+    ///
+    /// # Safety
+    /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on, and `allocator` is its.
+    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: K::Desc) -> Result<Effect<K>> {
+        // SAFETY: the caller's.
+        let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
+        let mut kind = K::new(&desc, &DeviceLimits::new(&properties.limits))?;
+        let description = kind.describe(&desc);
+        let plan = Plan::for_passes(&description.passes);
+        // SAFETY: the caller's.
+        let executor = unsafe { Executor::new(host, allocator, description)? };
+        Ok(Effect { desc, kind, plan, executor })
+    }
+
+    /// Changes the size of the picture. The next frame must bring all that a first one does. On error the effect is as it
+    /// was.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// # Safety
+    /// As [`Self::new`], and the GPU is done with every frame recorded so far.
+    pub unsafe fn resize(&mut self, host: &Host, allocator: &mut Allocator, size: [u32; 2]) -> Result<()> {
+        let desc = K::resized(&self.desc, size);
+        // SAFETY: the caller's.
+        unsafe {
+            let mut old = std::mem::replace(self, Self::new(host, allocator, desc)?);
+            old.destroy(host, allocator);
+        }
+        Ok(())
+    }
+
+    /// Records a frame. Allocates nothing, submits nothing, waits for nothing.
+    ///
+    /// # Errors
+    /// The frame does not fit what the effect was made for; nothing has been recorded then.
+    ///
+    /// # Safety
+    /// `host` is the one the effect was made with. `commands` is in recording state, outside of a render pass, of a queue
+    /// family with graphics and compute. Host images and buffers are in the states that they declare, and hold what the
+    /// frame says of them. The frame is submitted after all frames recorded before it, to the same queue.
+    pub unsafe fn record(
+        &mut self,
+        host: &Host,
+        mut commands: vk::CommandBuffer,
+        frame: &K::Frame<'_>,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe { self.record_into(host, &mut commands, frame, timing) }
+    }
+
+    /// [`Self::record`] into the command buffers of a stream.
+    ///
+    /// # Errors
+    /// As there, and what the stream says: the frame is recorded in part then.
+    ///
+    /// # Safety
+    /// As there, for each command buffer.
+    pub(crate) unsafe fn record_into(
+        &mut self,
+        host: &Host,
+        stream: &mut dyn Stream,
+        frame: &K::Frame<'_>,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        let Effect { desc, kind, plan, executor } = self;
+        plan.clear();
+        let recorded = kind.plan(desc, frame, plan)?;
+        kind.upload(desc, frame, executor.resources_mut());
+        // SAFETY: the caller's.
+        unsafe { executor.record(host, stream, plan, timing)? };
+        kind.recorded(desc, frame, recorded);
+        Ok(())
+    }
+
+    /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none of
+    /// them may touch the host's images or buffers, or what later frames go on from.
+    ///
+    /// # Errors
+    /// A step does not fit the effect's buffers.
+    ///
+    /// # Safety
+    /// As for [`Self::record`].
+    #[cfg(feature = "cli")]
+    pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe { self.executor.replay(host, commands, plan) }
+    }
+
+    /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.executor.set_mode(mode);
+    }
+
+    /// What the effect was made for.
+    pub fn desc(&self) -> &K::Desc {
+        &self.desc
+    }
+
+    /// The list of the frame recorded last; empty after one that was refused. No frame has more steps than it has room for.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The declared passes, which the plan's steps refer to.
+    pub fn passes(&self) -> &[Pass] {
+        self.executor.passes()
+    }
+
+    /// What the frame recorded last left out: each pass's name, and why.
+    pub fn skipped(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
+        self.plan.skipped.iter().map(|(pass, reason)| (self.passes()[usize::from(pass.0)].name, *reason))
+    }
+
+    /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in the effect's
+    /// `layout`. The last access to it was a shader's or a transfer's write.
+    pub fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
+        self.executor.buffer(id)
+    }
+
+    /// Destroys what celfx made.
+    ///
+    /// # Safety
+    /// The GPU is done with every recorded frame; `host` and `allocator` are those it was made with. Nothing else is called
+    /// afterwards.
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        unsafe { self.executor.destroy(host, allocator) };
+    }
+}

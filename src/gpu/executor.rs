@@ -1,0 +1,151 @@
+//! What a list of passes is on the device: buffers and images, pipelines, and the recorder that walks plans of them.
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::error::Result;
+use crate::gpu::buffer::BufferDesc;
+use crate::gpu::image::ImageDesc;
+use crate::gpu::kernel::Pipelines;
+use crate::gpu::profiler::{Mode, Timing};
+use crate::gpu::recorder::{Recorder, Recording, Stream};
+use crate::gpu::resources::Resources;
+use crate::host::Host;
+use crate::plan::{BufferId, Pass, Plan};
+
+/// Passes, and what they run with on the device.
+#[derive(Debug)]
+pub struct Executor {
+    passes: Vec<Pass>,
+    resources: Resources,
+    pipelines: Pipelines,
+    recorder: Recorder,
+}
+
+/// Passes, and what they name: own buffers and images in the order of their ids, then those that the host hands over.
+#[derive(Debug)]
+pub struct Description {
+    /// By [`crate::plan::PassId`].
+    pub passes: Vec<Pass>,
+    /// Own buffers.
+    pub buffers: Vec<BufferDesc>,
+    /// How many buffers the host hands over.
+    pub host_buffers: usize,
+    /// Own images.
+    pub images: Vec<ImageDesc>,
+    /// How many images the host hands over.
+    pub host_images: usize,
+}
+
+impl Executor {
+    /// Creates everything; leaves nothing behind on error.
+    ///
+    /// # Errors
+    /// No memory, a pass that binds nothing to one of its bindings, a failed Vulkan call.
+    ///
+    /// # Safety
+    /// `host` holds valid handles, and `allocator` belongs to its device.
+    pub unsafe fn new(host: &Host, allocator: &mut Allocator, description: Description) -> Result<Executor> {
+        let mut resources = Resources::default();
+        // SAFETY: the caller's; what was made is destroyed unused on error.
+        unsafe {
+            let pipelines = create(host, allocator, &description, &mut resources)
+                .and_then(|()| Pipelines::new(host, &description.passes, &resources))
+                .inspect_err(|_| resources.destroy(host, allocator))?;
+            let recorder = Recorder::new(&resources);
+            Ok(Executor { passes: description.passes, resources, pipelines, recorder })
+        }
+    }
+
+    /// The passes, which plans' steps refer to.
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
+    }
+
+    /// What plans name, for the host to hand over its own.
+    pub fn resources_mut(&mut self) -> &mut Resources {
+        &mut self.resources
+    }
+
+    /// Whether steps overlap or are isolated by full barriers.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.recorder.set_mode(mode);
+    }
+
+    /// Records a plan of the passes.
+    ///
+    /// # Errors
+    /// A step does not fit the resources.
+    ///
+    /// # Safety
+    /// `host` is the one that everything was made with; the command buffers of `stream` are in recording state, outside of
+    /// a render pass; what the host has handed over is in the states that it declared.
+    pub unsafe fn record(
+        &mut self,
+        host: &Host,
+        stream: &mut dyn Stream,
+        plan: &Plan,
+        timing: &mut Timing,
+    ) -> Result<()> {
+        let Executor { passes, resources, pipelines, recorder } = self;
+        let mut recording = Recording { host, stream, passes, pipelines, resources };
+        // SAFETY: the caller's.
+        unsafe { recorder.record(plan, &mut recording, timing) }
+    }
+
+    /// Records steps of a plan once more, without any image of the host's.
+    ///
+    /// # Errors
+    /// A step does not fit the resources.
+    ///
+    /// # Safety
+    /// As [`Executor::record`].
+    #[cfg(feature = "cli")]
+    pub unsafe fn replay(&mut self, host: &Host, mut commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
+        self.resources.take_back_images();
+        // SAFETY: the caller's.
+        unsafe { self.record(host, &mut commands, plan, &mut Timing::None) }
+    }
+
+    /// A buffer: handle, offset and size in bytes.
+    pub fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
+        self.resources.buffer(id)
+    }
+
+    /// Destroys what celfx made.
+    ///
+    /// # Safety
+    /// The GPU is done with every recorded plan; `host` and `allocator` are those it was made with. Nothing else is called
+    /// afterwards.
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        unsafe {
+            self.pipelines.destroy(host);
+            self.resources.destroy(host, allocator);
+        }
+    }
+}
+
+unsafe fn create(
+    host: &Host,
+    allocator: &mut Allocator,
+    description: &Description,
+    resources: &mut Resources,
+) -> Result<()> {
+    // SAFETY: the caller's.
+    unsafe {
+        for buffer in &description.buffers {
+            resources.add_buffer(host, allocator, buffer)?;
+        }
+        for _ in 0..description.host_buffers {
+            resources.add_host_buffer();
+        }
+        for image in &description.images {
+            resources.add_image(host, allocator, image)?;
+        }
+        for _ in 0..description.host_images {
+            resources.add_host_image();
+        }
+    }
+    Ok(())
+}
