@@ -5,5 +5,5 @@
 #include "../common/composite_fragment.glsl"
 
 void main() {
-    lay_over(params.image.x);
+    lay_over(params.size.x);
 }

@@ -5,5 +5,5 @@
 #include "../common/composite_vertex.glsl"
 
 void main() {
-    gl_Position = tile_corner(params.image.xy, params.image.z);
+    gl_Position = tile_corner(params.size, params.tiles.x);
 }
