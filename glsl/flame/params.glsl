@@ -144,7 +144,7 @@ struct Particle {
     uint id;
     uint count;           // render particles; 0: dropped
     uint class_index;     // of the kernel table
-    uvec2 light;          // colour in 65535ths of the brightest: r | g << 16, b
+    uvec2 light;          // colour in LIGHT_STEPS of the brightest: r | g << 16, b
     float weight;         // of its class; until `range` what `depth` has lost in rounding
     float chance;         // how often a sprite below a pixel passes there
 };

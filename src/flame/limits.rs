@@ -35,10 +35,10 @@ impl Cost {
     /// The most that the kernels of this effect take.
     pub fn new(desc: &Desc) -> Cost {
         match (desc.settings.mode, desc.settings.sampling) {
-            // A batch of 32 entries looks them up in up to 12 lists; a round makes 32 sprites in 3 turns, each of which a
+            // A batch of 32 entries looks them up in up to 12 lists; a round makes 32 sprites in 3 iterations, each of which a
             // column of pixels then tests at most once. The last round of a batch, and the last batch, may be short.
             (Mode::Stochastic, Sampling::Independent) => Cost { base: 48, visit: 1, eighths: 9 },
-            // And a round's Sobol points take up to 20 turns.
+            // And a round's Sobol points take up to 20 iterations.
             (Mode::Stochastic, Sampling::ShuffledSobol) => Cost { base: 48, visit: 2, eighths: 14 },
             // A particle meets the 8 pixels of a column.
             (Mode::Expected, _) => Cost { base: 48, visit: 11, eighths: 0 },
