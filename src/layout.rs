@@ -28,6 +28,9 @@ pub(crate) use buffers;
 /// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
 pub const LOOP_BUDGET: u32 = 48_000;
 
+/// Workgroups that every device can dispatch along an axis.
+pub const MOST_GROUPS: u64 = 65_535;
+
 /// What an effect's buffers are called.
 pub(crate) struct Names<const N: usize> {
     /// By debuggers.

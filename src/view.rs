@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::error::{Error, Result};
+pub use crate::shaders::common::constants::FARTHEST;
 
 /// Largest component of a linear colour that is taken, of settings as of pixels and vertices: far beyond what half floats
 /// hold, and so far below what single floats hold that products of several are finite.
@@ -14,9 +15,6 @@ pub const NARROWEST: f64 = 1e-9;
 
 /// The widest, as far below half a turn.
 pub const WIDEST: f64 = 180.0 - 1e-9;
-
-/// Largest coordinate that is taken, in metres: its square and cube are finite as single floats.
-pub const FARTHEST: f32 = 1e12;
 
 /// A pinhole camera: right-handed, y up, square pixels. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

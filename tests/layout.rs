@@ -3,14 +3,14 @@
 
 use ash::vk;
 use celfx::error::Error;
-use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_TURNS, Layout, Pyramid, growth_rows};
-use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE};
+use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_ENTRIES, Layout, Pyramid, growth_rows};
+use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::smoke::settings::{Emitter, Grow, Outline, Placement, Radius, Shadow, Tone};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 
 /// Lavapipe's range of a storage buffer; the least that Vulkan allows is 128 MiB, too.
 const RANGE: u64 = 128 << 20;
-/// Loop turns after which lavapipe ends an invocation's loops is 65,535; this is the engine's own budget.
+/// Loop iterations after which lavapipe ends an invocation's loops is 65,535; this is the engine's own budget.
 const BUDGET: u64 = 50_000;
 
 fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
@@ -144,48 +144,50 @@ fn what_is_too_large_is_refused_by_name() {
 #[test]
 fn pyramids_halve_rows_along_y_and_z() {
     let pyramid = Pyramid::new([70, 5, 9]);
-    let sizes: Vec<[u32; 2]> = pyramid.levels[..pyramid.count as usize].iter().map(|l| [l[1], l[2]]).collect();
+    let sizes: Vec<[u32; 2]> = pyramid.levels[..pyramid.count as usize].iter().map(|l| [l.rows_y, l.rows_z]).collect();
     assert_eq!(sizes, [[5, 9], [3, 5], [2, 3], [1, 2], [1, 1]]);
     assert_eq!(pyramid.row_words, 3);
-    let words: Vec<u32> = pyramid.levels[..5].iter().map(|l| l[0]).collect();
+    let words: Vec<u32> = pyramid.levels[..5].iter().map(|l| l.first_word).collect();
     assert_eq!(words, [0, 135, 180, 198, 204]);
     assert_eq!(pyramid.words, 207);
     assert_eq!(pyramid.leaves(), 256);
     assert_eq!((Pyramid::new([1; 3]).count, Pyramid::new([1; 3]).leaves()), (1, 1));
 }
 
-/// Turns of all loops of one invocation, at the worst.
+/// Iterations of all loops of one invocation, at the worst.
 #[test]
 fn loops_stay_within_their_budget() {
     assert!(u64::from(LOOP_BUDGET) <= BUDGET);
     for x in [1, 31, 32, 33, 512, 4096, 65_536] {
         let pyramid = Pyramid::new([x, 100, 100]);
-        // Each turn of a search may look at every word of a row, to the left and to the right; the first dispatch looks
+        // Each iteration of a search may look at every word of a row, to the left and to the right; the first dispatch looks
         // at the particle's own row before.
         let turn = 1 + 2 * u64::from(pyramid.row_words);
-        let worst = u64::from(pyramid.turns()) * turn + turn;
-        assert!(worst <= BUDGET, "{x} voxels along x: {worst} turns");
+        let worst = u64::from(pyramid.iterations()) * turn + turn;
+        assert!(worst <= BUDGET, "{x} voxels along x: {worst} iterations");
     }
     // An invocation of `luminance` shades the pixels of a tile that are as many rows apart as its workgroup is high,
     // and walks over the levels for each.
     let rows = u64::from(TILE / celfx::shaders::smoke::luminance_exact::SHADER.local_size[1]);
     assert_eq!(rows, 4);
-    assert!(rows * (u64::from(LUMINANCE_TURNS) + 9 + 1) <= BUDGET);
+    assert!(rows * (u64::from(LUMINANCE_ENTRIES) + 9 + 1) <= BUDGET);
     for (particles, fade) in [(1, 0), (500, 6), (20_000, 6), (1_000_000, 0)] {
         let layout = Layout::new(&desc([64, 64], [8; 3], many(particles, fade)), RANGE).unwrap();
         assert!(layout.light_levels <= 9);
-        assert!(u64::from(layout.luminance_parts) * u64::from(LUMINANCE_TURNS) >= u64::from(layout.spheres));
+        assert!(u64::from(layout.luminance_parts) * u64::from(LUMINANCE_ENTRIES) >= u64::from(layout.spheres));
     }
     // Rows and columns: blocks to each side of the window, eight taps for eight results each.
     let wide = Settings { sigma: 64.0, cutoff: 4.0, ..many(10, 0) };
     let blocks = u64::from(Layout::new(&desc([64, 64], [8; 3], wide), RANGE).unwrap().window_blocks);
     assert!(2 * (blocks + 1) * (1 + 8 + 15 + 8 * 9) <= BUDGET);
-    // Items: all tiles of a batch in runs of 256, each looking up and down, and a running sum of eight steps.
+    // Items: all tiles of a batch, a workgroup's at a time, each looking up and down, and a prefix sum of eight steps.
+    let lanes = u64::from(celfx::shaders::smoke::items::SHADER.local_size[0]);
+    assert_eq!(lanes, 1 << 8);
     let settings = Settings { sigma: 64.0, cutoff: 4.0, groups: 254, ..many(10, 0) };
     for size in [[64, 64], [1000, 1000], [2800, 2900]] {
         let layout = Layout::new(&desc(size, [8; 3], settings.clone()), RANGE).unwrap();
-        let runs = u64::from(layout.batch_capacity).div_ceil(256);
-        let reach = u64::from(layout.window_blocks).div_ceil(4);
+        let runs = u64::from(layout.batch_capacity).div_ceil(lanes);
+        let reach = u64::from(layout.window_blocks).div_ceil(TILE_BLOCKS.into());
         assert!(runs * (1 + 2 * reach + 1 + 8) <= BUDGET, "{size:?}");
     }
 }
@@ -197,14 +199,14 @@ fn searches_have_as_many_dispatches_as_they_may_need() {
             let settings = Settings { grow, radius, ..many(10, 0) };
             let layout = Layout::new(&Desc { velocity: false, ..desc([64, 64], dimensions, settings) }, RANGE).unwrap();
             let pyramid = Pyramid::new(dimensions);
-            let turns = u64::from(layout.search_parts) * u64::from(pyramid.turns());
+            let iterations = u64::from(layout.search_parts) * u64::from(pyramid.iterations());
             let shape = Shape { dimensions, voxel_size: [1.0; 3], origin: [0.0; 3] };
             // Nodes of the whole walk: leaves and a third of that above them.
             let needed = match grow {
                 Grow::Growth => u64::from(growth_rows(&shape)),
                 _ => (0..pyramid.count).map(|level| u64::from(pyramid.leaves()) >> (2 * level)).sum(),
             };
-            assert!(turns >= needed, "{dimensions:?}, {grow:?}: {turns} of {needed}");
+            assert!(iterations >= needed, "{dimensions:?}, {grow:?}: {iterations} of {needed}");
             assert_eq!(layout.size(layout::CONTINUATIONS), 16 * u64::from(layout.search_parts));
         }
     }
@@ -262,9 +264,10 @@ fn the_sum_over_light_space_tiles_keeps_the_loop_budget() {
         for particles in [1, 500, 10_000, 1_000_000] {
             let desc = Desc { point_light, ..desc([64, 64], [8; 3], many(particles, 0)) };
             let layout = Layout::new(&desc, RANGE).unwrap();
-            // `shadow_scan`: 256 lanes go over their share of the counters twice, and over the other lanes' sums.
-            let share = (layout.light_cells * layout.light_faces).div_ceil(256) * BUCKETS;
-            assert!(2 * share + 256 <= 50_000, "{particles}, {point_light}: {share}");
+            // `shadow_scan`: each lane goes over its run of the counters twice, and over the other lanes' sums.
+            let [lanes, ..] = celfx::shaders::smoke::shadow_scan::SHADER.local_size;
+            let run = (layout.light_cells * layout.light_faces).div_ceil(lanes) * BUCKETS;
+            assert!(2 * run + lanes <= 50_000, "{particles}, {point_light}: {run}");
         }
     }
 }

@@ -1,5 +1,5 @@
 // Repetitions of a tile's render particles. A tile owns its pixels: there are no atomics on them, and no render particle
-// ever reaches memory. Particles come in batches, front first. In a round each invocation makes one sprite of a repetition and notes the blocks
+// ever reaches memory. Particles come in batches of so many as there are invocations, front first. In a round each invocation makes one sprite of a repetition and notes the blocks
 // that it touches; then invocations are columns of pixels, and test the sprites that touch their block. Nearest wins, then the smaller id, then
 // the first row: nothing depends on the order of the lists. Sums are integers.
 //
@@ -9,7 +9,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
-layout(local_size_x = 32) in;
+#include "columns.glsl"
+layout(local_size_x = LANES) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
@@ -20,26 +21,15 @@ layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(std430, binding = 8) buffer Winners { uvec4 winners[]; };
 layout(binding = 9, r32f) uniform readonly image2D levels;
 layout(constant_id = 4) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
-layout(push_constant) uniform AccumulateConstants {
-    uint part;         // which dispatch of the stage this is
-    uint repetitions;  // where the stage begins
-    uint last;         // where it ends
-    uint before;       // repetitions that earlier frames have added
-} constants;
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "lists.glsl"
 #include "mask_level.glsl"
 #include "mask_value.glsl"
 #include "sprite.glsl"
-#include "sums.glsl"
+#include "winner.glsl"
 
-const uint LANES = 32u;  // particles of a batch, render particles of a round, columns of the tile's blocks
-const uint BLOCKS = 4u;
-const int ROWS = int(BLOCK);
-const uint NEVER = 0xffffffffu;
-
-shared uvec2 lists[12];           // where each level's list begins, and its end among all entries of the tile
+shared uvec2 lists[MAX_CELL_LEVELS];           // where each level's list begins, and its end among all entries of the tile
 shared uint waiting;              // entries that are next in a batch
 shared uint waiting_rows[2u * LANES];
 shared uint batch_sums[LANES];    // render particles of a batch up to here, and particles that have any in the upper 8 bits
@@ -60,7 +50,7 @@ uint nearest_row[ROWS];
 
 // Puts the tile's lists one after the other; how many entries they have.
 uint join_lists(uvec2 tile) {
-    uint levels_of_cells = params.counts.z;
+    uint levels_of_cells = params.cell_level_count;
     uint lane = gl_LocalInvocationID.x;
     if (lane < levels_of_cells) {
         lists[lane] = list_range(tile, lane);
@@ -99,7 +89,7 @@ uint find_batch(inout uint at, uint end, bool is_first) {
     do {
         if (at + lane < end) {
             uint row = entry_at(at + lane);
-            if (floatBitsToUint(max(nearest_of(particles[row].view.z), 0.0)) <= most) {
+            if (floatBitsToUint(max(nearest_of(particles[row].depth), 0.0)) <= most) {
                 waiting_rows[atomicAdd(waiting, 1u)] = row;
             }
         }
@@ -123,7 +113,7 @@ Batch load_batch(uint found, vec2 origin) {
     uint next = waiting_rows[LANES + lane];
     uint count = 0u;
     if (lane < found) {
-        count = particles[row].draw.z;
+        count = particles[row].count;
     }
     uint sum = count + (count > 0u ? 1u << 24u : 0u);
     batch_sums[lane] = sum;
@@ -136,20 +126,19 @@ Batch load_batch(uint found, vec2 origin) {
     uint start = (sum & 0xffffffu) - count;
     if (count > 0u) {
         uint slot = (sum >> 24u) - 1u;
-        vec4 view = particles[row].view;
-        uvec4 draw = particles[row].draw;
-        vec4 slope = particles[row].slope;
-        Source source = source_of(view, particles[row].centre, slope, origin);
-        batch_place[slot] = vec4(source.at, source.z, view.w);
-        batch_slope[slot] = slope.z == 1.0 ? vec4(source.from, -1.0, 0.0) : vec4(source.slope, slope.w, 0.0);
-        batch_draw[slot] = uvec3(row + 1u, draw.y, draw.x - start);
+        Particle particle = particles[row];
+        bool is_near = (particle.flags & NEAR_CAMERA) != 0u;
+        Source source = source_of(particle, origin);
+        batch_place[slot] = vec4(source.at, source.z, particle.colour.a);
+        batch_slope[slot] = is_near ? vec4(source.from, -1.0, 0.0) : vec4(source.slope, particle.reach, 0.0);
+        batch_draw[slot] = uvec3(row + 1u, particle.id, particle.hash - start);
     }
     waiting_rows[lane] = next;
     if (lane == 0u) {
         waiting = found - min(found, LANES);
     }
     barrier();
-    return Batch(batch_sums[LANES - 1u] & 0xffffffu, count > 0u ? start : NEVER);
+    return Batch(batch_sums[LANES - 1u] & 0xffffffu, count > 0u ? start : NOTHING);
 }
 
 // Makes render particle `t` of the batch, which is of the particle at `slot`, and notes which blocks it touches.
@@ -168,7 +157,7 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition) {
     uvec4 limits = farthest;
     uint touched = 0u;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
-        vec2 corner = float(BLOCK) * vec2(block & 1u, block >> 1u);
+        vec2 corner = vec2(block_corner(block));
         bool is_near = all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5))) && all(greaterThanEqual(bounds.zw, corner + 0.5));
         touched |= is_near && depth <= limits[block] ? 1u << (8u * block) : 0u;
     }
@@ -227,30 +216,30 @@ void begin_round(uint block, bool skips) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint tile_index = active_tiles[gl_WorkGroupID.x];
-    uvec2 tile = uvec2(tile_index % params.image.z, tile_index / params.image.z);
+    uvec2 tile = tile_at(active_tiles[gl_WorkGroupID.x]);
     uint level = mask_level();
     uint entries_of_tile = join_lists(tile);
     uint segment = constants.part % control.segments;
     uint first_entry = segment * control.segment_entries;
     uint last_entry = min(first_entry + control.segment_entries, entries_of_tile);
-    uint first = constants.repetitions + constants.part / control.segments * control.part_repetitions;
+    uint first = constants.first + constants.part / control.segments * control.part_repetitions;
     uint last = min(first + control.part_repetitions, constants.last);
     bool is_last_segment = segment + 1u == control.segments;
 
     uint block = lane / BLOCK;
-    uvec2 corner = BLOCK * uvec2(block & 1u, block >> 1u);
+    uvec2 corner = block_corner(block);
     uvec2 pixel = tile * TILE + corner + uvec2(lane % BLOCK, 0u);
     vec2 centre = vec2(corner) + vec2(float(lane % BLOCK) + 0.5, 0.5);
     vec2 origin = vec2(tile * TILE);
-    uint column = pixel.y * params.image.x + pixel.x;
+    uint column = pixel_index(pixel);
     bool inside[ROWS];
     uint scene_depth[ROWS];
     Sum sum[ROWS];
-    bool is_first = constants.before + first == 0u;
+    uint before = params.repetitions_before;
+    bool is_first = before + first == 0u;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        inside[y] = pixel.x < params.image.x && pixel.y + uint(y) < params.image.y;
-        uint at = column + uint(y) * params.image.x;
+        inside[y] = pixel.x < params.size.x && pixel.y + uint(y) < params.size.y;
+        uint at = column + uint(y) * params.size.x;
         scene_depth[y] = inside[y] ? INFINITY_BITS : 0u;
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
@@ -263,8 +252,8 @@ void main() {
         }
     }
     Optics optics = optics_of_frame(level);
-    float threshold = params.model.y;
-    bool skips = params.flags.x == 1u;
+    float threshold = params.threshold;
+    bool skips = params.is_skipping != 0u;
     if (lane == 0u) {
         starts = 0u;
         waiting = 0u;
@@ -285,7 +274,7 @@ void main() {
                     nearest_id[y] = 0u;
                     nearest_row[y] = 0u;
                     if (segment > 0u && inside[y]) {
-                        uvec4 winner = winners[column + uint(y) * params.image.x];
+                        uvec4 winner = winners[column + uint(y) * params.size.x];
                         nearest_depth[y] = winner.x;
                         nearest_id[y] = winner.y;
                         nearest_row[y] = winner.z;
@@ -301,10 +290,10 @@ void main() {
                 }
                 barrier();
                 uint begun = starts;
-                uint slot = particles_before + uint(bitCount(begun & (NEVER >> (LANES - 1u - lane)))) - 1u;
+                uint slot = particles_before + uint(bitCount(begun & (~0u >> (LANES - 1u - lane)))) - 1u;
                 particles_before += uint(bitCount(begun));
                 if (made + lane < batch.total) {
-                    note_sprite(optics, slot, made + lane, constants.before + repetition);
+                    note_sprite(optics, slot, made + lane, before + repetition);
                 }
                 made += LANES;
                 barrier();
@@ -316,7 +305,7 @@ void main() {
             if (is_last_batch) {
                 [[unroll]] for (int y = 0; y < ROWS; ++y) {
                     if (inside[y] && !is_last_segment) {
-                        winners[column + uint(y) * params.image.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
+                        winners[column + uint(y) * params.size.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
                     }
                     if (is_last_segment && nearest_row[y] != 0u) {
                         add_winner(sum[y], particles[nearest_row[y] - 1u].light, nearest_depth[y]);
@@ -328,7 +317,7 @@ void main() {
         at = is_last_batch ? first_entry : at;
     } while (repetition < last);
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        uint at = column + uint(y) * params.image.x;
+        uint at = column + uint(y) * params.size.x;
         if (inside[y] && is_last_segment) {
             store_sum(at, sum[y]);
         }

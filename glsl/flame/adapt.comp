@@ -11,36 +11,27 @@ layout(std430, binding = 5) writeonly buffer ActiveTiles { uint active_tiles[]; 
 layout(std430, binding = 6) writeonly buffer PartArguments { uvec4 part_arguments[]; };
 #include "mask_level.glsl"
 #include "parts.glsl"
-
-shared uint sums[256];
+#include "share.glsl"
 
 bool goes_on(uint tile) {
-    return tile_open[tile] != 0u && tile_repetitions[tile] == stage.stages;
+    return tile_open[tile] != 0u && tile_repetitions[tile] == stage.done;
 }
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint count = control.tile_groups.x;
-    uint share = (count + 255u) / 256u;
-    uint first = min(lane * share, count);
-    uint last = min(first + share, count);
+    uvec2 share = share_of_list(control.tile_groups.x);
     uint sum = 0u;
-    for (uint i = first; i < last; ++i) {
+    for (uint i = share.x; i < share.y; ++i) {
         sum += goes_on(occupied_tiles[i]) ? 1u : 0u;
     }
-    sums[lane] = sum;
-    barrier();
-    uint before = 0u;
-    uint total = 0u;
-    for (uint i = 0u; i < 256u; ++i) {
-        before += i < lane ? sums[i] : 0u;
-        total += sums[i];
-    }
-    for (uint i = first; i < last; ++i) {
+    uvec2 sums = prefix_sum(sum);
+    uint at = sums.x;
+    uint total = sums.y;
+    for (uint i = share.x; i < share.y; ++i) {
         uint tile = occupied_tiles[i];
         if (goes_on(tile)) {
-            active_tiles[before++] = tile;
-            tile_repetitions[tile] = stage.stages + stage.repetitions;
+            active_tiles[at++] = tile;
+            tile_repetitions[tile] = stage.done + stage.repetitions;
         }
     }
     if (lane == 0u) {

@@ -3,31 +3,28 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 64) in;
+#include "kernel.glsl"
+layout(local_size_x = KERNEL_LANES) in;
 layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; };
 layout(std430, binding = 2) readonly buffer Shares { float shares[]; };
 layout(std430, binding = 3) writeonly buffer FarTable { float far_table[]; };
-#include "kernel.glsl"
-
-const float LEAST = -24.0;
 
 void main() {
-    uint place = gl_GlobalInvocationID.x % uint(PLACES * PLACES);
-    uint class_index = gl_GlobalInvocationID.x / uint(PLACES * PLACES);
-    if (class_index >= uint(CLASSES)) {
+    uint place = gl_GlobalInvocationID.x % (KERNEL_PLACES * KERNEL_PLACES);
+    uint class_index = gl_GlobalInvocationID.x / (KERNEL_PLACES * KERNEL_PLACES);
+    if (class_index >= KERNEL_CLASSES) {
         return;
     }
-    vec2 m = kernel_reach() * (2.0 * vec2(place % uint(PLACES), place / uint(PLACES)) / float(PLACES - 1) - 1.0);
+    vec2 m = kernel_reach() * (2.0 * vec2(place % KERNEL_PLACES, place / KERNEL_PLACES) / LAST_PLACE - 1.0);
     uint side = MASK_SIDE >> kernel_level;
-    float texel_side = params.space.y / float(side);
-    float radius = max(params.space.x, 2.0 * texel_side);
+    float texel_side = params.sprite_size / float(side);
+    float radius = max(params.spread, 2.0 * texel_side);
     float chords = 0.0;
     for (uint texel = 0u; texel < side * side; ++texel) {
         vec2 u = (vec2(texel % side, texel / side) + 0.5) / float(side) - 0.5;
-        vec2 at = m - params.space.y * u;
+        vec2 at = m - params.sprite_size * u;
         chords += shares[class_index * side * side + texel] * 2.0 * sqrt(max(radius * radius - dot(at, at), 0.0));
     }
-    float p = min(texel_side * texel_side * chords / (4.18879020478639 * radius * radius * radius), 1.0);
-    float value = p < 0.01 ? -p * (1.0 + p * (0.5 + p * (0.33333333 + p * 0.25))) : log(max(1.0 - p, 1e-30));
-    far_table[gl_GlobalInvocationID.x] = max(value, LEAST);
+    float p = min(texel_side * texel_side * chords / ball_volume(radius), 1.0);
+    far_table[gl_GlobalInvocationID.x] = max(logarithm_of_rest(p), LEAST_LOGARITHM);
 }

@@ -7,19 +7,19 @@ layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) writeonly buffer Ranks { uint ranks[]; };
 layout(std430, binding = 3) writeonly buffer Order { uint order[]; };
 
-shared float depths[256];
+shared float depths[gl_WorkGroupSize.x];
 
 void main() {
     uint row = gl_GlobalInvocationID.x;
     uint lane = gl_LocalInvocationID.x;
-    uint count = params.counts.x;
-    float own = row < count ? particles[row].view.z : 0.0;
+    uint count = params.particle_count;
+    float own = row < count ? particles[row].depth : 0.0;
     uint rank = 0u;
-    for (uint base = 0u; base < count; base += 256u) {
+    for (uint base = 0u; base < count; base += gl_WorkGroupSize.x) {
         uint other = base + lane;
-        depths[lane] = other < count ? particles[other].view.z : uintBitsToFloat(INFINITY_BITS);
+        depths[lane] = other < count ? particles[other].depth : uintBitsToFloat(INFINITY_BITS);
         barrier();
-        for (uint i = 0u; i < 256u; ++i) {
+        for (uint i = 0u; i < gl_WorkGroupSize.x; ++i) {
             float z = depths[i];
             rank += z < own || (z == own && base + i < row) ? 1u : 0u;
         }

@@ -6,13 +6,11 @@
 layout(std430, binding = 8) readonly buffer Ranks { uint ranks[]; };
 layout(std430, binding = 9) readonly buffer Order { uint order[]; };
 
-const float OPAQUE = 1e-6;  // transmittance below which nothing is seen any more, as in expected.comp
-
 void main() {
     clear_present();
-    for (uint level = 0u; level < params.counts.z; ++level) {
+    for (uint level = 0u; level < params.cell_level_count; ++level) {
         uvec2 list = list_range(own_tile(), level);
-        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += LANES) {
+        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += TILE_PIXELS) {
             note(entries[at], ranks[entries[at]]);
         }
     }
@@ -20,7 +18,7 @@ void main() {
     Pixel pixel = own_pixel();
     vec3 mean = vec3(0.0);
     float left = 1.0;
-    uint words = (params.counts.x + 31u) / 32u;
+    uint words = (params.particle_count + 31u) / 32u;
     for (uint word = 0u; word < words && left > OPAQUE; ++word) {
         for (uint bits = present[pixel.block][word]; bits != 0u; bits &= bits - 1u) {
             vec4 one = fog(order[32u * word + uint(findLSB(bits))], pixel.ray);

@@ -7,9 +7,9 @@
 
 void main() {
     clear_present();
-    for (uint level = 0u; level < params.counts.z; ++level) {
+    for (uint level = 0u; level < params.cell_level_count; ++level) {
         uvec2 list = list_range(own_tile(), level);
-        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += LANES) {
+        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += TILE_PIXELS) {
             note(entries[at], entries[at]);
         }
     }
@@ -18,12 +18,12 @@ void main() {
     vec2 range = depth_range();
     vec4 sum = vec4(0.0);
     float left = 1.0;
-    uint words = (params.counts.x + 31u) / 32u;
+    uint words = (params.particle_count + 31u) / 32u;
     for (uint word = 0u; word < words; ++word) {
         for (uint bits = present[pixel.block][word]; bits != 0u; bits &= bits - 1u) {
             uint row = 32u * word + uint(findLSB(bits));
             vec4 one = fog(row, pixel.ray);
-            float nearness = clamp((range.y - particles[row].view.z) / max(range.y - range.x, 1e-30), 0.0, 1.0);
+            float nearness = clamp((range.y - particles[row].depth) / max(range.y - range.x, 1e-30), 0.0, 1.0);
             float weight = one.a * max(1e-2, 3e3 * nearness * nearness * nearness);
             sum += weight * one.a * vec4(one.rgb, 1.0);
             left -= left * one.a;

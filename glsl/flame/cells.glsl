@@ -5,39 +5,39 @@
 
 // Half a sprite in metres at a view depth.
 float half_sprite(float z) {
-    float side = 0.5 * params.space.y;
+    float side = 0.5 * params.sprite_size;
     // No sprite is narrower than a pixel.
-    return max((params.flags.w & 1u) != 0u ? side * params.focal.w * z : side, 0.5 * params.focal.w * z);
+    return max(params.is_in_pixels != 0u ? side * params.pixel_slope * z : side, 0.5 * params.pixel_slope * z);
 }
 
 // Bounds of a particle's sprites in pixels (low x, low y, high x, high y), of which the share `reach` matters.
 vec4 pixel_bounds(vec3 view, float reach) {
-    float near = max(view.z - params.space.z, params.lens.z);
-    float far = min(view.z + params.space.z, params.lens.w);
+    float near = max(view.z - params.bounding_radius, params.near);
+    float far = min(view.z + params.bounding_radius, params.far);
     if (near > far) {
         return vec4(1.0, 1.0, 0.0, 0.0);
     }
-    float r = params.space.z + reach * half_sprite(view.z + params.space.z);
+    float r = params.bounding_radius + reach * half_sprite(view.z + params.bounding_radius);
     // Depth alone does not bound what is around the camera.
     if (view.z <= 1.001 * r) {
-        return vec4(0.0, 0.0, vec2(params.image.xy));
+        return vec4(0.0, 0.0, vec2(params.size));
     }
     vec2 across = tangent_range(view.x, view.z, r);
     vec2 down = tangent_range(-view.y, view.z, r);
     // Rounding: a thousandth of a pixel is more than it can be.
-    return params.focal.yzyz + params.focal.x * vec4(across.x, down.x, across.y, down.y) + vec4(-1e-3, -1e-3, 1e-3, 1e-3)
-        + 1e-5 * abs(params.focal.x * vec4(across.x, down.x, across.y, down.y)) * vec4(-1.0, -1.0, 1.0, 1.0);
+    return params.principal_point.xyxy + params.focal_length * vec4(across.x, down.x, across.y, down.y) + vec4(-1e-3, -1e-3, 1e-3, 1e-3)
+        + 1e-5 * abs(params.focal_length * vec4(across.x, down.x, across.y, down.y)) * vec4(-1.0, -1.0, 1.0, 1.0);
 }
 
 // Whether such bounds hold the centre of a pixel.
 bool on_screen(vec4 bounds) {
-    return bounds.x <= bounds.z && all(lessThan(bounds.xy, vec2(params.image.xy))) && all(greaterThan(bounds.zw, vec2(0.0)));
+    return bounds.x <= bounds.z && all(lessThan(bounds.xy, vec2(params.size))) && all(greaterThan(bounds.zw, vec2(0.0)));
 }
 
 // The level at which a particle of such bounds stands, and its first and last cell there.
 uint cells_of(vec4 bounds, out uvec4 cells) {
     vec4 tile = floor(bounds / float(TILE));
-    uvec4 tiles = uvec4(clamp(tile, vec4(0.0), vec4(vec2(params.image.zw - 1u), vec2(params.image.zw - 1u))));
+    uvec4 tiles = uvec4(clamp(tile, vec4(0.0), vec4(vec2(params.tiles - 1u), vec2(params.tiles - 1u))));
     uint level = 0u;
     while (max((tiles.z >> level) - (tiles.x >> level), (tiles.w >> level) - (tiles.y >> level)) >= CELLS_ACROSS) {
         ++level;
@@ -47,15 +47,15 @@ uint cells_of(vec4 bounds, out uvec4 cells) {
 }
 
 uint cell_index(uint level, uint x, uint y) {
-    return params.levels[level].x + y * params.levels[level].y + x;
+    return params.cell_levels[level].first + y * params.cell_levels[level].across + x;
 }
 
 // The bucket of a view depth. Rounding is monotonous: what is nearer is never in a later bucket.
 uint bucket_of(float z, float low, float per_metre) {
-    return uint(clamp(floor((z - low) * per_metre), 0.0, float(params.counts.y) - 1.0));
+    return uint(clamp(floor((z - low) * per_metre), 0.0, float(params.bucket_count) - 1.0));
 }
 
 // The nearest that a particle's render particles can be, and a little nearer than rounding can make it.
 float nearest_of(float z) {
-    return z - params.space.z - 1e-6 * (abs(z) + params.space.z);
+    return z - params.bounding_radius - 1e-6 * (abs(z) + params.bounding_radius);
 }

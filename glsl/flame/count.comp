@@ -12,33 +12,34 @@ layout(std430, binding = 3) buffer Cells { uint cell_ends[]; };
 #include "mask_level.glsl"
 
 uint share_of(float component, float brightest) {
-    return brightest > 0.0 ? min(uint(component / brightest * 65535.0 + 0.5), 65535u) : 0u;
+    return brightest > 0.0 ? min(uint(component / brightest * LIGHT_STEPS + 0.5), uint(LIGHT_STEPS)) : 0u;
 }
 
 void main() {
     uint row = gl_GlobalInvocationID.x;
-    if (row >= params.counts.x || particles[row].draw.z == 0u) {
+    if (row >= params.particle_count || particles[row].count == 0u) {
         return;
     }
-    vec4 view = particles[row].view;
+    vec3 view = vec3(particles[row].view, particles[row].depth);
     vec4 colour = particles[row].colour;
     float brightest = uintBitsToFloat(control.brightest);
     uint light = share_of(colour.r, brightest) | share_of(colour.g, brightest) << 16u;
-    float reach = reach_of(view.w, mask_level());
-    vec4 bounds = pixel_bounds(from_eye(view.xyz), reach);
+    float reach = reach_of(colour.a, mask_level());
+    vec4 bounds = pixel_bounds(from_eye(view), reach);
     uvec4 cells;
     uint level = cells_of(bounds, cells);
     bool touches = on_screen(bounds);
-    particles[row].slope.w = reach;
-    particles[row].light = uvec4(light, share_of(colour.b, brightest), 0u, touches ? 1u : 0u);
+    particles[row].reach = reach;
+    particles[row].light = uvec2(light, share_of(colour.b, brightest));
     if (!touches) {
         return;
     }
+    particles[row].flags |= LISTED;
     vec2 scale = bucket_scale();
     uint bucket = bucket_of(nearest_of(view.z), scale.x, scale.y);
     for (uint y = cells.y; y <= cells.w; ++y) {
         for (uint x = cells.x; x <= cells.z; ++x) {
-            atomicAdd(cell_ends[cell_index(level, x, y) * params.counts.y + bucket], 1u);
+            atomicAdd(cell_ends[cell_index(level, x, y) * params.bucket_count + bucket], 1u);
         }
     }
 }

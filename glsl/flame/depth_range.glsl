@@ -23,5 +23,5 @@ vec2 depth_range() {
 // The depths that buckets divide: low end, and buckets a metre.
 vec2 bucket_scale() {
     vec2 ends = depth_range();
-    return vec2(ends.x, float(params.counts.y) / max(ends.y - ends.x, 1e-30));
+    return vec2(ends.x, float(params.bucket_count) / max(ends.y - ends.x, 1e-30));
 }

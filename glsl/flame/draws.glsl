@@ -8,8 +8,8 @@ layout(constant_id = 2) const uint FLICKER = 0;  // 1: some draws change from fr
 
 // How often a render particle has been drawn anew up to this frame, times an odd number that is added to its words.
 uint flickered(uint particle_word) {
-    uint phase = pcg(0xffffffffu + particle_word) >> 16u;
-    return FLICKER == 1u ? (params.draw.z + ((params.draw.w + phase) >> 16u)) * 0x9e3779b9u : 0u;
+    uint phase = pcg(PHASE_KEY + particle_word) >> 16u;
+    return FLICKER == 1u ? (params.flicker_whole + ((params.flicker_fraction + phase) >> 16u)) * RENEWAL : 0u;
 }
 
 // The word that all draws of a render particle come from. `particle_word`: hash of its particle's id and its sample.
@@ -33,8 +33,8 @@ uint scrambled(uint x, uint seed) {
 
 // Point `repetition` of a Sobol sequence of the render particle's own: its order shuffled, its coordinates scrambled.
 vec3 sobol_point(uint particle_word, uint repetition) {
-    uint seed = pcg(0xfffffffeu + particle_word) + flickered(particle_word);
-    uint bits = params.flags.y;
+    uint seed = pcg(SOBOL_KEY + particle_word) + flickered(particle_word);
+    uint bits = params.sobol_bits;
     uint index = scrambled(repetition, pcg(seed)) & ((1u << bits) - 1u);
     uvec3 direction = uvec3(0x80000000u);
     uint before = 0u;

@@ -6,7 +6,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
-layout(local_size_x = 32) in;
+#include "columns.glsl"
+layout(local_size_x = LANES) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
@@ -19,32 +20,22 @@ layout(std430, binding = 9) buffer Winners { uvec4 winners[]; };  // of an unfin
 layout(std430, binding = 10) buffer Unlaid { vec4 unlaid[]; };  // between dispatches: the bin that is not laid yet, and the one before it
 layout(constant_id = 0) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
 layout(constant_id = 1) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
-layout(push_constant) uniform AccumulateConstants {
-    uint part;         // which dispatch this is
-    uint repetitions;  // first bin
-    uint last;         // the one after the last
-    uint before;       // unused
-} constants;
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "kernel.glsl"
 #include "bins.glsl"
+#include "sums.glsl"
 
-const uint LANES = 32u;
-const uint BLOCKS = 4u;
-const int ROWS = int(BLOCK);
 const float FIXED = 16777216.0;  // 1 as a fixed-point number
-const float WORD = 4294967296.0 / FIXED;
+const float FIXED_WORD = WORD / FIXED;
 const float FIXED_SQUARES = 0.25 * FIXED;  // a sum of three
 const float MOST_DEPTH = 127.0;  // optical depth of one particle in one bin
-const float LAST = float(PLACES - 1);
-const uint UNLAID = 3u + KEEP_LAYERS;
-const float OPAQUE = 1e-6;       // transmittance below which nothing is seen any more
+const uint UNLAID = UNLAID_VECTORS + KEEP_LAYERS;
 
 shared uint queue[BLOCKS][LANES];
 shared uint queue_length[BLOCKS];
 shared uint clearest;
-shared uvec2 lists[12];
+shared uvec2 lists[MAX_CELL_LEVELS];
 
 // A column of a block.
 vec3 mean[ROWS];
@@ -68,13 +59,13 @@ float corner(ivec2 at, float share) {
 
 // ln(1 - G) at a place of the grid and two depths of it.
 vec2 logarithms(vec2 place, vec2 depths, int class_index) {
-    ivec2 low = ivec2(min(place, vec2(float(PLACES) - 1.001)));
+    ivec2 low = ivec2(min(place, vec2(float(KERNEL_PLACES) - 1.001)));
     vec2 f = place - vec2(low);
-    ivec2 k = ivec2(min(depths, vec2(float(DEPTHS) - 1.001)));
+    ivec2 k = ivec2(min(depths, vec2(float(KERNEL_DEPTHS) - 1.001)));
     vec2 g = depths - vec2(k);
-    ivec2 at = ivec2(DEPTHS * low.x, low.y + PLACES * class_index);
-    ivec2 right = ivec2(DEPTHS, 0);
-    ivec2 down = ivec2(0, 1);
+    ivec2 at = kernel_texel(low, 0, class_index);
+    ivec2 right = kernel_texel(ivec2(1, 0), 0, 0);
+    ivec2 down = kernel_texel(ivec2(0, 1), 0, 0);
     vec2 here = vec2(corner(at + ivec2(k.x, 0), g.x), corner(at + ivec2(k.y, 0), g.y));
     vec2 beside = vec2(corner(at + right + ivec2(k.x, 0), g.x), corner(at + right + ivec2(k.y, 0), g.y));
     at += down;
@@ -85,9 +76,8 @@ vec2 logarithms(vec2 place, vec2 depths, int class_index) {
 
 // The same at the nearest place of the grid.
 float nearest_logarithm(vec2 place, float depth, int class_index) {
-    ivec2 at = ivec2(place + 0.5);
-    int k = int(min(depth, float(DEPTHS) - 1.001));
-    return corner(ivec2(DEPTHS * at.x + k, at.y + PLACES * class_index), depth - float(k));
+    int k = int(min(depth, float(KERNEL_DEPTHS) - 1.001));
+    return corner(kernel_texel(ivec2(place + 0.5), k, class_index), depth - float(k));
 }
 
 // -ln(1 - x), without cancelling.
@@ -99,13 +89,13 @@ float depth_of(float x) {
 
 // Where an offset from a particle's centre (metres, up) lies in the grid.
 vec2 grid_place(vec2 offset) {
-    return (vec2(offset.x, -offset.y) / kernel_reach() * 0.5 + 0.5) * LAST;
+    return (vec2(offset.x, -offset.y) / kernel_reach() * 0.5 + 0.5) * LAST_PLACE;
 }
 
 // The middle of the part of a ball's depth before one (in radii from its centre), in metres from the centre.
 float cap_middle(float depth) {
     float share = 1.0 - depth;
-    return -0.75 * share * share / (1.0 + share) * params.space.z;
+    return -0.75 * share * share / (1.0 + share) * params.bounding_radius;
 }
 
 // The middle of what lies between two depths (in radii): where a slanted ray meets most of it. Sprites much larger than the space lie there as
@@ -114,27 +104,27 @@ float slab_middle(vec2 depths) {
     vec2 squares = depths * depths;
     float inner = 1.0 - 0.5 * (squares.x + squares.y) + 1e-6;
     float volume = 1.0 - (squares.x + depths.x * depths.y + squares.y) / 3.0 + 1e-6;
-    float share = params.space.y / (params.space.y + params.space.z);
-    return 0.5 * (depths.x + depths.y) * mix(1.0, inner / volume, share) * params.space.z;
+    float share = params.sprite_size / (params.sprite_size + params.bounding_radius);
+    return 0.5 * (depths.x + depths.y) * mix(1.0, inner / volume, share) * params.bounding_radius;
 }
 
 // ln(1 - G) before a depth, in radii from the centre: what passed there did so at other offsets than in the bin, on average at the middle of the
 // cap before it.
 float logarithm_before(vec2 centre, vec2 slope, float depth, int class_index) {
-    vec2 place = clamp(grid_place(centre + cap_middle(depth) * slope), 0.0, LAST);
-    return nearest_logarithm(place, (depth * 0.5 + 0.5) * float(DEPTHS - 1), class_index);
+    vec2 place = clamp(grid_place(centre + cap_middle(depth) * slope), 0.0, LAST_PLACE);
+    return nearest_logarithm(place, (depth * 0.5 + 0.5) * float(KERNEL_DEPTHS - 1u), class_index);
 }
 
 // How much G rises between two depths, over what is left of 1 - G. `centre`: of the particle to the ray at the particle's depth;
 // `zeta`: metres behind the particle.
 float rise(vec2 centre, vec2 slope, vec2 zeta, int class_index) {
-    float per_depth = 1.0 / max(params.space.z, 1e-12);
+    float per_depth = 1.0 / max(params.bounding_radius, 1e-12);
     // The ray slants through the space: its offset from the centre in the middle of what the bin holds of it.
     vec2 place = grid_place(centre + slab_middle(zeta * per_depth) * slope);
-    vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(DEPTHS - 1);
-    vec2 ends = logarithms(clamp(place, 0.0, LAST), depths, class_index);
+    vec2 depths = (zeta * per_depth * 0.5 + 0.5) * float(KERNEL_DEPTHS - 1u);
+    vec2 ends = logarithms(clamp(place, 0.0, LAST_PLACE), depths, class_index);
     float passed = logarithm_before(centre, slope, zeta.x * per_depth, class_index);
-    bool inside = all(bvec4(greaterThanEqual(place, vec2(0.0)), lessThanEqual(place, vec2(LAST))));
+    bool inside = all(bvec4(greaterThanEqual(place, vec2(0.0)), lessThanEqual(place, vec2(LAST_PLACE))));
     float x = exp(ends.x - passed) * opacity(max(ends.x - ends.y, 0.0));
     return inside ? x : 0.0;
 }
@@ -142,7 +132,7 @@ float rise(vec2 centre, vec2 slope, vec2 zeta, int class_index) {
 // By what that is too large where the near plane, so many metres behind the particle, cuts into its space: what would be before it is not there, and
 // has passed nowhere.
 float cut_by_near(vec2 centre, vec2 slope, float begin, float near, int class_index) {
-    float per_depth = 1.0 / max(params.space.z, 1e-12);
+    float per_depth = 1.0 / max(params.bounding_radius, 1e-12);
     float passed = logarithm_before(centre, slope, begin * per_depth, class_index);
     float missing = 1.0 - exp(logarithm_before(centre, slope, clamp(near * per_depth, -1.0, 1.0), class_index));
     return 1.0 + exp(-passed) * missing;
@@ -150,7 +140,7 @@ float cut_by_near(vec2 centre, vec2 slope, float begin, float near, int class_in
 
 // Share of a ball before a depth.
 float ball_before(float zeta) {
-    float share = clamp(zeta / max(params.space.z, 1e-12) * 0.5 + 0.5, 0.0, 1.0);
+    float share = clamp(zeta / max(params.bounding_radius, 1e-12) * 0.5 + 0.5, 0.0, 1.0);
     return share * share * (3.0 - 2.0 * share);
 }
 
@@ -158,8 +148,8 @@ float ball_before(float zeta) {
 // passes anywhere with one chance; the spread blurs its edges by an even density with a ball's variance. All pixels together see as
 // much wherever it is.
 float narrow_rise(vec2 centre, vec2 zeta, float near, float pixel, float chance) {
-    float half_side = max(0.5 * params.space.y, 0.5 * pixel);
-    float blur = max(0.775 * params.space.x, 1e-4 * pixel);
+    float half_side = max(0.5 * params.sprite_size, 0.5 * pixel);
+    float blur = max(0.775 * params.spread, 1e-4 * pixel);
     vec2 share = clamp((half_side + blur - abs(centre)) / (2.0 * blur), 0.0, 1.0);
     float all_of_it = chance * share.x * share.y;
     vec3 before = vec3(ball_before(zeta.x), ball_before(zeta.y), ball_before(near));
@@ -176,22 +166,21 @@ struct Meeting {
 Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, int y) {
     vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
     float end = min(bin.y, scene_depth[y]);
-    vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.space.z, params.space.z);
+    vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.bounding_radius, params.bounding_radius);
     return Meeting(slope, z * slope - view.xy, zeta);
 }
 
 // Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
 void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
-    vec3 view = particles[row].view.xyz;
+    vec3 view = vec3(particles[row].view, particles[row].depth);
     vec3 colour = particles[row].colour.rgb / brightest;
-    int class_index = int(particles[row].draw.w);
-    vec2 weights = uintBitsToFloat(particles[row].light.zw);
-    float weight = is_one ? weights.x : 0.0;
-    float chance = weights.y;
+    int class_index = int(particles[row].class_index);
+    float weight = is_one ? particles[row].weight : 0.0;
+    float chance = particles[row].chance;
     float z = from_eye(view).z;
-    float pixel = params.focal.w * z;
+    float pixel = params.pixel_slope * z;
     bool narrow = is_narrow(pixel);
-    float near = params.lens.z - depth_base() - view.z;
+    float near = params.near - depth_base() - view.z;
     // What decides for all rows is asked once, and not in each.
     float rises[ROWS];
     if (narrow) {
@@ -204,7 +193,7 @@ void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, fl
             Meeting met = meet(view, z, bin, ray, step_down, y);
             rises[y] = rise(met.centre, met.slope, met.zeta, class_index);
         }
-        if (near > -params.space.z) {
+        if (near > -params.bounding_radius) {
             [[unroll]] for (int y = 0; y < ROWS; ++y) {
                 Meeting met = meet(view, z, bin, ray, step_down, y);
                 rises[y] /= cut_by_near(met.centre, met.slope, met.zeta.x, near, class_index);
@@ -232,21 +221,21 @@ void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, fl
 // The middle of a bin, in metres from the frame's base; what lies before the near plane is not there.
 float middle(uint bin, vec2 scale) {
     vec2 ends = scale.x + vec2(float(bin), float(bin + 1u)) / scale.y;
-    ends = max(ends, vec2(params.lens.z - depth_base()));
+    ends = max(ends, vec2(params.near - depth_base()));
     return 0.5 * (ends.x + ends.y);
 }
 
 // Lays the bin that is not laid yet behind what is nearer; the finished one takes its place. `depth`: of the former.
 void lay_bin(float depth) {
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        vec4 sum = vec4(bin_high[y]) * WORD + vec4(bin_low[y]) / FIXED;
+        vec4 sum = vec4(bin_high[y]) * FIXED_WORD + vec4(bin_low[y]) / FIXED;
         vec4 farther = vec4(sum.rgb / max(sum.w, 1e-30), sum.w);
         float left = transmittance[y] > OPAQUE ? transmittance[y] : 0.0;
         float share = left * opacity(bins[y].w);
         vec3 slope = slope_of(nearer_bins[y], bins[y], farther);
         float leans = left * fade(bins[y], bin_squares[y].w, slope) * leaning(bins[y].w);
         mean[y] += max(share * bins[y].rgb + leans * slope, 0.0);
-        vec4 squares = vec4(square_high[y]) * vec4(vec3(WORD), 4.0 * WORD) + vec4(square_low[y]) / vec4(vec3(FIXED), FIXED_SQUARES);
+        vec4 squares = vec4(square_high[y]) * vec4(vec3(FIXED_WORD), 4.0 * FIXED_WORD) + vec4(square_low[y]) / vec4(vec3(FIXED), FIXED_SQUARES);
         squares /= max(sum.w, 1e-30);
         if (KEEP_LAYERS == 1u) {
             vec4 nearer = vec4(nearer_squares[y], nearer_bins[y].w);
@@ -282,8 +271,8 @@ void load_unlaid(int y, uint at, bool is_there, bool is_unfinished) {
             nearer_squares[y] = unlaid[UNLAID * at + 3u].xyz;
         }
         if (is_unfinished) {
-            square_low[y] = winners[2u * at];
-            square_high[y] = winners[2u * at + 1u];
+            square_low[y] = winners[UNFINISHED_VECTORS * at];
+            square_high[y] = winners[UNFINISHED_VECTORS * at + 1u];
         }
     }
 }
@@ -296,35 +285,32 @@ void store_unlaid(int y, uint at, bool is_finished) {
         unlaid[UNLAID * at + 3u] = vec4(nearer_squares[y], 0.0);
     }
     if (!is_finished) {
-        winners[2u * at] = square_low[y];
-        winners[2u * at + 1u] = square_high[y];
+        winners[UNFINISHED_VECTORS * at] = square_low[y];
+        winners[UNFINISHED_VECTORS * at + 1u] = square_high[y];
     }
 }
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint tile_index = active_tiles[gl_WorkGroupID.x];
-    uvec2 tile = uvec2(tile_index % params.image.z, tile_index / params.image.z);
-    uint buckets = params.counts.y;
+    uvec2 tile = tile_at(active_tiles[gl_WorkGroupID.x]);
+    uint buckets = params.bucket_count;
     float brightest = max(uintBitsToFloat(control.brightest), 1e-30);
     vec2 scale = bucket_scale();
     // How many buckets before a bin particles may begin that reach into it.
-    uint window = min(uint(2.0 * params.space.z * scale.y * 1.0001) + 2u, buckets);
+    uint window = min(uint(2.0 * params.bounding_radius * scale.y * 1.0001) + 2u, buckets);
     uint segment = constants.part % control.segments;
     uint first = constants.part / control.segments * control.part_repetitions;
     uint last = min(first + control.part_repetitions, buckets);
     bool is_last_segment = segment + 1u == control.segments;
 
     uint block = lane / BLOCK;
-    uvec2 block_corner = BLOCK * uvec2(block & 1u, block >> 1u);
-    uvec2 pixel = tile * TILE + block_corner + uvec2(lane % BLOCK, 0u);
-    vec2 centre = (vec2(pixel) + 0.5 - params.focal.yz) * params.focal.w;
-    vec2 ray = vec2(centre.x, -centre.y);
-    uint column = pixel.y * params.image.x + pixel.x;
+    uvec2 pixel = tile * TILE + block_corner(block) + uvec2(lane % BLOCK, 0u);
+    vec2 ray = ray_at(vec2(pixel) + 0.5);
+    uint column = pixel_index(pixel);
     bool inside[ROWS];
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        inside[y] = pixel.x < params.image.x && pixel.y + uint(y) < params.image.y;
-        uint at = column + uint(y) * params.image.x;
+        inside[y] = pixel.x < params.size.x && pixel.y + uint(y) < params.size.y;
+        uint at = column + uint(y) * params.size.x;
         scene_depth[y] = uintBitsToFloat(INFINITY_BITS);
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
@@ -333,10 +319,10 @@ void main() {
         }
         uvec4 a = uvec4(0u, 0u, 0u, floatBitsToUint(1.0)), b = uvec4(0u), c = uvec4(0u), d = uvec4(0u);
         if (inside[y] && constants.part > 0u) {
-            a = sums[4u * at];
-            b = sums[4u * at + 1u];
-            c = sums[4u * at + 2u];
-            d = sums[4u * at + 3u];
+            a = sums[SUM_VECTORS * at];
+            b = sums[SUM_VECTORS * at + 1u];
+            c = sums[SUM_VECTORS * at + 2u];
+            d = sums[SUM_VECTORS * at + 3u];
         }
         mean[y] = uintBitsToFloat(a.xyz);
         transmittance[y] = inside[y] ? uintBitsToFloat(a.w) : 0.0;
@@ -356,7 +342,7 @@ void main() {
     uint bin = first;
     do {
         // What is left of the tile's lists: particles that begin in the window before the bin or in it.
-        if (lane < params.counts.z) {
+        if (lane < params.cell_level_count) {
             uint cell = cell_index(lane, tile.x >> lane, tile.y >> lane) * buckets;
             uint from = cell + (bin > window ? bin - window : 0u);
             uint begin = from == 0u ? 0u : cell_ends[from - 1u];
@@ -364,14 +350,14 @@ void main() {
         }
         barrier();
         uint total = 0u;
-        for (uint level = 0u; level < params.counts.z; ++level) {
+        for (uint level = 0u; level < params.cell_level_count; ++level) {
             total += lists[level].y - lists[level].x;
         }
-        bool is_seen = uintBitsToFloat(clearest) > OPAQUE || params.flags.x == 0u;
+        bool is_seen = uintBitsToFloat(clearest) > OPAQUE || params.is_skipping == 0u;
         uint from = segment * control.segment_entries;
         uint to = is_seen ? min(from + control.segment_entries, total) : 0u;
         vec2 depths = vec2(scale.x + float(bin) / scale.y, scale.x + float(bin + 1u) / scale.y);
-        depths = max(depths, vec2(params.lens.z - depth_base()));
+        depths = max(depths, vec2(params.near - depth_base()));
         uint at = from;
         do {
             if (at + lane < to) {
@@ -382,11 +368,11 @@ void main() {
                     ++level;
                 }
                 uint row = entries[lists[level].x + index];
-                vec4 view = particles[row].view;
-                vec4 bounds = pixel_bounds(from_eye(view.xyz), 1.0) - vec4(vec2(tile * TILE), vec2(tile * TILE));
-                bool reaches = view.z + params.space.z >= depths.x && view.z - params.space.z <= depths.y;
+                vec3 view = vec3(particles[row].view, particles[row].depth);
+                vec4 bounds = pixel_bounds(from_eye(view), 1.0) - vec4(vec2(tile * TILE), vec2(tile * TILE));
+                bool reaches = view.z + params.bounding_radius >= depths.x && view.z - params.bounding_radius <= depths.y;
                 [[unroll]] for (uint other = 0u; other < BLOCKS; ++other) {
-                    vec2 low = float(BLOCK) * vec2(other & 1u, other >> 1u);
+                    vec2 low = vec2(block_corner(other));
                     bvec4 touches = bvec4(lessThanEqual(bounds.xy, low + float(BLOCK)), greaterThanEqual(bounds.zw, low));
                     if (all(touches) && reaches) {
                         queue[other][atomicAdd(queue_length[other], 1u)] = row;
@@ -398,7 +384,7 @@ void main() {
             uint i = 0u;
             do {
                 bool is_one = i < length;
-                add_particle(is_one, is_one ? queue[block][i] : 0u, depths, ray, params.focal.w, brightest);
+                add_particle(is_one, is_one ? queue[block][i] : 0u, depths, ray, params.pixel_slope, brightest);
                 ++i;
             } while (i < length);
             barrier();
@@ -431,15 +417,15 @@ void main() {
     } while (bin < last);
     bool is_done = last == buckets && is_last_segment;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        uint at = column + uint(y) * params.image.x;
+        uint at = column + uint(y) * params.size.x;
         if (inside[y] && !is_done) {
             store_unlaid(y, at, is_last_segment);
         }
         if (inside[y]) {
-            sums[4u * at] = uvec4(floatBitsToUint(mean[y]), floatBitsToUint(transmittance[y]));
-            sums[4u * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
-            sums[4u * at + 2u] = bin_low[y];
-            sums[4u * at + 3u] = bin_high[y];
+            sums[SUM_VECTORS * at] = uvec4(floatBitsToUint(mean[y]), floatBitsToUint(transmittance[y]));
+            sums[SUM_VECTORS * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
+            sums[SUM_VECTORS * at + 2u] = bin_low[y];
+            sums[SUM_VECTORS * at + 3u] = bin_high[y];
         }
     }
 }

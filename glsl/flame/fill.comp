@@ -13,17 +13,17 @@ layout(std430, binding = 4) writeonly buffer Entries { uint entries[]; };
 
 void main() {
     uint row = gl_GlobalInvocationID.x;
-    if (row >= params.counts.x || particles[row].draw.z == 0u || particles[row].light.w == 0u) {
+    if (row >= params.particle_count || particles[row].count == 0u || (particles[row].flags & LISTED) == 0u) {
         return;
     }
-    vec4 view = particles[row].view;
+    vec3 view = vec3(particles[row].view, particles[row].depth);
     uvec4 cells;
-    uint level = cells_of(pixel_bounds(from_eye(view.xyz), particles[row].slope.w), cells);
+    uint level = cells_of(pixel_bounds(from_eye(view), particles[row].reach), cells);
     vec2 scale = bucket_scale();
     uint bucket = bucket_of(nearest_of(view.z), scale.x, scale.y);
     for (uint y = cells.y; y <= cells.w; ++y) {
         for (uint x = cells.x; x <= cells.z; ++x) {
-            entries[atomicAdd(cell_ends[cell_index(level, x, y) * params.counts.y + bucket], 1u)] = row;
+            entries[atomicAdd(cell_ends[cell_index(level, x, y) * params.bucket_count + bucket], 1u)] = row;
         }
     }
 }

@@ -4,15 +4,12 @@
 #extension GL_EXT_control_flow_attributes : require
 layout(constant_id = 0) const uint CUBE = 0;
 #include "params.glsl"
-layout(local_size_x = 64) in;
+#include "kernel.glsl"
+layout(local_size_x = KERNEL_LANES) in;
 layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; uint kernel_classes; };
 layout(std430, binding = 2) readonly buffer Shares { float shares[]; };
 layout(binding = 3, r32f) uniform writeonly image2D kernel;
 layout(std430, binding = 4) readonly buffer ControlBuffer { Control control; };
-#include "kernel.glsl"
-
-const float LEAST = -24.0;
-const uvec2 PLACES_OF_MASK = uvec2(16u, 32u);  // along a side, at least; where the space is as narrow as two of them
 
 // The chord through the space at an offset across, in metres; empty where begin > end.
 vec2 chord(vec2 at, float radius) {
@@ -33,27 +30,27 @@ vec2 chord(vec2 at, float radius) {
 }
 
 void main() {
-    uint place = gl_GlobalInvocationID.x % uint(PLACES * PLACES);
-    uint class_index = gl_GlobalInvocationID.x / uint(PLACES * PLACES);
-    if (class_index >= uint(CLASSES) || !has_class(control.new_classes, class_index)) {
+    uint place = gl_GlobalInvocationID.x % (KERNEL_PLACES * KERNEL_PLACES);
+    uint class_index = gl_GlobalInvocationID.x / (KERNEL_PLACES * KERNEL_PLACES);
+    if (class_index >= KERNEL_CLASSES || !has_class(control.new_classes, class_index)) {
         return;
     }
-    ivec2 grid = ivec2(place % uint(PLACES), place / uint(PLACES));
+    ivec2 grid = ivec2(place % KERNEL_PLACES, place / KERNEL_PLACES);
     float reach = kernel_reach();
-    vec2 m = reach * (2.0 * vec2(grid) / float(PLACES - 1) - 1.0);
+    vec2 m = reach * (2.0 * vec2(grid) / LAST_PLACE - 1.0);
     uint side = MASK_SIDE >> kernel_level;
     // Coarse texels are areas: each is looked at in several places.
-    bool is_thin = params.space.x < 2.0 * params.space.y / float(PLACES_OF_MASK.x);
-    uint places = max((is_thin ? PLACES_OF_MASK.y : PLACES_OF_MASK.x) / side, 1u);
+    bool is_thin = params.spread < 2.0 * params.sprite_size / float(MASK_PLACES);
+    uint places = max((is_thin ? FINE_MASK_PLACES : MASK_PLACES) / side, 1u);
     uint across = side * places;
-    float place_side = params.space.y / float(across);
+    float place_side = params.sprite_size / float(across);
     // A space narrower than two places would fall between them.
-    float widest = max(params.space.x, 2.0 * place_side);
-    float radius = CUBE == 1u ? params.space.x + 1e-12 : widest;
-    float volume = CUBE == 1u ? 8.0 * radius * radius * radius : 4.18879020478639 * radius * radius * radius;
-    float squeeze = params.space.z / (CUBE == 1u ? max(params.space.z, 1e-12) : widest);
-    float g[DEPTHS];
-    [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
+    float widest = max(params.spread, 2.0 * place_side);
+    float radius = CUBE == 1u ? params.spread + 1e-12 : widest;
+    float volume = CUBE == 1u ? 8.0 * radius * radius * radius : ball_volume(radius);
+    float squeeze = params.bounding_radius / (CUBE == 1u ? max(params.bounding_radius, 1e-12) : widest);
+    float g[KERNEL_DEPTHS];
+    [[unroll]] for (uint k = 0u; k < KERNEL_DEPTHS; ++k) {
         g[k] = 0.0;
     }
     for (uint i = 0u; i < across * across; ++i) {
@@ -63,23 +60,22 @@ void main() {
             continue;
         }
         vec2 u = (vec2(at_mask) + 0.5) / float(across) - 0.5;
-        vec2 at = m - params.space.y * u;
+        vec2 at = m - params.sprite_size * u;
         // The mask's rows go down, space goes up.
         vec2 range = chord(vec2(at.x, -at.y), radius) * squeeze;
         float length = range.y - range.x;
         if (length <= 0.0) {
             continue;
         }
-        [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
-            float depth = params.space.z * (2.0 * float(k) / float(DEPTHS - 1) - 1.0);
+        [[unroll]] for (uint k = 0u; k < KERNEL_DEPTHS; ++k) {
+            float depth = params.bounding_radius * (2.0 * float(k) / float(KERNEL_DEPTHS - 1u) - 1.0);
             g[k] += share * clamp(depth - range.x, 0.0, length);
         }
     }
     float weight = place_side * place_side / volume / max(squeeze, 1e-12);
-    [[unroll]] for (int k = 0; k < DEPTHS; ++k) {
+    [[unroll]] for (uint k = 0u; k < KERNEL_DEPTHS; ++k) {
         float p = min(weight * g[k], 1.0);
-        // The series where 1 - p would lose p's digits.
-        float value = p < 0.01 ? -p * (1.0 + p * (0.5 + p * (0.33333333 + p * 0.25))) : log(max(1.0 - p, 1e-30));
-        imageStore(kernel, ivec2(k + DEPTHS * grid.x, grid.y + PLACES * int(class_index)), vec4(max(value, LEAST)));
+        float value = logarithm_of_rest(p);
+        imageStore(kernel, kernel_texel(grid, int(k), int(class_index)), vec4(max(value, LEAST_LOGARITHM)));
     }
 }

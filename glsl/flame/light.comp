@@ -7,8 +7,8 @@ layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) writeonly buffer LampBuffer { Lamp lamp; };
 layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };
 
-shared vec4 places[256];   // brightness times position; brightness
-shared vec4 colours[256];  // sum of colours; brightness times squared distance
+shared vec4 places[gl_WorkGroupSize.x];   // brightness times position; brightness
+shared vec4 colours[gl_WorkGroupSize.x];  // sum of colours; brightness times squared distance
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
@@ -17,11 +17,11 @@ void main() {
     float scale = brightest_of_all > 1e6 ? 1.0 / brightest_of_all : 1.0;
     vec4 place = vec4(0.0);
     vec4 colour = vec4(0.0);
-    for (uint row = lane; row < params.counts.x; row += 256u) {
-        float count = particles[row].draw.z == 0u ? 0.0 : float(particles[row].draw.z);
+    for (uint row = lane; row < params.particle_count; row += gl_WorkGroupSize.x) {
+        float count = particles[row].count == 0u ? 0.0 : float(particles[row].count);
         vec3 own = count * scale * particles[row].colour.rgb;
         float brightness = max(own.r, max(own.g, own.b));
-        vec3 view = particles[row].view.xyz;
+        vec3 view = vec3(particles[row].view, particles[row].depth);
         place += brightness > 0.0 ? brightness * vec4(view, 1.0) : vec4(0.0);
         colour += brightness > 0.0 ? vec4(own, brightness * dot(view, view)) : vec4(0.0);
     }
@@ -29,7 +29,7 @@ void main() {
     colours[lane] = colour;
     barrier();
     if (lane == 0u) {
-        for (uint i = 1u; i < 256u; ++i) {
+        for (uint i = 1u; i < gl_WorkGroupSize.x; ++i) {
             place += places[i];
             colour += colours[i];
         }
@@ -37,7 +37,7 @@ void main() {
         float spread = max(colour.w / max(place.w, 1e-30) - dot(middle, middle), 0.0);
         float brightest = max(colour.r, max(colour.g, colour.b));
         // The fire reaches about two standard deviations from its middle.
-        lamp.place = vec4(middle, max(4.0 * spread, 1e-6));
-        lamp.colour = vec4(params.light.w * colour.rgb / max(brightest, 1e-30), uintBitsToFloat(control.base));
+        vec3 light = params.light * colour.rgb / max(brightest, 1e-30);
+        lamp = Lamp(middle.xy, middle.z, max(4.0 * spread, 1e-6), float[](light.r, light.g, light.b), uintBitsToFloat(control.base));
     }
 }

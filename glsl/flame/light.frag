@@ -7,12 +7,10 @@ layout(std430, binding = 2) readonly buffer LampBuffer { Lamp lamp; };
 layout(location = 0) out vec4 brighter;
 
 void main() {
-    uvec2 at = uvec2(gl_FragCoord.xy);
-    float depth = scene[at.y * params.image.x + at.x];
+    float depth = scene[pixel_index(uvec2(gl_FragCoord.xy))];
     if (!(depth < uintBitsToFloat(INFINITY_BITS))) {
         discard;
     }
-    vec2 slope = (gl_FragCoord.xy - params.focal.yz) * params.focal.w;
-    vec3 away = vec3(depth * vec2(slope.x, -slope.y), depth - lamp.colour.w) - lamp.place.xyz;
-    brighter = vec4(lamp.colour.rgb / (1.0 + dot(away, away) / lamp.place.w), 0.0);
+    vec3 away = vec3(depth * ray_at(gl_FragCoord.xy), depth - lamp.base) - vec3(lamp.middle, lamp.depth);
+    brighter = vec4(vec3(lamp.colour[0], lamp.colour[1], lamp.colour[2]) / (1.0 + dot(away, away) / lamp.squared_width), 0.0);
 }

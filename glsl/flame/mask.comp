@@ -8,16 +8,14 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) writeonly buffer Mask { float mask[]; };
 layout(binding = 2, r32f) uniform writeonly image2D levels;
 
-const float NOISE_CELLS = 4.0;  // across a sprite
-
 void main() {
     uint index = gl_GlobalInvocationID.x;
     uint variant = index / (MASK_SIDE * MASK_SIDE);
-    if (variant >= params.draw.y) {
+    if (variant >= params.variants) {
         return;
     }
     uvec2 texel = uvec2(index % MASK_SIDE, index / MASK_SIDE % MASK_SIDE);
-    uint seed = params.draw.x;
+    uint seed = params.seed;
     // Between the lattice planes, where noise is 0 at the corners of cells.
     uvec3 slice = uvec3(hash(seed, variant, 0u, 0u), hash(seed, variant, 0u, 1u), hash(seed, variant, 0u, 2u)) >> 24u;
     float between = 0.25 + 0.5 * unit(hash(seed, variant, 0u, 3u));

@@ -1,7 +1,11 @@
 // Alpha of the mask where a sprite meets a column of pixels.
 #include "mask_place.glsl"
 
-layout(constant_id = 3) const uint MAGNIFIED = 0;  // 1: level 0, look-ups are bilinear; 2: what the level asks for
+const uint MINIFIED = 0u;   // how the mask is looked up: the nearest texel of a level,
+const uint MAGNIFIED = 1u;  // between texels of level 0,
+const uint EITHER = 2u;     // or what the level asks for
+
+layout(constant_id = 3) const uint LOOK_UP = 0;
 
 // What all pixels of a column have in common. Coordinates are texels of the mask's level from the sprite's corner.
 struct Look {
@@ -39,7 +43,7 @@ float magnified(Look look, float y) {
 }
 
 float mask_value(Look look, float y) {
-    if (MAGNIFIED == 1u || (MAGNIFIED == 2u && look.level == 0u)) {
+    if (LOOK_UP == MAGNIFIED || (LOOK_UP == EITHER && look.level == 0u)) {
         return magnified(look, y);
     }
     int row = int(floor(y));

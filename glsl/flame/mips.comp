@@ -32,7 +32,7 @@ float value_below(uint level, uvec2 texel, uint variant, uint index) {
 void main() {
     uint thread = gl_GlobalInvocationID.x;
     uint variant = thread / (MASK_SIDE * MASK_SIDE);
-    if (variant >= params.draw.y) {
+    if (variant >= params.variants) {
         return;
     }
     uint below_level = constants.level - 1u;

@@ -1,5 +1,4 @@
-// What the host tells every flame kernel, and what kernels tell each other. `src/flame/params.rs` has the same
-// structures; build.rs compares offsets and sizes.
+// What the host tells every flame kernel, and what kernels tell each other. build.rs writes the same for Rust.
 #ifndef FLAME_PARAMS
 #define FLAME_PARAMS
 
@@ -9,31 +8,98 @@
 
 const uint TILE = 16u;          // side of a screen tile in pixels
 const uint BLOCK = 8u;          // side of a block in pixels; a tile is 2 x 2 blocks
+const uint BLOCKS = TILE * TILE / BLOCK / BLOCK;  // of a tile
 const uint CELLS_ACROSS = 4u;   // a particle stands at the level of cells where it touches at most so many across
+const uint MAX_CELL_LEVELS = 12u;
+
 const uint MASK_SIDE = 64u;     // texels of the mask along a side
 const uint MASK_LEVELS = 7u;
+const float NOISE_CELLS = 4.0;  // of the mask's noise, across a sprite
+
+const float COLDEST = 700.0;        // what is colder emits nothing, in kelvin
+const float MOST_COUNT = 32768.0;   // render particles of a particle in a repetition
+const float LIGHT_STEPS = 65535.0;  // of a colour's component, up to the brightest of the frame
+
+const uint COUNT_KEY = 0xffffffffu;  // keys of draws that are no repetition's: the fraction of a count,
+const uint PHASE_KEY = 0xffffffffu;  // when the flicker renews a render particle,
+const uint SOBOL_KEY = 0xfffffffeu;  // its Sobol sequence
+const uint RENEWAL = 0x9e3779b9u;    // what is added to the words of a draw that is renewed
+
+const uint NOTHING = 0xffffffffu;  // the minimum of no numbers
+
+const uint NEAR_CAMERA = 1u;  // flags of a particle: too near the camera for slopes
+const uint LISTED = 2u;       // it is in the lists of cells
+
+const uint RADIANCE = 0u;      // what the entries of the colour table are, as `flame::colour::Form` says
+const uint CHROMATICITY = 1u;
+const uint RAMP = 2u;
+
+const uint UNORM_16 = 0u;  // what the host's depth image holds
+const uint UNORM_24 = 1u;
+const uint FLOATS = 2u;
+
+const uint SUM_VECTORS = 4u;         // of a pixel's sums: vectors of four words
+const uint UNFINISHED_VECTORS = 2u;  // of a bin of the expected image that is not finished
+const uint UNLAID_VECTORS = 3u;      // of its last two bins, between dispatches; one more with layers
+
+const uint QUAD_VERTICES = 4u;
+
+// A level of the screen's cells.
+struct CellLevel {
+    uint first;   // its first cell among those of all levels
+    uint across;  // cells
+    uint down;
+    uint end;     // the cell after its last
+};
 
 layout(binding = 0) uniform FlameParams {
-    vec4 eye;          // position of the camera, high part; w: unused
-    vec4 eye_low;      // what `eye` lost in rounding
-    vec4 right;        // rows of the view rotation
+    vec4 eye;                 // position of the camera, high part; w: unused
+    vec4 eye_low;             // what `eye` lost in rounding
+    vec4 right;               // rows of the view rotation; w: unused
     vec4 up;
     vec4 forward;
-    vec4 right_low;    // what they lost in rounding
+    vec4 right_low;           // what they lost in rounding
     vec4 up_low;
     vec4 forward_low;
-    vec4 lens;         // half extent at depth 1 along x and y, near, far
-    vec4 focal;        // pixels of a slope of 1, the picture's centre in pixels x, y; 1 / pixels of a slope of 1
-    uvec4 image;       // width, height, tiles across, tiles down
-    uvec4 counts;      // particles, depth buckets, levels of cells, unused
-    uvec4 draw;        // seed, variants of the mask, how far draws have flickered on: whole, 16-bit fraction
-    uvec4 flags;       // 1 if what is not needed is left out; bits of the Sobol index; repetitions done before; 1 if sprites are sized in pixels, 2 if there are ids
-    vec4 model;        // alpha scale, threshold, count, hottest temperature of the settings
-    vec4 space;        // spread, side of a sprite (metres or pixels), how far render particles go in depth, temperature that particles clamp to
-    vec4 light;        // intensity, largest value of the mask, bound of the 95 % interval, tint of smoke
-    vec4 colour;       // colour table: places a unit of T or 1 / T, place of 0, last place, fall-off
-    vec4 shift;        // what its logarithms are of more than the colour
-    uvec4 levels[12];  // cells of each level: first, across, down
+    float near;               // view depths that are seen, in metres
+    float far;
+    float focal_length;       // pixels of a slope of 1
+    float pixel_slope;        // 1 / focal_length
+    vec2 principal_point;     // the picture's centre in pixels
+    uvec2 size;               // of the picture in pixels
+    uvec2 tiles;              // across and down
+    uint cell_count;          // cells of all levels
+    uint cell_level_count;
+    uint bucket_count;        // depth buckets of a cell
+    uint iterations;          // repetitions, or depth bins of the expected image
+    uint repetitions_before;  // that earlier frames have added
+    uint particle_count;
+    uint seed;
+    uint variants;            // of the mask
+    uint sobol_bits;          // bits of the index into the Sobol sequence
+    uint flicker_whole;       // how often all draws have been renewed
+    uint flicker_fraction;    // and what is left over, in 65536ths
+    uint is_skipping;         // what is not needed is left out
+    uint is_in_pixels;        // the unit of `sprite_size`: metres if 0
+    uint has_ids;             // a particle's id is its row if 0
+    float sprite_size;        // side of a sprite
+    float spread;             // radius of the ball, or half side of the cube, of a particle's render particles, in metres
+    float bounding_radius;    // of what they fill, in metres
+    float alpha_scale;
+    float threshold;
+    float count;              // mean number of render particles of a particle at `hottest`
+    float hottest;            // kelvin
+    float max_temperature;    // hotter particles count as this hot, in kelvin
+    float max_alpha;          // largest value of the mask
+    float intensity;
+    float adaptive;           // widest 95 % interval of a pixel that is good enough
+    float light;
+    float falloff;
+    float table_scale;        // colour table: places a unit of T or 1 / T
+    float table_offset;       // place of 0
+    float table_last;         // last place
+    vec4 table_shift;         // what its logarithms are of more than the colour; w: unused
+    CellLevel cell_levels[MAX_CELL_LEVELS];
 } params;
 
 // What the device decides during a frame; the host resets it at the frame's start.
@@ -65,18 +131,50 @@ struct Control {
 
 // A physical particle in a frame.
 struct Particle {
-    vec4 view;      // centre in view space, z less the frame's base; w: alpha where the mask is 1
-    vec4 centre;    // centre in pixels: whole and fraction of x, whole and fraction of y
-    vec4 slope;     // x / z and y / z of the centre; 1 if it is too near the camera for these; share of its square that matters
-    vec4 colour;    // linear RGB; w: mean number of render particles
-    uvec4 draw;     // hash of its id, id, number of render particles (0: dropped), class of the kernel table; until `range` bits of what z has lost in rounding
-    uvec4 light;    // colour in 65535ths of the brightest: r | g << 16, b; weight of its class; 1 if it is in lists, until `weigh` has how often a sprite below a pixel passes there
+    vec2 view;            // centre in view space in metres, x right, y up
+    float depth;          // its view depth, less the frame's base
+    float mean_count;     // mean number of render particles
+    vec2 pixel;           // centre in pixels: whole ones
+    vec2 pixel_fraction;  // and the rest
+    vec2 slope;           // x / z and y / z of the centre; 0 if it is near the camera
+    float reach;          // share of its sprites' half side that can pass
+    uint flags;           // NEAR_CAMERA, LISTED
+    vec4 colour;          // linear RGB; alpha where the mask is 1
+    uint hash;            // of its id
+    uint id;
+    uint count;           // render particles; 0: dropped
+    uint class_index;     // of the kernel table
+    uvec2 light;          // colour in 65535ths of the brightest: r | g << 16, b
+    float weight;         // of its class; until `range` what `depth` has lost in rounding
+    float chance;         // how often a sprite below a pixel passes there
 };
 
 // The fire as a lamp, in view space.
 struct Lamp {
-    vec4 place;   // middle, z less the frame's base; square of its width
-    vec4 colour;  // how much it brightens what is close to it; the frame's base
+    vec2 middle;          // metres, x right, y up
+    float depth;          // of the middle, less `base`
+    float squared_width;
+    float colour[3];      // how much it brightens what is close to it: linear RGB
+    float base;           // the frame's
 };
+
+uvec2 tile_at(uint index) {
+    return uvec2(index % params.tiles.x, index / params.tiles.x);
+}
+
+// Where a block's first pixel lies in its tile.
+uvec2 block_corner(uint block) {
+    return BLOCK * uvec2(block & 1u, block >> 1u);
+}
+
+uint pixel_index(uvec2 pixel) {
+    return pixel.y * params.size.x + pixel.x;
+}
+
+// x / z and y / z of what is seen at a place of the picture, in pixels.
+vec2 ray_at(vec2 place) {
+    vec2 slope = (place - params.principal_point) * params.pixel_slope;
+    return vec2(slope.x, -slope.y);
+}
 
 #endif

@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "../common/limits.glsl"
 #include "../common/random.glsl"
 #include "../common/view.glsl"
 #include "cells.glsl"
@@ -13,82 +14,88 @@ layout(std430, binding = 3) readonly buffer Colours { vec4 colours[]; };
 layout(std430, binding = 4) writeonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 5) buffer ControlBuffer { Control control; };
 layout(constant_id = 0) const uint FORM = 0;  // what the entries of the colour table are
-const uint CHROMATICITY = 1u;
-const uint RAMP = 2u;
 
-shared uint common_values[6];
+// Of the workgroup's particles, as `Control` has them of all.
+shared uint brightest;
+shared uint nearest;
+shared uint range_low;
+shared uint range_high;
+shared uint visible;
+shared uint most;
 
-const uint MOST_COUNT = 32768u;
 const float MOST_LIGHT = 1e15;  // of a particle: squares of sums of it are finite
-const float FARTHEST = 1e12;    // coordinate of a particle in metres: squares of it are finite
 
 // As `flame::colour::Table` says.
 vec3 colour_of(float t) {
-    float place = clamp(params.colour.x * (FORM == RAMP ? t : 1.0 / t) + params.colour.y, 0.0, params.colour.z);
-    uint below = uint(min(place, params.colour.z - 1.0));
+    float place = clamp(params.table_scale * (FORM == RAMP ? t : 1.0 / t) + params.table_offset, 0.0, params.table_last);
+    uint below = uint(min(place, params.table_last - 1.0));
     vec3 colour = mix(colours[below].rgb, colours[below + 1u].rgb, place - float(below));
     if (FORM != RAMP) {
-        colour = max(exp(colour) - params.shift.rgb, 0.0);
+        colour = max(exp(colour) - params.table_shift.rgb, 0.0);
     }
     if (FORM == CHROMATICITY) {
         float largest = max(max(colour.r, max(colour.g, colour.b)), 1e-30);
-        colour *= pow(min(t / params.model.w, 1.0), params.colour.w) / largest;
+        colour *= pow(min(t / params.hottest, 1.0), params.falloff) / largest;
     }
-    return t < 700.0 ? vec3(0.0) : min(colour, MOST_LIGHT);
+    return t < COLDEST ? vec3(0.0) : min(colour, MOST_LIGHT);
 }
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    if (lane < 6u) {
-        common_values[lane] = lane == 1u || lane == 2u ? 0xffffffffu : 0u;
+    if (lane == 0u) {
+        brightest = 0u;
+        nearest = NOTHING;
+        range_low = NOTHING;
+        range_high = 0u;
+        visible = 0u;
+        most = 0u;
     }
     barrier();
     uint row = gl_GlobalInvocationID.x;
-    if (row < params.counts.x) {
+    if (row < params.particle_count) {
         vec4 position = positions[row];
         bool is_near = all(lessThanEqual(abs(position.xyz), vec3(FARTHEST)));
         bool valid = is_finite(position.x) && is_finite(position.y) && is_finite(position.z) && is_finite(position.w) && position.w > 0.0 && is_near;
-        float t = valid ? min(position.w, params.space.w) : 1.0;
+        float t = valid ? min(position.w, params.max_temperature) : 1.0;
         vec4 view_and_rest = valid ? to_view_and_rest(position.xyz) : vec4(0.0);
         vec3 view = view_and_rest.xyz;
-        float alpha = params.model.x * t / params.model.w;
-        float mean_count = min(params.model.z * t / params.model.w, float(MOST_COUNT));
-        uint id = (params.flags.w & 2u) != 0u ? ids[row] : row;
+        float alpha = params.alpha_scale * t / params.hottest;
+        float mean_count = min(params.count * t / params.hottest, MOST_COUNT);
+        uint id = params.has_ids != 0u ? ids[row] : row;
         uint count = uint(mean_count);
-        count += fract(mean_count) > unit(hash(params.draw.x, id, 0xffffffffu, 0u)) ? 1u : 0u;
+        count += fract(mean_count) > unit(hash(params.seed, id, COUNT_KEY, 0u)) ? 1u : 0u;
         vec3 colour = colour_of(t);
-        bool can_pass = count > 0u && min(alpha * params.light.y, 1.0) >= params.model.y;
+        bool can_pass = count > 0u && min(alpha * params.max_alpha, 1.0) >= params.threshold;
         vec4 bounds = pixel_bounds(view, 1.0);
         bool seen = valid && can_pass && on_screen(bounds);
         if (valid) {
-            atomicMax(common_values[0], floatBitsToUint(max(colour.r, max(colour.g, colour.b))));
-            if (view.z >= params.lens.z) {
-                atomicMin(common_values[1], floatBitsToUint(view.z));
+            atomicMax(brightest, floatBitsToUint(max(colour.r, max(colour.g, colour.b))));
+            if (view.z >= params.near) {
+                atomicMin(nearest, floatBitsToUint(view.z));
             }
         }
         if (seen) {
-            atomicMin(common_values[2], ordered(max(nearest_of(view.z), params.lens.z)));
-            atomicMax(common_values[3], ordered(min(view.z + params.space.z, params.lens.w)));
-            atomicAdd(common_values[4], 1u);
+            atomicMin(range_low, ordered(max(nearest_of(view.z), params.near)));
+            atomicMax(range_high, ordered(min(view.z + params.bounding_radius, params.far)));
+            atomicAdd(visible, 1u);
         }
-        bool kept = params.flags.x == 1u ? seen : valid && count > 0u && on_screen(bounds);
+        bool kept = params.is_skipping != 0u ? seen : valid && count > 0u && on_screen(bounds);
         count = kept ? count : 0u;
-        atomicMax(common_values[5], count);
-        bool near_camera = view.z <= 1.001 * (params.space.z + params.lens.z);
+        atomicMax(most, count);
+        bool near_camera = view.z <= 1.001 * (params.bounding_radius + params.near);
         vec2 slope = near_camera ? vec2(0.0) : view.xy / view.z;
-        vec2 centre = params.focal.yz + params.focal.x * vec2(slope.x, -slope.y);
+        vec2 centre = params.principal_point + params.focal_length * vec2(slope.x, -slope.y);
         vec2 whole = floor(centre);
-        particles[row] = Particle(vec4(view, alpha), vec4(whole.x, centre.x - whole.x, whole.y, centre.y - whole.y),
-            vec4(slope, near_camera ? 1.0 : 0.0, 1.0), vec4(colour, mean_count),
-            uvec4(pcg(id + pcg(params.draw.x)), id, count, floatBitsToUint(view_and_rest.w)), uvec4(0u));
+        particles[row] = Particle(view.xy, view.z, mean_count, whole, centre - whole, slope, 1.0, near_camera ? NEAR_CAMERA : 0u,
+            vec4(colour, alpha), pcg(id + pcg(params.seed)), id, count, 0u, uvec2(0u), view_and_rest.w, 0.0);
     }
     barrier();
     if (lane == 0u) {
-        atomicMax(control.brightest, common_values[0]);
-        atomicMin(control.nearest, common_values[1]);
-        atomicMin(control.range_low, common_values[2]);
-        atomicMax(control.range_high, common_values[3]);
-        atomicAdd(control.visible, common_values[4]);
-        atomicMax(control.most, common_values[5]);
+        atomicMax(control.brightest, brightest);
+        atomicMin(control.nearest, nearest);
+        atomicMin(control.range_low, range_low);
+        atomicMax(control.range_high, range_high);
+        atomicAdd(control.visible, visible);
+        atomicMax(control.most, most);
     }
 }

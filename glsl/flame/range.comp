@@ -12,7 +12,8 @@ layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 // the narrowest bins.
 const float FAR_OFF = 64.0;
 
-shared uint ends[2];
+shared uint low_end;
+shared uint high_end;
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
@@ -21,23 +22,24 @@ void main() {
     if (!(low > FAR_OFF * (high - low))) {
         return;
     }
-    if (lane < 2u) {
-        ends[lane] = lane == 0u ? 0xffffffffu : 0u;
+    if (lane == 0u) {
+        low_end = NOTHING;
+        high_end = 0u;
     }
     barrier();
     uint row = gl_GlobalInvocationID.x;
     if (row == 0u) {
         control.base = floatBitsToUint(low);
     }
-    if (row < params.counts.x && particles[row].draw.z != 0u) {
-        float depth = (particles[row].view.z - low) + uintBitsToFloat(particles[row].draw.w);
-        particles[row].view.z = depth;
-        atomicMin(ends[0], ordered(max(nearest_of(depth), params.lens.z - low)));
-        atomicMax(ends[1], ordered(min(depth + params.space.z, params.lens.w - low)));
+    if (row < params.particle_count && particles[row].count != 0u) {
+        float depth = (particles[row].depth - low) + particles[row].weight;
+        particles[row].depth = depth;
+        atomicMin(low_end, ordered(max(nearest_of(depth), params.near - low)));
+        atomicMax(high_end, ordered(min(depth + params.bounding_radius, params.far - low)));
     }
     barrier();
     if (lane == 0u) {
-        atomicMin(control.depth_low, ends[0]);
-        atomicMax(control.depth_high, ends[1]);
+        atomicMin(control.depth_low, low_end);
+        atomicMax(control.depth_high, high_end);
     }
 }

@@ -17,9 +17,9 @@ void main() {
     uint level = sprite.w;
     vec2 t = (gl_FragCoord.xy - place.xy) * place.w + 0.5 * float(MASK_SIDE >> level);
     float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
-    bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.model.y;
+    bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {
-        passes = passes && place.z < from_base(scene[uint(gl_FragCoord.y) * params.image.x + uint(gl_FragCoord.x)]);
+        passes = passes && place.z < from_base(scene[pixel_index(uvec2(gl_FragCoord.xy))]);
     }
     if (!passes) {
         discard;

@@ -17,14 +17,14 @@ void main() {
     uvec2 entry = sprite_list[gl_InstanceIndex];
     Particle particle = particles[entry.x];
     uint level = mask_level();
-    Source source = source_of(particle.view, particle.centre, particle.slope, vec2(0.0));
-    Sprite s = make_sprite(optics_of_frame(level), source, pcg(entry.y + particle.draw.x), constants.repetition);
+    Source source = source_of(particle, vec2(0.0));
+    Sprite s = make_sprite(optics_of_frame(level), source, pcg(entry.y + particle.hash), constants.repetition);
     place = vec4(s.at, s.z, s.scale);
     // From 1 to 0, as finely as single precision tells depths apart.
     vec2 ends = depth_range();
-    float nearness = depth_base() > 0.0 ? (ends.y - ends.x) / (ends.y - ends.x + s.z) : params.lens.z / s.z;
-    sprite = uvec4(entry.x + 1u, s.texel, floatBitsToUint(particle.view.w), level);
+    float nearness = depth_base() > 0.0 ? (ends.y - ends.x) / (ends.y - ends.x + s.z) : params.near / s.z;
+    sprite = uvec4(entry.x + 1u, s.texel, floatBitsToUint(particle.colour.a), level);
     float half_side = s.exists ? 0.5 * float(MASK_SIDE >> level) / s.scale : 0.0;
     vec2 corner = s.at + half_side * (2.0 * vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) - 1.0);
-    gl_Position = vec4(2.0 * corner / vec2(params.image.xy) - 1.0, s.exists ? nearness : 0.0, 1.0);
+    gl_Position = vec4(2.0 * corner / vec2(params.size) - 1.0, s.exists ? nearness : 0.0, 1.0);
 }

@@ -17,6 +17,6 @@ void main() {
     kernel_classes = known | wanted;
     control.new_classes = wanted;
     uint side = MASK_SIDE >> level;
-    control.share_groups = uvec4(wanted != 0u ? (uint(CLASSES) * side * side + 63u) / 64u : 0u, 1u, 1u, 0u);
-    control.kernel_groups = uvec4(wanted != 0u ? (uint(CLASSES * PLACES * PLACES) + 63u) / 64u : 0u, 1u, 1u, 0u);
+    control.share_groups = uvec4(wanted != 0u ? (KERNEL_CLASSES * side * side + KERNEL_LANES - 1u) / KERNEL_LANES : 0u, 1u, 1u, 0u);
+    control.kernel_groups = uvec4(wanted != 0u ? (KERNEL_CLASSES * KERNEL_PLACES * KERNEL_PLACES + KERNEL_LANES - 1u) / KERNEL_LANES : 0u, 1u, 1u, 0u);
 }

@@ -14,12 +14,11 @@ layout(std430, binding = 5) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 6) writeonly buffer Mean { vec4 means[]; };
 layout(std430, binding = 7) writeonly buffer Variance { vec4 variances[]; };
 layout(std430, binding = 8) writeonly buffer Nearest { float nearest_depths[]; };
-
-const float ONE = 65535.0;
+#include "sums.glsl"
 
 // A sum of two words as a sum of two floats.
 vec2 split(uint low, uint high) {
-    vec2 upper = two_sum(float(high >> 16u) * 281474976710656.0, float(high & 0xffffu) * 4294967296.0);
+    vec2 upper = two_sum(float(high >> 16u) * 281474976710656.0, float(high & 0xffffu) * WORD);
     vec2 lower = two_sum(float(low >> 16u) * 65536.0, float(low & 0xffffu));
     vec2 sum = two_sum(upper.x, lower.x);
     return two_sum(sum.x, sum.y + upper.y + lower.y);
@@ -45,25 +44,22 @@ struct Pixel {
 };
 
 Pixel of_repetitions(uint at, float n) {
-    uvec4 low = sums[4u * at];
-    uvec4 high = sums[4u * at + 1u];
-    uvec4 square_low = sums[4u * at + 2u];
-    uvec4 square_high = sums[4u * at + 3u];
-    float hits = float(low.w);
+    Sum whole = load_sum(at);
+    float hits = float(whole.hits);
     Pixel pixel;
     for (int c = 0; c < 3; ++c) {
-        vec2 sum = split(low[c], high[c]);
-        pixel.mean[c] = sum.x / n / ONE;
-        pixel.variance[c] = KEEP_LAYERS == 1u ? variance_of(sum, split(square_low[c], square_high[c]), n) / (ONE * ONE) : 0.0;
+        vec2 sum = split(whole.low[c], whole.high[c]);
+        pixel.mean[c] = sum.x / n / LIGHT_STEPS;
+        pixel.variance[c] = KEEP_LAYERS == 1u ? variance_of(sum, split(whole.square_low[c], whole.square_high[c]), n) / (LIGHT_STEPS * LIGHT_STEPS) : 0.0;
     }
     pixel.coverage = hits / n;
-    pixel.depth = hits > 0.0 ? uintBitsToFloat(high.w) / hits + uintBitsToFloat(control.base) : uintBitsToFloat(INFINITY_BITS);
+    pixel.depth = hits > 0.0 ? whole.depth / hits + uintBitsToFloat(control.base) : uintBitsToFloat(INFINITY_BITS);
     return pixel;
 }
 
 Pixel of_integral(uint at) {
-    vec4 a = uintBitsToFloat(sums[4u * at]);
-    vec4 b = uintBitsToFloat(sums[4u * at + 1u]);
+    vec4 a = uintBitsToFloat(sums[SUM_VECTORS * at]);
+    vec4 b = uintBitsToFloat(sums[SUM_VECTORS * at + 1u]);
     Pixel pixel;
     pixel.mean = a.xyz;
     pixel.variance = max(b.xyz - a.xyz * a.xyz, 0.0);
@@ -74,13 +70,13 @@ Pixel of_integral(uint at) {
 
 void main() {
     uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = TILE * uvec2(tile % params.image.z, tile / params.image.z);
+    uvec2 corner = TILE * tile_at(tile);
     float n = EXPECTED == 1u ? 0.0 : float(tile_repetitions[tile]);
     float brightest = uintBitsToFloat(control.brightest);
-    for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += 64u) {
+    for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += gl_WorkGroupSize.x) {
         uvec2 place = corner + uvec2(i % TILE, i / TILE);
-        if (all(lessThan(place, params.image.xy))) {
-            uint at = place.y * params.image.x + place.x;
+        if (all(lessThan(place, params.size))) {
+            uint at = pixel_index(place);
             Pixel pixel;
             if (EXPECTED == 1u) {
                 pixel = of_integral(at);
@@ -88,7 +84,7 @@ void main() {
                 pixel = of_repetitions(at, n);
             }
             vec3 mean = pixel.mean * brightest;
-            picture[at] = vec4(params.light.x * mean, pixel.coverage);
+            picture[at] = vec4(params.intensity * mean, pixel.coverage);
             if (KEEP_LAYERS == 1u) {
                 means[at] = vec4(mean, pixel.coverage);
                 variances[at] = vec4(pixel.variance * brightest * brightest, n);

@@ -2,25 +2,25 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "../common/bits.glsl"
+#include "../common/host_depth.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer SceneWords { uint scene_words[]; };
 layout(std430, binding = 2) writeonly buffer Scene { float scene[]; };
 layout(push_constant) uniform SceneConstants {
     vec2 terms;  // the host's depth: x + y / view depth
-    uint kind;   // 0: 16 bits a pixel, 1: 24 bits, 2: floats
+    uint kind;   // UNORM_16, UNORM_24 or FLOATS
 } constants;
 
 void main() {
     uint pixel = gl_GlobalInvocationID.x;
-    if (pixel >= params.image.x * params.image.y) {
+    if (pixel >= params.size.x * params.size.y) {
         return;
     }
-    uint word = scene_words[constants.kind == 0u ? pixel / 2u : pixel];
+    uint word = scene_words[constants.kind == UNORM_16 ? pixel / 2u : pixel];
     uint half_word = (pixel & 1u) == 0u ? word & 0xffffu : word >> 16u;
-    float depth = constants.kind == 0u ? float(half_word) / 65535.0
-        : constants.kind == 1u ? float(word & 0xffffffu) / 16777215.0 : uintBitsToFloat(word);
-    float z = constants.terms.y / (depth - constants.terms.x);
+    float depth = constants.kind == UNORM_16 ? float(half_word) / 65535.0
+        : constants.kind == UNORM_24 ? float(word & 0xffffffu) / 16777215.0 : uintBitsToFloat(word);
+    float z = view_depth(constants.terms, depth);
     // Nothing is there where the depth is beyond the projection's end.
     scene[pixel] = is_finite(z) && z > 0.0 ? z : uintBitsToFloat(INFINITY_BITS);
 }

@@ -3,12 +3,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 64) in;
+#include "kernel.glsl"
+layout(local_size_x = KERNEL_LANES) in;
 layout(binding = 1, r32f) uniform readonly image2D levels;
 layout(std430, binding = 2) readonly buffer KernelState { uint kernel_level; uint kernel_classes; };
 layout(std430, binding = 3) writeonly buffer Shares { float shares[]; };
 layout(std430, binding = 4) readonly buffer ControlBuffer { Control control; };
-#include "kernel.glsl"
 #include "pass_count.glsl"
 
 void main() {
@@ -16,12 +16,12 @@ void main() {
     uint side = MASK_SIDE >> level;
     uint texel = gl_GlobalInvocationID.x % (side * side);
     uint class_index = gl_GlobalInvocationID.x / (side * side);
-    if (class_index >= uint(CLASSES) || !has_class(control.new_classes, class_index)) {
+    if (class_index >= KERNEL_CLASSES || !has_class(control.new_classes, class_index)) {
         return;
     }
     uint passing = 0u;
-    for (uint variant = 0u; variant < params.draw.y; ++variant) {
+    for (uint variant = 0u; variant < params.variants; ++variant) {
         passing += pass_count(level, uvec2(texel % side, texel / side), variant, class_threshold(class_index));
     }
-    shares[gl_GlobalInvocationID.x] = float(passing) / float(params.draw.y << (2u * level));
+    shares[gl_GlobalInvocationID.x] = float(passing) / float(params.variants << (2u * level));
 }

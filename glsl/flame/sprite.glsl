@@ -28,9 +28,9 @@ struct Optics {
 };
 
 Optics optics_of_frame(uint level) {
-    return Optics(params.right.xyz, params.up.xyz, params.forward.xyz, params.space.x, depth_base(),
-        params.lens.z - depth_base(), params.lens.w - depth_base(), params.focal.x,
-        0.5 * params.space.y, (params.flags.w & 1u) != 0u, params.draw.y, 0.5 * float(MASK_SIDE >> level), float(1u << (2u * level)));
+    return Optics(params.right.xyz, params.up.xyz, params.forward.xyz, params.spread, depth_base(),
+        params.near - depth_base(), params.far - depth_base(), params.focal_length,
+        0.5 * params.sprite_size, params.is_in_pixels != 0u, params.variants, 0.5 * float(MASK_SIDE >> level), float(1u << (2u * level)));
 }
 
 // What render particles need of their particle.
@@ -42,8 +42,9 @@ struct Source {
 };
 
 // `origin`: the pixel that positions are relative to.
-Source source_of(vec4 view, vec4 centre, vec4 slope, vec2 origin) {
-    return Source((centre.xz - origin) + centre.yw, view.z, slope.xy, slope.z == 1.0 ? view.xy : vec2(0.0));
+Source source_of(Particle particle, vec2 origin) {
+    vec2 from = (particle.flags & NEAR_CAMERA) != 0u ? particle.view : vec2(0.0);
+    return Source((particle.pixel - origin) + particle.pixel_fraction, particle.depth, particle.slope, from);
 }
 
 // `particle_word`: hash of the particle's id and the sample.

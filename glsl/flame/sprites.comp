@@ -6,31 +6,23 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) writeonly buffer SpriteList { uvec2 sprite_list[]; };
-
-shared uint sums[256];
+#include "share.glsl"
 
 void main() {
-    uint lane = gl_LocalInvocationID.x;
-    uint share = (params.counts.x + 255u) / 256u;
-    uint first = min(lane * share, params.counts.x);
-    uint last = min(first + share, params.counts.x);
+    uvec2 share = share_of_list(params.particle_count);
     uint sum = 0u;
-    for (uint row = first; row < last; ++row) {
-        sum += particles[row].draw.z;
+    for (uint row = share.x; row < share.y; ++row) {
+        sum += particles[row].count;
     }
-    sums[lane] = sum;
-    barrier();
-    uint at = 0u;
-    for (uint i = 0u; i < lane; ++i) {
-        at += sums[i];
-    }
-    for (uint row = first; row < last; ++row) {
-        uint count = particles[row].draw.z;
+    uvec2 sums = prefix_sum(sum);
+    uint at = sums.x;
+    for (uint row = share.x; row < share.y; ++row) {
+        uint count = particles[row].count;
         for (uint k = 0u; k < count; ++k) {
             sprite_list[at++] = uvec2(row, k);
         }
     }
-    if (lane == 255u) {
-        control.sprite_draw = uvec4(4u, at, 0u, 0u);
+    if (gl_LocalInvocationID.x == 0u) {
+        control.sprite_draw = uvec4(QUAD_VERTICES, sums.y, 0u, 0u);
     }
 }

@@ -13,14 +13,12 @@ layout(std430, binding = 6) writeonly buffer PartArguments { uvec4 part_argument
 #include "lists.glsl"
 #include "mask_level.glsl"
 #include "parts.glsl"
-
-shared uint sums[256];
+#include "share.glsl"
 
 bool is_occupied(uint tile) {
-    uvec2 at = uvec2(tile % params.image.z, tile / params.image.z);
-    bool any_entry = params.flags.x == 0u;
-    for (uint level = 0u; level < params.counts.z; ++level) {
-        uvec2 range = list_range(at, level);
+    bool any_entry = params.is_skipping == 0u;
+    for (uint level = 0u; level < params.cell_level_count; ++level) {
+        uvec2 range = list_range(tile_at(tile), level);
         any_entry = any_entry || range.x < range.y;
     }
     return any_entry;
@@ -28,34 +26,26 @@ bool is_occupied(uint tile) {
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint count = params.image.z * params.image.w;
-    uint share = (count + 255u) / 256u;
-    uint first = min(lane * share, count);
-    uint last = min(first + share, count);
+    uvec2 share = share_of_list(params.tiles.x * params.tiles.y);
     uint sum = 0u;
-    for (uint tile = first; tile < last; ++tile) {
+    for (uint tile = share.x; tile < share.y; ++tile) {
         sum += is_occupied(tile) ? 1u : 0u;
     }
-    sums[lane] = sum;
-    barrier();
-    uint before = 0u;
-    uint total = 0u;
-    for (uint i = 0u; i < 256u; ++i) {
-        before += i < lane ? sums[i] : 0u;
-        total += sums[i];
-    }
-    for (uint tile = first; tile < last; ++tile) {
+    uvec2 sums = prefix_sum(sum);
+    uint at = sums.x;
+    uint total = sums.y;
+    for (uint tile = share.x; tile < share.y; ++tile) {
         if (is_occupied(tile)) {
-            occupied_tiles[before] = tile;
-            active_tiles[before] = tile;
-            ++before;
+            occupied_tiles[at] = tile;
+            active_tiles[at] = tile;
+            ++at;
         }
-        tile_repetitions[tile] = params.flags.z + stage.repetitions;
+        tile_repetitions[tile] = params.repetitions_before + stage.repetitions;
     }
     if (lane == 0u) {
         control.tile_groups = uvec4(total, 1u, 1u, 0u);
         control.active_groups = control.tile_groups;
-        control.tile_draw = uvec4(4u, total, 0u, 0u);
+        control.tile_draw = uvec4(QUAD_VERTICES, total, 0u, 0u);
     }
     write_parts(lane, total);
 }

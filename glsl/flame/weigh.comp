@@ -12,7 +12,7 @@ layout(binding = 2, r32f) uniform readonly image2D levels;
 
 float passing(float threshold) {
     uint count = 0u;
-    for (uint variant = 0u; variant < params.draw.y; ++variant) {
+    for (uint variant = 0u; variant < params.variants; ++variant) {
         count += pass_count(MASK_LEVELS - 1u, uvec2(0u), variant, threshold);
     }
     return float(count);
@@ -20,23 +20,23 @@ float passing(float threshold) {
 
 void main() {
     uint row = gl_GlobalInvocationID.x;
-    if (row >= params.counts.x || particles[row].draw.z == 0u) {
+    if (row >= params.particle_count || particles[row].count == 0u) {
         return;
     }
-    vec4 view = particles[row].view;
+    float alpha = particles[row].colour.a;
     // Without alpha all of the mask passes, or nothing.
-    float threshold = view.w > 0.0 ? params.model.y / view.w : params.model.y > 0.0 ? 2.0 : 0.0;
+    float threshold = alpha > 0.0 ? params.threshold / alpha : params.threshold > 0.0 ? 2.0 : 0.0;
     uint class_index = uint(class_place(threshold) + 0.5);
-    float weight = float(particles[row].draw.z) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);
-    float pixel = params.focal.w * (view.z + uintBitsToFloat(control.base));
+    float weight = float(particles[row].count) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);
+    float pixel = params.pixel_slope * (particles[row].depth + uintBitsToFloat(control.base));
     // What is narrower than a pixel needs no table: how often one of its sprites, which fills a part of its pixel, passes there.
-    float all = float(params.draw.y * MASK_SIDE * MASK_SIDE);
-    float side = min(params.space.y / max(pixel, 1e-30), 1.0);
+    float all = float(params.variants * MASK_SIDE * MASK_SIDE);
+    float side = min(params.sprite_size / max(pixel, 1e-30), 1.0);
     bool narrow = is_narrow(pixel);
     if (!narrow) {
         atomicOr(control.classes, 1u << class_index);
     }
-    particles[row].draw.w = class_index;
-    particles[row].light.z = floatBitsToUint(narrow ? float(particles[row].draw.z) : weight);
-    particles[row].light.w = floatBitsToUint(side * side * passing(threshold) / all);
+    particles[row].class_index = class_index;
+    particles[row].weight = narrow ? float(particles[row].count) : weight;
+    particles[row].chance = side * side * passing(threshold) / all;
 }

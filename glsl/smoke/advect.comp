@@ -7,12 +7,7 @@ layout(constant_id = 0) const bool MIDPOINT = false;  // the midpoint rule inste
 #include "../common/bits.glsl"
 #include "../common/random.glsl"
 layout(local_size_x = 64) in;
-
-// A slot: one particle after the other lives in it.
-struct Particle {
-    vec4 position_age;     // metres; frames since birth (bits), top bit: born at full size
-    vec4 step_generation;  // displacement until the next frame in metres; births so far (bits)
-};
+#include "particle.glsl"
 
 layout(std430, binding = 1) readonly buffer Velocity { float velocity[]; };
 layout(std430, binding = 2) readonly buffer Occupancy { uint occupancy[]; };
@@ -24,21 +19,10 @@ layout(std430, binding = 7) buffer DyingSteps { vec4 dying_steps[]; };
 layout(std430, binding = 8) buffer Spheres { vec4 spheres[]; };       // position, displayed radius
 layout(std430, binding = 9) buffer Groups { uint groups[]; };
 #include "voxels.glsl"
-
-const uint AGE = 0x7fffffffu;
-const uint FULL_SIZE = 0x80000000u;
-const uint DEAD = 0xffffffffu;
-
-bool is_occupied(ivec3 v) {
-    if (!is_inside(v)) {
-        return false;
-    }
-    uint word = (uint(v.z) * params.grid.y + uint(v.y)) * params.grid.w + uint(v.x) / 32u;
-    return (occupancy[word] >> (uint(v.x) % 32u) & 1u) != 0u;
-}
+#include "occupancy.glsl"
 
 vec3 velocity_of(ivec3 v) {
-    uint at = 3u * ((uint(v.z) * params.grid.y + uint(v.y)) * params.grid.x + uint(v.x));
+    uint at = 3u * (row_of(uint(v.y), uint(v.z)) * params.dimensions.x + uint(v.x));
     vec3 value = vec3(velocity[at], velocity[at + 1u], velocity[at + 2u]);
     return vec3(is_finite(value.x) ? value.x : 0.0, is_finite(value.y) ? value.y : 0.0,
                 is_finite(value.z) ? value.z : 0.0);
@@ -46,8 +30,8 @@ vec3 velocity_of(ivec3 v) {
 
 // Trilinear between voxel centres, constant outside of the outermost ones.
 vec3 velocity_at(vec3 p) {
-    vec3 last = vec3(params.grid.xyz) - 1.0;
-    vec3 at = clamp((p - params.origin.xyz) / params.voxel.xyz - 0.5, vec3(0.0), last);
+    vec3 last = vec3(params.dimensions.xyz) - 1.0;
+    vec3 at = clamp((p - params.origin.xyz) / params.voxel_size.xyz - 0.5, vec3(0.0), last);
     ivec3 low = ivec3(at);
     ivec3 high = min(low + 1, ivec3(last));
     vec3 f = at - vec3(low);
@@ -59,17 +43,17 @@ vec3 velocity_at(vec3 p) {
 }
 
 vec3 step_from(vec3 p) {
-    if (params.frame.y == 0u) {
+    if (params.has_velocity == 0u) {
         return vec3(0.0);
     }
-    float dt = params.shade.w;
+    float dt = params.dt;
     vec3 v = velocity_at(p);
     return dt * (MIDPOINT ? velocity_at(p + v * (0.5 * dt)) : v);
 }
 
 // The k-th voxel that a birth may choose.
 ivec3 birth_voxel(uint k) {
-    uint words = params.grid.w * params.grid.y * params.grid.z;
+    uint words = params.row_words * params.dimensions.y * params.dimensions.z;
     uint low = 0u;
     uint high = (words + BIRTH_BLOCK - 1u) / BIRTH_BLOCK;
     while (high - low > 1u) {
@@ -78,19 +62,13 @@ ivec3 birth_voxel(uint k) {
     }
     uint rest = k - birth_counts[low];
     for (uint word = low * BIRTH_BLOCK; word < min(words, (low + 1u) * BIRTH_BLOCK); ++word) {
-        uint row = word / params.grid.w;
-        ivec3 start = ivec3(word % params.grid.w * 32u, row % params.grid.y, row / params.grid.y);
+        uint row = word / params.row_words;
+        ivec3 start = ivec3(word % params.row_words * WORD_VOXELS, row % params.dimensions.y, row / params.dimensions.y);
         uint bits = occupancy[word];
         if (any(lessThan(start.yz, params.emitter_first.yz)) || any(greaterThan(start.yz, params.emitter_last.yz))) {
             continue;
         }
-        int first = clamp(params.emitter_first.x - start.x, 0, 32);
-        int last = clamp(params.emitter_last.x + 1 - start.x, 0, 32);
-        if (first >= last) {
-            continue;
-        }
-        bits &= 0xffffffffu << uint(first);
-        bits &= last == 32 ? 0xffffffffu : (1u << uint(last)) - 1u;
+        bits &= voxel_bits(start.x, params.emitter_first.x, params.emitter_last.x);
         uint count = uint(bitCount(bits));
         if (rest >= count) {
             rest -= count;
@@ -105,37 +83,37 @@ ivec3 birth_voxel(uint k) {
 }
 
 vec3 birth_position(uint slot, uint generation) {
-    uint seed = params.counts.w;
-    ivec3 v = birth_voxel(below(hash(seed, slot, generation, 0u), history.births));
+    uint seed = params.seed;
+    ivec3 v = birth_voxel(below(hash(seed, slot, generation, BIRTH_VOXEL), history.births));
     precise vec3 p;
     for (int a = 0; a < 3; ++a) {
-        precise float low = params.origin[a] + float(v[a]) * params.voxel[a];
-        precise float high = params.origin[a] + float(v[a] + 1) * params.voxel[a];
-        if (params.emitter_first.w != 0) {
-            low = max(low, params.emitter_low[a]);
-            high = min(high, params.emitter_high[a]);
+        precise float low = params.origin[a] + float(v[a]) * params.voxel_size[a];
+        precise float high = params.origin[a] + float(v[a] + 1) * params.voxel_size[a];
+        if (params.has_emitter != 0u) {
+            low = max(low, params.emitter_min[a]);
+            high = min(high, params.emitter_max[a]);
         }
-        p[a] = low + unit(hash(seed, slot, generation, 1u + uint(a))) * (high - low);
+        p[a] = low + unit(hash(seed, slot, generation, BIRTH_PLACE + uint(a))) * (high - low);
     }
     return p;
 }
 
 float falling(uint age) {
-    float t = min(float(age + 1u) / float(params.counts.y + 1u), 1.0);
+    float t = min(float(age + 1u) / float(params.fade + 1u), 1.0);
     return 1.0 - t * t * (3.0 - 2.0 * t);
 }
 
 void move_dying(uint slot) {
-    uint count = params.counts.x;
-    uint fade = params.counts.y;
+    uint count = params.particles;
+    uint fade = params.fade;
     for (uint row = 0u; row < fade; ++row) {
         uint at = row * count + slot;
         vec4 body = dying[at];
-        if (row == params.filtering.w || body.w <= 0.0) {
+        if (row == params.ring_row || body.w <= 0.0) {
             continue;
         }
         vec3 p = body.xyz + dying_steps[at].xyz;
-        uint age = (params.filtering.w + fade - row) % fade;
+        uint age = (params.ring_row + fade - row) % fade;
         dying[at] = vec4(p, body.w);
         dying_steps[at] = vec4(step_from(p), 0.0);
         spheres[count + at] = vec4(p, body.w * falling(age));
@@ -143,11 +121,11 @@ void move_dying(uint slot) {
 }
 
 void begin_dying(uint slot, vec3 p, float radius) {
-    if (params.counts.y == 0u) {
+    if (params.fade == 0u) {
         return;
     }
-    uint at = params.filtering.w * params.counts.x + slot;
-    uint sphere = params.counts.x + at;
+    uint at = params.ring_row * params.particles + slot;
+    uint sphere = params.particles + at;
     dying[at] = vec4(p, radius);
     dying_steps[at] = vec4(radius > 0.0 ? step_from(p) : vec3(0.0), 0.0);
     spheres[sphere] = vec4(p, radius * falling(0u));
@@ -156,23 +134,23 @@ void begin_dying(uint slot, vec3 p, float radius) {
 
 void main() {
     uint slot = gl_GlobalInvocationID.x;
-    if (slot >= params.counts.x) {
+    if (slot >= params.particles) {
         return;
     }
-    bool restart = params.frame.x == 0u;
+    bool restart = params.frames == 0u;
     Particle particle = particles[slot];
-    uint age_bits = restart ? DEAD : floatBitsToUint(particle.position_age.w);
-    uint generation = restart ? 0u : floatBitsToUint(particle.step_generation.w);
-    vec3 p = particle.position_age.xyz;
+    uint age_bits = restart ? DEAD : particle.age;
+    uint generation = restart ? 0u : particle.generation;
+    vec3 p = to_vector(particle.position);
     if (!restart) {
         move_dying(slot);
     }
     float dying_radius = 0.0;
     if (age_bits != DEAD) {
-        p += particle.step_generation.xyz;
-        uint age = (age_bits & AGE) + 1u;
-        bool dies = !is_occupied(voxel_of(p)) || (params.frame.z > 0u && age >= params.frame.z)
-            || (params.frame.y != 0u && length(velocity_at(p)) <= params.motion.x);
+        p += to_vector(particle.displacement);
+        uint age = (age_bits & ~FULL_SIZE) + 1u;
+        bool dies = !is_occupied(voxel_of(p)) || (params.lifetime > 0u && age >= params.lifetime)
+            || (params.has_velocity != 0u && length(velocity_at(p)) <= params.still_speed);
         if (dies) {
             dying_radius = spheres[slot].w;
             age_bits = DEAD;
@@ -189,10 +167,10 @@ void main() {
             p = birth_position(slot, generation);
             generation += 1u;
             // With a lifetime, particles of the first frame have lived for a while: they don't all end together.
-            age_bits = restart ? FULL_SIZE | below(hash(params.counts.w, slot, 0u, 4u), params.frame.z) : 0u;
+            age_bits = restart ? FULL_SIZE | below(hash(params.seed, slot, 0u, FIRST_AGE), params.lifetime) : 0u;
         }
     }
     bool alive = age_bits != DEAD;
-    particles[slot].position_age = vec4(p, uintBitsToFloat(age_bits));
-    particles[slot].step_generation = vec4(alive ? step_from(p) : vec3(0.0), uintBitsToFloat(generation));
+    vec3 d = alive ? step_from(p) : vec3(0.0);
+    particles[slot] = Particle(float[](p.x, p.y, p.z), age_bits, float[](d.x, d.y, d.z), generation);
 }

@@ -6,7 +6,7 @@ layout(std430, binding = 3) writeonly buffer Smooth { float smooth_luminance[]; 
 
 void main() {
     ivec2 at = own_pixel();
-    if (!is_in_image(at)) {
+    if (!is_in_picture(uvec2(at))) {
         return;
     }
     uint id = pixel_id(pixel_at(at));
@@ -15,7 +15,7 @@ void main() {
     if (id != 0u) {
         int r = window();
         ivec2 low = max(at - r, ivec2(0));
-        ivec2 high = min(at + r, ivec2(params.image.xy) - 1);
+        ivec2 high = min(at + r, ivec2(params.size) - 1);
         for (int y = low.y; y <= high.y; ++y) {
             float row_sum = 0.0;
             float row_total = 0.0;
@@ -29,5 +29,5 @@ void main() {
             total += weights[abs(y - at.y)] * row_total;
         }
     }
-    smooth_luminance[uint(at.y) * params.image.x + uint(at.x)] = id != 0u ? sum / total : 0.0;
+    smooth_luminance[pixel_index(uvec2(at))] = id != 0u ? sum / total : 0.0;
 }

@@ -2,16 +2,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "pixel.glsl"
 #include "gaussian.glsl"
 layout(std430, binding = 3) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 4) readonly buffer RowSums { vec2 row_sums[]; };
 layout(std430, binding = 5) writeonly buffer Smooth { float smooth_luminance[]; };
 
 void add_block(int block, uint first, uint rows) {
-    float values[8];
-    float masks[8];
-    for (uint i = 0u; i < 8u; ++i) {
+    float values[TAPS];
+    float masks[TAPS];
+    for (uint i = 0u; i < BLOCK; ++i) {
         vec2 sums = i < rows ? row_sums[first + i * TILE] : vec2(0.0);
         values[i] = sums.x;
         masks[i] = sums.y;
@@ -22,32 +21,29 @@ void add_block(int block, uint first, uint rows) {
 void main() {
     uint tile = gl_WorkGroupID.x;
     uint block = gl_LocalInvocationID.y;
-    uvec2 tile_at = uvec2(tile % params.image.z, tile / params.image.z);
-    uvec2 at = tile_at * TILE_BLOCKS + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS);
-    int down = int(params.image.w * TILE_BLOCKS);
+    uint tile_x = tile_at(tile).x;
+    uvec2 at = block_at(tile, block);
+    int down = int(blocks_of_tiles().y);
     uint x = at.x * BLOCK + gl_LocalInvocationID.x;
-    if (x >= params.image.x) {
+    if (x >= params.size.x) {
         return;
     }
-    for (int o = 0; o < 8; ++o) {
-        numerator[o] = 0.0;
-        denominator[o] = 0.0;
-    }
-    for (int distance = int(params.filtering.y); distance >= 0; --distance) {
+    clear_sums();
+    for (int distance = int(params.window_blocks); distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
             int y = int(at.y) + side * distance;
             if (y >= 0 && y < down && (distance > 0 || side > 0)) {
-                uint slot = uint(y) / TILE_BLOCKS * params.image.z + tile_at.x;
+                uint slot = uint(y) / TILE_BLOCKS * params.tiles.x + tile_x;
                 uint local = uint(y) % TILE_BLOCKS * BLOCK * TILE + x % TILE;
-                uint rows = min(BLOCK, params.image.y - min(uint(y) * BLOCK, params.image.y));
+                uint rows = min(BLOCK, params.size.y - min(uint(y) * BLOCK, params.size.y));
                 add_block(side * distance, slot * SLOT_PIXELS + local, rows);
             }
         }
     }
-    for (uint o = 0u; o < 8u; ++o) {
+    for (uint o = 0u; o < BLOCK; ++o) {
         uint y = at.y * BLOCK + o;
-        if (y < params.image.y && pixel_id(pixels[y * params.image.x + x]) == constants.first_group) {
-            smooth_luminance[y * params.image.x + x] = numerator[o] / denominator[o];
+        if (y < params.size.y && pixel_id(pixels[pixel_index(uvec2(x, y))]) == constants.first_group) {
+            smooth_luminance[pixel_index(uvec2(x, y))] = numerator[o] / denominator[o];
         }
     }
 }

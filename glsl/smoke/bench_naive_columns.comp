@@ -8,7 +8,7 @@ layout(std430, binding = 4) writeonly buffer Smooth { float smooth_luminance[]; 
 
 void main() {
     ivec2 at = own_pixel();
-    if (!is_in_image(at)) {
+    if (!is_in_picture(uvec2(at))) {
         return;
     }
     uint id = pixel_id(pixel_at(at));
@@ -16,10 +16,10 @@ void main() {
     if (id != 0u) {
         sums = vec2(0.0);
         int r = window();
-        for (int y = max(at.y - r, 0); y <= min(at.y + r, int(params.image.y) - 1); ++y) {
+        for (int y = max(at.y - r, 0); y <= min(at.y + r, int(params.size.y) - 1); ++y) {
             float weight = pixel_id(pixel_at(ivec2(at.x, y))) == id ? weights[abs(y - at.y)] : 0.0;
-            sums += weight * row_sums[uint(y) * params.image.x + uint(at.x)];
+            sums += weight * row_sums[pixel_index(uvec2(at.x, y))];
         }
     }
-    smooth_luminance[uint(at.y) * params.image.x + uint(at.x)] = sums.x / sums.y;
+    smooth_luminance[pixel_index(uvec2(at))] = sums.x / sums.y;
 }

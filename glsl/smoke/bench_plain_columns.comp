@@ -6,10 +6,10 @@ layout(std430, binding = 3) readonly buffer PlainRows { float plain_rows[]; };
 layout(std430, binding = 4) writeonly buffer Smooth { float smooth_luminance[]; };
 
 void add_block(int block, uint tile_x, uint x, int first) {
-    float values[8];
-    for (int i = 0; i < 8; ++i) {
-        uint y = uint(clamp(first + i, 0, int(params.image.y) - 1));
-        uint slot = y / TILE * params.image.z + tile_x;
+    float values[TAPS];
+    for (int i = 0; i < TAPS; ++i) {
+        uint y = uint(clamp(first + i, 0, int(params.size.y) - 1));
+        uint slot = y / TILE * params.tiles.x + tile_x;
         values[i] = plain_rows[slot * SLOT_PIXELS + y % TILE * TILE + x % TILE];
     }
     add_plain_taps(block, values);
@@ -18,23 +18,23 @@ void add_block(int block, uint tile_x, uint x, int first) {
 void main() {
     uint tile = gl_WorkGroupID.x;
     uint block = gl_LocalInvocationID.y;
-    uvec2 tile_at = uvec2(tile % params.image.z, tile / params.image.z);
-    uvec2 at = tile_at * TILE_BLOCKS + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS);
+    uint tile_x = tile_at(tile).x;
+    uvec2 at = block_at(tile, block);
     uint x = at.x * BLOCK + gl_LocalInvocationID.x;
-    if (x >= params.image.x) {
+    if (x >= params.size.x) {
         return;
     }
-    for (int o = 0; o < 8; ++o) {
+    for (int o = 0; o < TAPS; ++o) {
         sums[o] = 0.0;
     }
-    int window = int(params.filtering.y);
+    int window = int(params.window_blocks);
     for (int distance = -window; distance <= window; ++distance) {
-        add_block(distance, tile_at.x, x, (int(at.y) + distance) * int(BLOCK));
+        add_block(distance, tile_x, x, (int(at.y) + distance) * int(BLOCK));
     }
-    for (uint o = 0u; o < 8u; ++o) {
+    for (uint o = 0u; o < BLOCK; ++o) {
         uint y = at.y * BLOCK + o;
-        if (y < params.image.y) {
-            smooth_luminance[y * params.image.x + x] = sums[o] * SCALE;
+        if (y < params.size.y) {
+            smooth_luminance[pixel_index(uvec2(x, y))] = sums[o] * SCALE;
         }
     }
 }

@@ -6,9 +6,9 @@ layout(std430, binding = 3) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 4) writeonly buffer PlainRows { float plain_rows[]; };
 
 void add_block(int block, uint row, int first) {
-    float values[8];
-    for (int i = 0; i < 8; ++i) {
-        values[i] = pixel_luminance(pixels[row + uint(clamp(first + i, 0, int(params.image.x) - 1))]);
+    float values[TAPS];
+    for (int i = 0; i < TAPS; ++i) {
+        values[i] = pixel_luminance(pixels[row + uint(clamp(first + i, 0, int(params.size.x) - 1))]);
     }
     add_plain_taps(block, values);
 }
@@ -16,21 +16,20 @@ void add_block(int block, uint row, int first) {
 void main() {
     uint tile = gl_WorkGroupID.x;
     uint block = gl_LocalInvocationID.y;
-    uvec2 at = uvec2(tile % params.image.z, tile / params.image.z) * TILE_BLOCKS
-        + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS);
+    uvec2 at = block_at(tile, block);
     uint y = at.y * BLOCK + gl_LocalInvocationID.x;
-    if (y >= params.image.y) {
+    if (y >= params.size.y) {
         return;
     }
-    for (int o = 0; o < 8; ++o) {
+    for (int o = 0; o < TAPS; ++o) {
         sums[o] = 0.0;
     }
-    int window = int(params.filtering.y);
+    int window = int(params.window_blocks);
     for (int distance = -window; distance <= window; ++distance) {
-        add_block(distance, y * params.image.x, (int(at.x) + distance) * int(BLOCK));
+        add_block(distance, y * params.size.x, (int(at.x) + distance) * int(BLOCK));
     }
-    uint local = (block / TILE_BLOCKS * BLOCK + gl_LocalInvocationID.x) * TILE + block % TILE_BLOCKS * BLOCK;
-    for (uint o = 0u; o < 8u; ++o) {
+    uint local = slot_row(block, gl_LocalInvocationID.x);
+    for (uint o = 0u; o < BLOCK; ++o) {
         plain_rows[tile * SLOT_PIXELS + local + o] = sums[o] * SCALE;
     }
 }

@@ -8,7 +8,7 @@ bool is_bounded(vec4 view_sphere) {
 
 // Bounds in pixels (low xy, high xy) of the perspective image of a sphere that is bounded.
 vec4 pixel_bounds(vec4 view_sphere) {
-    vec2 across = tangent_range(view_sphere.x, view_sphere.z, view_sphere.w) / params.lens.x;
-    vec2 down = -tangent_range(view_sphere.y, view_sphere.z, view_sphere.w).yx / params.lens.y;
-    return (vec4(across.x, down.x, across.y, down.y) * 0.5 + 0.5) * vec4(params.image.xy, params.image.xy);
+    vec2 across = tangent_range(view_sphere.x, view_sphere.z, view_sphere.w) / params.half_extent.x;
+    vec2 down = -tangent_range(view_sphere.y, view_sphere.z, view_sphere.w).yx / params.half_extent.y;
+    return (vec4(across.x, down.x, across.y, down.y) * 0.5 + 0.5) * vec4(params.size, params.size);
 }

@@ -3,25 +3,34 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "screen.glsl"
 #include "../common/host_depth.glsl"
+
+// What covers a pixel in part.
+struct Edge {
+    uvec2 colour;  // four halves: linear RGB, premultiplied by the share that is covered, and that share
+    float depth;   // view depth, metres
+    uint unused;
+};
+
 layout(push_constant) uniform CompositeConstants {
     vec2 terms;  // of the host's depth
-    uint edges;  // 1: there are edges
+    uint has_edges;
 } constants;
 layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 3) readonly buffer Depth { float depth[]; };
-layout(std430, binding = 4) readonly buffer Edges { uvec4 edges[]; };  // colour and share of what covers a pixel, as halves; its view depth; unused
+layout(std430, binding = 4) readonly buffer Edges { Edge edges[]; };
 layout(location = 0) out vec4 colour;
 
 void main() {
     uvec2 at = uvec2(gl_FragCoord.xy);
-    uint index = at.y * params.image.x + at.x;
+    uint index = pixel_index(at);
     colour = picture[index];
     if (colour.a == 0.0) {
         discard;
     }
-    if (constants.edges != 0u && depth[index] > uintBitsToFloat(edges[index].z)) {
-        vec4 before = vec4(unpackHalf2x16(edges[index].x), unpackHalf2x16(edges[index].y));
+    if (constants.has_edges != 0u && depth[index] > edges[index].depth) {
+        vec4 before = vec4(unpackHalf2x16(edges[index].colour.x), unpackHalf2x16(edges[index].colour.y));
         colour = before + (1.0 - before.a) * colour;
     }
     gl_FragDepth = host_depth(constants.terms, depth[index]);

@@ -6,6 +6,7 @@
 #include "../common/bits.glsl"
 #include "view.glsl"
 #include "list.glsl"
+#include "light_space.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 2) writeonly buffer ListCounts { uvec2 list_counts[]; };
@@ -15,12 +16,11 @@ layout(std430, binding = 4) writeonly buffer ViewSpheres { vec4 view_spheres[]; 
 shared uint extremes[8];  // depth low, high; light-space low x, y, z, high x, y, z
 
 void measure(vec4 sphere, float depth) {
-    if (depth >= params.lens.z) {
+    if (depth >= params.near) {
         atomicMin(extremes[0], ordered(depth));
         atomicMax(extremes[1], ordered(depth));
     }
-    vec3 at = vec3(dot(params.light_right.xyz, sphere.xyz), dot(params.light_up.xyz, sphere.xyz),
-                   dot(params.light.xyz, sphere.xyz));
+    vec3 at = in_light_space(sphere.xyz);
     for (int a = 0; a < 3; ++a) {
         atomicMin(extremes[2 + a], ordered(at[a] - sphere.w));
         atomicMax(extremes[5 + a], ordered(at[a] + sphere.w));
@@ -35,7 +35,7 @@ void main() {
     barrier();
     uint first = gl_GlobalInvocationID.x * LIST_RUN;
     uvec2 count = uvec2(0u);
-    for (uint slot = first; slot < min(first + LIST_RUN, params.counts.z); ++slot) {
+    for (uint slot = first; slot < min(first + LIST_RUN, params.spheres); ++slot) {
         vec4 sphere = spheres[slot];
         if (is_live(sphere)) {
             vec4 view_sphere = vec4(to_view(sphere.xyz), sphere.w);
@@ -44,7 +44,7 @@ void main() {
             measure(sphere, view_sphere.z);
         }
     }
-    if (first < params.counts.z) {
+    if (first < params.spheres) {
         list_counts[gl_GlobalInvocationID.x] = count;
     }
     barrier();

@@ -1,24 +1,22 @@
 // Chessboard distance field, one more axis: d(x) = min over j of max(|j|, d'(x + j)). Exact, because the chessboard
 // distance is the maximum over axes. Four voxels a word.
-layout(local_size_x = 64) in;
+#include "field_pass.glsl"
 layout(std430, binding = 1) readonly buffer FROM { uint field_from[]; };
 layout(std430, binding = 2) writeonly buffer TO { uint field_to[]; };
 
 ivec4 unpack(uint v) {
-    return ivec4(v & 255u, v >> 8 & 255u, v >> 16 & 255u, v >> 24);
+    return ivec4(v, v >> 8, v >> 16, v >> 24) & FIELD_FARTHEST;
 }
 
 void main() {
-    uint packed_row = (params.grid.x + 3u) / 4u;
-    // A slice a row of workgroups: all of them along one axis may be more than a device takes.
-    uint slice = packed_row * params.grid.y;
-    if (gl_GlobalInvocationID.x >= slice) {
+    uint index;
+    if (!own_word(index)) {
         return;
     }
-    uint index = gl_GlobalInvocationID.y * slice + gl_GlobalInvocationID.x;
-    uint stride = AXIS == 1 ? packed_row : packed_row * params.grid.y;
-    int count = int(AXIS == 1 ? params.grid.y : params.grid.z);
-    int at = int(AXIS == 1 ? index / packed_row % params.grid.y : index / packed_row / params.grid.y);
+    uint packed_row = field_row_words();
+    uint stride = AXIS == 1 ? packed_row : packed_row * params.dimensions.y;
+    int count = int(AXIS == 1 ? params.dimensions.y : params.dimensions.z);
+    int at = int(AXIS == 1 ? index / packed_row % params.dimensions.y : index / packed_row / params.dimensions.y);
     ivec4 best = unpack(field_from[index]);
     int most = max(max(best.x, best.y), max(best.z, best.w));
     for (int j = 1; j < most; ++j) {

@@ -3,14 +3,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 64) in;
+#include "field_pass.glsl"
 layout(std430, binding = 1) readonly buffer Occupancy { uint occupancy[]; };
 layout(std430, binding = 2) writeonly buffer Field { uint field[]; };
 
 int nearest_empty(uint row, int x) {
-    int words = int(params.grid.w);
+    int words = int(params.row_words);
     int word = x / 32;
-    uint here = ~occupancy[row * params.grid.w + uint(word)];
+    uint here = ~occupancy[row * params.row_words + uint(word)];
     int bit = x % 32;
     if ((here >> uint(bit) & 1u) != 0u) {
         return 0;
@@ -23,38 +23,36 @@ int nearest_empty(uint row, int x) {
             left = w * 32 + findMSB(candidates);
             break;
         }
-        if (--w < 0 || x - (w * 32 + 31) > 255) {
+        if (--w < 0 || x - (w * 32 + 31) > FIELD_FARTHEST) {
             break;
         }
-        candidates = ~occupancy[row * params.grid.w + uint(w)];
+        candidates = ~occupancy[row * params.row_words + uint(w)];
     }
-    int right = int(params.grid.x);
+    int right = int(params.dimensions.x);
     candidates = bit == 31 ? 0u : here & 0xffffffffu << uint(bit + 1);
     for (int w = word;;) {
         if (candidates != 0u) {
             right = min(right, w * 32 + findLSB(candidates));
             break;
         }
-        if (++w >= words || w * 32 - x > 255) {
+        if (++w >= words || w * 32 - x > FIELD_FARTHEST) {
             break;
         }
-        candidates = ~occupancy[row * params.grid.w + uint(w)];
+        candidates = ~occupancy[row * params.row_words + uint(w)];
     }
-    return min(min(x - left, right - x), 255);
+    return min(min(x - left, right - x), FIELD_FARTHEST);
 }
 
 void main() {
-    uint packed_row = (params.grid.x + 3u) / 4u;
-    // A slice a row of workgroups: all of them along one axis may be more than a device takes.
-    uint slice = packed_row * params.grid.y;
-    if (gl_GlobalInvocationID.x >= slice) {
+    uint index;
+    if (!own_word(index)) {
         return;
     }
-    uint index = gl_GlobalInvocationID.y * slice + gl_GlobalInvocationID.x;
+    uint packed_row = field_row_words();
     uint row = index / packed_row;
-    int x = int(index % packed_row * 4u);
+    int x = int(index % packed_row * FIELD_VOXELS);
     uint distances = 0u;
-    for (int i = 0; i < 4 && x + i < int(params.grid.x); ++i) {
+    for (int i = 0; i < int(FIELD_VOXELS) && x + i < int(params.dimensions.x); ++i) {
         distances |= uint(nearest_empty(row, x + i)) << uint(8 * i);
     }
     field[index] = distances;

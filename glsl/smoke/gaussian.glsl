@@ -1,31 +1,53 @@
 // What the two passes of the masked Gaussian share (paper, section 3.3, as a normalised convolution per group: exact).
 // A thread makes eight neighbouring results from registers. Blocks of eight taps are added from the window's ends
 // inwards, small weights first, which keeps single precision within 2e-6 of the exact sum.
-layout(local_size_x = 8, local_size_y = 16) in;
+#include "pixel.glsl"
+#include "reach.glsl"
+#include "screen.glsl"
+layout(local_size_x = BLOCK, local_size_y = TILE_BLOCKS * TILE_BLOCKS) in;
 layout(std430, binding = 1) readonly buffer Weights { float weights[]; };  // by distance, 0 beyond the window
-layout(std430, binding = 2) readonly buffer Reached { uvec2 reached[]; };
+layout(std430, binding = 2) readonly buffer Reached { Reach reached[]; };
 layout(push_constant) uniform GaussianConstants {
-    uint base;         // first entry of the batch
+    uint base;  // first entry of the batch
     uint first_group;
 } constants;
 
-float numerator[8];
-float denominator[8];
+const int TAPS = int(BLOCK);
 
-// Adds taps at 8 * block + 0 .. 7 to the results at 0 .. 7.
-void add_taps(int block, float values[8], float masks[8]) {
-    float w[15];
-    for (int i = 0; i < 15; ++i) {
-        w[i] = weights[abs(8 * block + i - 7)];
+float numerator[TAPS];
+float denominator[TAPS];
+
+void clear_sums() {
+    for (int o = 0; o < TAPS; ++o) {
+        numerator[o] = 0.0;
+        denominator[o] = 0.0;
     }
-    for (int o = 0; o < 8; ++o) {
+}
+
+// Weights of taps at TAPS * block + 0, 1, ... for results at 0, 1, ...: tap t weighs [t - o + TAPS - 1] for result o.
+float[2 * TAPS - 1] tap_weights(int block) {
+    float w[2 * TAPS - 1];
+    for (int i = 0; i < 2 * TAPS - 1; ++i) {
+        w[i] = weights[abs(TAPS * block + i - (TAPS - 1))];
+    }
+    return w;
+}
+
+void add_taps(int block, float values[TAPS], float masks[TAPS]) {
+    float w[2 * TAPS - 1] = tap_weights(block);
+    for (int o = 0; o < TAPS; ++o) {
         float n = 0.0;
         float d = 0.0;
-        for (int t = 0; t < 8; ++t) {
-            n += w[t - o + 7] * values[t];
-            d += w[t - o + 7] * masks[t];
+        for (int t = 0; t < TAPS; ++t) {
+            n += w[t - o + (TAPS - 1)] * values[t];
+            d += w[t - o + (TAPS - 1)] * masks[t];
         }
         numerator[o] += n;
         denominator[o] += d;
     }
+}
+
+// Place of a block's row in the slot of a tile's sums.
+uint slot_row(uint block, uint row) {
+    return (block / TILE_BLOCKS * BLOCK + row) * TILE + block % TILE_BLOCKS * BLOCK;
 }

@@ -12,23 +12,23 @@
 #include "../common/bits.glsl"
 layout(local_size_x = 64) in;
 #include "grow.glsl"
+#include "voxel_words.glsl"
 layout(std430, binding = 3) readonly buffer Field { uint field[]; };
 
 int field_at(ivec3 v) {
     if (!is_inside(v)) {
         return 0;
     }
-    uint packed_row = (params.grid.x + 3u) / 4u;
-    uint word = (uint(v.z) * params.grid.y + uint(v.y)) * packed_row + uint(v.x) / 4u;
-    return int(field[word] >> (uint(v.x) % 4u * 8u) & 255u);
+    uint word = row_of(uint(v.y), uint(v.z)) * field_row_words() + uint(v.x) / FIELD_VOXELS;
+    return int(field[word] >> (uint(v.x) % FIELD_VOXELS * 8u)) & FIELD_FARTHEST;
 }
 
 void main() {
     uint slot = gl_GlobalInvocationID.x;
-    if (slot >= params.counts.x) {
+    if (slot >= params.particles) {
         return;
     }
-    vec3 p = particles[slot].position_age.xyz;
+    vec3 p = position_of(slot);
     if (!is_alive(slot)) {
         spheres[slot] = vec4(p, 0.0);
         return;

@@ -22,10 +22,10 @@ float shell_distance(vec3 p, ivec3 voxel, int k) {
 
 void main() {
     uint slot = gl_GlobalInvocationID.x;
-    if (slot >= params.counts.x) {
+    if (slot >= params.particles) {
         return;
     }
-    vec3 p = particles[slot].position_age.xyz;
+    vec3 p = position_of(slot);
     ivec3 voxel = voxel_of(p);
     uint cursor;
     float best;
@@ -38,7 +38,7 @@ void main() {
         --k;
     }
     int row_of_shell = int(cursor - rows_before(uint(k)));
-    for (uint turn = 0u; turn < constants.turns && cursor < constants.last; ++turn) {
+    for (uint turn = 0u; turn < constants.iterations && cursor < constants.last; ++turn) {
         int side = 2 * k + 1;
         if (row_of_shell == side * side) {
             ++k;
@@ -51,10 +51,10 @@ void main() {
         }
         int y = voxel.y + row_of_shell % side - k;
         int z = voxel.z + row_of_shell / side - k;
-        if (y >= 0 && y < int(params.grid.y) && z >= 0 && z < int(params.grid.z)) {
+        if (y >= 0 && y < int(params.dimensions.y) && z >= 0 && z < int(params.dimensions.z)) {
             float dx = INFINITY;
             if (abs(y - voxel.y) == k || abs(z - voxel.z) == k) {
-                uint row = params.levels[0].x + (uint(z) * params.grid.y + uint(y)) * params.grid.w;
+                uint row = params.levels[0].first_word + row_of(uint(y), uint(z)) * params.row_words;
                 float reach = max(along(p, voxel.x + k, 0), along(p, voxel.x - k, 0));
                 dx = nearest_in_row(row, 0u, p, voxel.x, reach);
             } else {

@@ -22,10 +22,10 @@ float to_range(vec3 p, int first, int last, int axis) {
 
 void main() {
     uint slot = gl_GlobalInvocationID.x;
-    if (slot >= params.counts.x) {
+    if (slot >= params.particles) {
         return;
     }
-    vec3 p = particles[slot].position_age.xyz;
+    vec3 p = position_of(slot);
     ivec3 voxel = voxel_of(p);
     uint cursor;
     float best;
@@ -33,26 +33,26 @@ void main() {
         return;
     }
     if (constants.part == 0u) {
-        uint own = params.levels[0].x + (uint(voxel.z) * params.grid.y + uint(voxel.y)) * params.grid.w;
+        uint own = params.levels[0].first_word + row_of(uint(voxel.y), uint(voxel.z)) * params.row_words;
         float dx = nearest_in_row(own, 0u, p, voxel.x, best);
         best = min(best, combined(dx, along(p, voxel.y, 1), along(p, voxel.z, 2)));
     }
     uint top = uint(findMSB(constants.last)) / 2u;
     uint level = cursor == 0u ? top : min(top, uint(findLSB(cursor)) / 2u);
-    for (uint turn = 0u; turn < constants.turns && cursor < constants.last; ++turn) {
+    for (uint turn = 0u; turn < constants.iterations && cursor < constants.last; ++turn) {
         int y = int(even_bits(cursor) >> level);
         int z = int(even_bits(cursor >> 1) >> level);
-        uvec4 rows = params.levels[level];
-        bool enter = y < int(rows.y) && z < int(rows.z);
+        PyramidLevel nodes = params.levels[level];
+        bool enter = y < int(nodes.rows_y) && z < int(nodes.rows_z);
         float distance = 0.0;
         if (enter) {
-            int last_y = min((y + 1 << level) - 1, int(params.grid.y) - 1);
-            int last_z = min((z + 1 << level) - 1, int(params.grid.z) - 1);
+            int last_y = min((y + 1 << level) - 1, int(params.dimensions.y) - 1);
+            int last_z = min((z + 1 << level) - 1, int(params.dimensions.z) - 1);
             float dy = to_range(p, y << level, last_y, 1);
             float dz = to_range(p, z << level, last_z, 2);
             enter = combined(0.0, dy, dz) < best;
             if (enter) {
-                uint row = rows.x + (uint(z) * rows.y + uint(y)) * params.grid.w;
+                uint row = nodes.first_word + (uint(z) * nodes.rows_y + uint(y)) * params.row_words;
                 distance = combined(nearest_in_row(row, level, p, voxel.x, best), dy, dz);
                 enter = distance < best;
             }

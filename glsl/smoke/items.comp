@@ -4,6 +4,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "group.glsl"
+#include "screen.glsl"
 layout(local_size_x = 256) in;
 layout(std430, binding = 1) readonly buffer TileGroups { uint tile_groups[]; };
 layout(std430, binding = 2) writeonly buffer RowItems { uint row_items[]; };
@@ -17,19 +19,19 @@ layout(push_constant) uniform ItemsConstants {
     uint capacity;     // entries of a batch
 } constants;
 
-shared uvec2 before[256];
+shared uvec2 before[gl_WorkGroupSize.x];
 
 bool has(uint tile, uint group) {
-    return (tile_groups[8u * tile + group / 32u] >> (group & 31u) & 1u) != 0u;
+    return (tile_groups[GROUP_WORDS * tile + group / 32u] & group_bit(group)) != 0u;
 }
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    uint tiles = params.image.z * params.image.w;
+    uint tiles = params.tiles.x * params.tiles.y;
     uint base = constants.batch * constants.capacity;
-    int reach = (int(params.filtering.y) + int(TILE_BLOCKS) - 1) / int(TILE_BLOCKS);
+    int reach = (int(params.window_blocks) + int(TILE_BLOCKS) - 1) / int(TILE_BLOCKS);
     uvec2 total = uvec2(0u);
-    for (uint start = 0u; start < tiles * constants.group_count; start += 256u) {
+    for (uint start = 0u; start < tiles * constants.group_count; start += gl_WorkGroupSize.x) {
         uint index = start + lane;
         uint tile = index % tiles;
         uint group = constants.first_group + index / tiles;
@@ -37,15 +39,15 @@ void main() {
         bool column = inside && has(tile, group);
         bool row = column;
         if (inside && !row) {
-            int x = int(tile % params.image.z);
-            int y = int(tile / params.image.z);
-            for (int other = max(y - reach, 0); other <= min(y + reach, int(params.image.w) - 1) && !row; ++other) {
-                row = has(uint(other) * params.image.z + uint(x), group);
+            uvec2 at = tile_at(tile);
+            int y = int(at.y);
+            for (int other = max(y - reach, 0); other <= min(y + reach, int(params.tiles.y) - 1) && !row; ++other) {
+                row = has(uint(other) * params.tiles.x + at.x, group);
             }
         }
         uvec2 own = uvec2(row ? 1u : 0u, column ? 1u : 0u);
         before[lane] = own;
-        for (uint width = 1u; width < 256u; width *= 2u) {
+        for (uint width = 1u; width < gl_WorkGroupSize.x; width *= 2u) {
             barrier();
             uvec2 other = lane >= width ? before[lane - width] : uvec2(0u);
             barrier();
@@ -53,7 +55,7 @@ void main() {
         }
         barrier();
         uvec2 at = total + before[lane] - own;
-        uint item = tile << 8 | group;
+        uint item = tile << GROUP_BITS | group;
         if (row) {
             row_items[base + at.x] = item;
             row_slots[base + index] = at.x;
@@ -61,7 +63,7 @@ void main() {
         if (column) {
             column_items[base + at.y] = item;
         }
-        total += before[255];
+        total += before[gl_WorkGroupSize.x - 1u];
         barrier();
     }
     if (lane == 0u) {

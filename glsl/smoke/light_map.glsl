@@ -1,6 +1,7 @@
 // A shadow map's view of the scene. Directional light: parallel, square, bounding the live spheres. Point light: six faces
 // of a cube. Depth is reversed: 1 nearest to the light, 0 nothing.
 #include "../common/bits.glsl"
+#include "map_near.glsl"
 
 // Low corner x, y, lowest z; side: in light space, z towards the light.
 vec4 map_frame() {
@@ -10,9 +11,4 @@ vec4 map_frame() {
                      from_ordered(control.light_high_z));
     float side = max(max(high.x - low.x, high.y - low.y), high.z - low.z);
     return vec4(low, max(side, 1e-30));
-}
-
-// Distance from a point light at which its map's depth is 1.
-float map_near() {
-    return 1e-3 * params.voxel.w;
 }

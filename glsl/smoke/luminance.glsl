@@ -1,10 +1,9 @@
 // Luminance, depth and group of the pixels that a sphere was seen at: Y = ambient + (1 - ambient) max(0, n.l) s. Works
 // on occupied tiles, so that only pixels that are seen ask for shadows.
 layout(constant_id = 1) const uint KEEP_SHADOW = 0u;  // 1: s is a layer, or several dispatches add to it
-layout(local_size_x = 32, local_size_y = 8) in;
-layout(binding = 1, r32ui) uniform readonly uimage2D seen;
+#include "tile.glsl"
+layout(binding = 3, r32ui) uniform readonly uimage2D seen;
 layout(std430, binding = 2) readonly buffer Spheres { vec4 spheres[]; };
-layout(std430, binding = 3) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
 layout(std430, binding = 4) writeonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 5) writeonly buffer Depth { float depth[]; };
 layout(std430, binding = 6) buffer Shadow { float shadow[]; };
@@ -25,13 +24,13 @@ struct Surface {
 
 float lit_share(Surface surface, float before);
 
-void shade(uvec2 at) {
+void work_on(uvec2 at) {
     uint code = imageLoad(seen, ivec2(at)).x;
     if (code == 0u) {
         return;
     }
     Surface surface;
-    surface.slot = (code >> 8) - 1u;
+    surface.slot = (code >> GROUP_BITS) - 1u;
     vec4 sphere = spheres[surface.slot];
     float view_depth;
     vec3 normal;
@@ -39,12 +38,12 @@ void shade(uvec2 at) {
     surface.centre = sphere.xyz;
     surface.normal = to_world_direction(normal);
     surface.offset = surface.normal * sphere.w;
-    bool point = params.light.w != 0.0;
-    vec3 to_light = point ? (params.light.xyz - sphere.xyz) - surface.offset : params.light.xyz;
-    surface.light_distance = point ? length(to_light) : INFINITY;
-    surface.to_light = point ? to_light / max(surface.light_distance, 1e-30) : to_light;
+    bool is_point = params.is_point_light != 0u;
+    vec3 to_light = is_point ? (params.light.xyz - sphere.xyz) - surface.offset : params.light.xyz;
+    surface.light_distance = is_point ? length(to_light) : INFINITY;
+    surface.to_light = is_point ? to_light / max(surface.light_distance, 1e-30) : to_light;
     surface.facing = dot(surface.normal, surface.to_light);
-    uint pixel = at.y * params.image.x + at.x;
+    uint pixel = pixel_index(at);
     float s = 1.0;
     if (KEEP_SHADOW != 0u) {
         if (!FIRST_PART) {
@@ -55,18 +54,7 @@ void shade(uvec2 at) {
     } else if (surface.facing > 0.0) {
         s = lit_share(surface, s);
     }
-    float luminance = params.shade.x + (1.0 - params.shade.x) * max(0.0, surface.facing) * s;
-    pixels[pixel] = pack_pixel(luminance, code & 255u);
+    float luminance = params.ambient + (1.0 - params.ambient) * max(0.0, surface.facing) * s;
+    pixels[pixel] = pack_pixel(luminance, code & GROUP_MASK);
     depth[pixel] = view_depth;
-}
-
-void main() {
-    uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = uvec2(tile % params.image.z, tile / params.image.z) * TILE;
-    for (uint row = 0u; row < TILE; row += 8u) {
-        uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
-        if (all(lessThan(at, params.image.xy))) {
-            shade(at);
-        }
-    }
 }

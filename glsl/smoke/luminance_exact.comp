@@ -2,10 +2,9 @@
 // closed form. The pixel's own sphere is left out by its index, so nothing shadows itself by rounding.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 layout(push_constant) uniform LuminanceConstants {
-    uint part;   // which part of the lists
-    uint turns;  // entries a part
+    uint part;     // which part of the lists
+    uint entries;  // of them a part
 } constants;
 #define FIRST_PART (constants.part == 0u)
 #include "params.glsl"
@@ -23,8 +22,8 @@ float lit_by(vec4 caster, Surface surface) {
         float half_chord = sqrt(inside);
         return closest + half_chord > 0.0 && closest - half_chord < surface.light_distance ? 0.0 : 1.0;
     }
-    if (params.shade.y > 0.0 && closest > 0.0 && closest < surface.light_distance) {
-        return clamp((length(across) - caster.w) / (params.shade.y * closest), 0.0, 1.0);
+    if (params.softness > 0.0 && closest > 0.0 && closest < surface.light_distance) {
+        return clamp((length(across) - caster.w) / (params.softness * closest), 0.0, 1.0);
     }
     return 1.0;
 }
@@ -35,11 +34,11 @@ float lit_share(Surface surface, float before) {
     vec2 position = face_position(p, face);
     // A bucket of its own for rounding: what is in later buckets lies behind the surface.
     uint last_bucket = bucket_of(light_distance(p) + 1e-4 * length(surface.offset));
-    uint begin = constants.part * constants.turns;
-    uint end = begin + constants.turns;
+    uint begin = constants.part * constants.entries;
+    uint end = begin + constants.entries;
     uint passed = 0u;
     float s = before;
-    for (uint level = 0u; level < params.shadow.x && s > 0.0; ++level) {
+    for (uint level = 0u; level < params.light_levels && s > 0.0; ++level) {
         uint cell = cell_at(face, level, position);
         uint list = cell == 0u ? 0u : cell_ends[cell * BUCKETS - 1u];
         uint count = cell_ends[cell * BUCKETS + last_bucket] - list;

@@ -8,20 +8,19 @@ layout(push_constant) uniform MapConstants { uint texels; } constants;
 #include "luminance.glsl"
 layout(binding = 7) uniform texture2DArray shadow_map;
 layout(std430, binding = 8) readonly buffer ControlBuffer { Control control; };
-layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 #include "light.glsl"
 #include "light_map.glsl"
 
 // Bias in texels for a depth that changes by `slope` texels a texel: from the surface to the centre of the farthest tap,
 // across a corner of the filter, and half a texel.
 float bias(float slope) {
-    return 0.7072 * float(params.shadow.w) * min(slope, 16.0) + 0.5;
+    return 0.7072 * float(params.shadow_filter) * min(slope, 16.0) + 0.5;
 }
 
 float lit_share(Surface surface, float before) {
     vec3 p = surface.centre + surface.offset;
     float texels = float(constants.texels);
-    int taps = int(params.shadow.w);
+    int taps = int(params.shadow_filter);
     uint face = 0u;
     vec2 at;
     float own;
@@ -37,8 +36,7 @@ float lit_share(Surface surface, float before) {
     } else {
         float slope = sqrt(max(1.0 - surface.facing * surface.facing, 0.0)) / max(surface.facing, 0.05);
         vec4 frame = map_frame();
-        vec3 c = vec3(dot(params.light_right.xyz, p), dot(params.light_up.xyz, p), dot(params.light.xyz, p));
-        c = (c - frame.xyz) / frame.w;
+        vec3 c = (in_light_space(p) - frame.xyz) / frame.w;
         at = c.xy;
         own = c.z + bias(slope) / texels;
     }

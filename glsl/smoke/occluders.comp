@@ -6,7 +6,7 @@
 #include "params.glsl"
 #include "view.glsl"
 #include "bounds.glsl"
-layout(local_size_x = 64) in;
+layout(local_size_x = LIVE_LANES) in;
 layout(std430, binding = 1) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 layout(std430, binding = 2) readonly buffer Live { uint live_list[]; };
 layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };
@@ -24,21 +24,21 @@ void main() {
         return;
     }
     vec4 sphere = view_spheres[live_list[gl_GlobalInvocationID.x]];
-    if (!is_bounded(sphere) || sphere.z - sphere.w < params.lens.z) {
+    if (!is_bounded(sphere) || sphere.z - sphere.w < params.near) {
         return;
     }
     vec4 bounds = pixel_bounds(sphere);
-    float side = float(params.blocks.x);
-    ivec2 first = ivec2(clamp(ceil(bounds.xy / side), vec2(0.0), vec2(params.blocks.yz)));
-    ivec2 last = ivec2(clamp(floor(bounds.zw / side), vec2(0.0), vec2(params.blocks.yz)));
+    float side = float(params.occlusion_side);
+    ivec2 first = ivec2(clamp(ceil(bounds.xy / side), vec2(0.0), vec2(params.occlusion_blocks)));
+    ivec2 last = ivec2(clamp(floor(bounds.zw / side), vec2(0.0), vec2(params.occlusion_blocks)));
     for (int y = first.y; y < last.y; ++y) {
         for (int x = first.x; x < last.x; ++x) {
             vec2 low = vec2(x, y) * side;
             float depth = max(max(corner_depth(low, sphere), corner_depth(low + vec2(side, 0.0), sphere)),
                               max(corner_depth(low + vec2(0.0, side), sphere), corner_depth(low + side, sphere)));
-            if (depth <= params.lens.w) {
+            if (depth <= params.far) {
                 // A little farther, for rounding.
-                atomicMin(occlusion[uint(y) * params.blocks.y + uint(x)], floatBitsToUint(depth * 1.0001));
+                atomicMin(occlusion[uint(y) * params.occlusion_blocks.x + uint(x)], floatBitsToUint(depth * 1.0001));
             }
         }
     }

@@ -2,51 +2,41 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 256) in;
+#include "voxel_words.glsl"
+layout(local_size_x = BIRTH_BLOCK) in;
 layout(std430, binding = 1) readonly buffer Density { float density[]; };
 layout(std430, binding = 2) writeonly buffer Occupancy { uint occupancy[]; };
 layout(std430, binding = 3) writeonly buffer BirthCounts { uint birth_counts[]; };
 
-shared uint partial[256];
-
-// Bits first .. last of a word whose lowest bit is voxel `start`.
-uint span(int start, int first, int last) {
-    int low = clamp(first - start, 0, 32);
-    int high = clamp(last + 1 - start, 0, 32);
-    if (low >= high) {
-        return 0u;
-    }
-    uint below_high = high == 32 ? 0xffffffffu : (1u << uint(high)) - 1u;
-    return below_high & (0xffffffffu << uint(low));
-}
+shared uint partial[gl_WorkGroupSize.x];
 
 void main() {
     uint word = gl_GlobalInvocationID.x;
     uint births = 0u;
-    if (word < params.grid.w * params.grid.y * params.grid.z) {
-        uint row = word / params.grid.w;
-        uint start = word % params.grid.w * 32u;
-        uint count = min(32u, params.grid.x - start);
-        uint first = row * params.grid.x + start;
+    if (word < params.row_words * params.dimensions.y * params.dimensions.z) {
+        uint row = word / params.row_words;
+        uint start = word % params.row_words * WORD_VOXELS;
+        uint count = min(WORD_VOXELS, params.dimensions.x - start);
+        uint first = row * params.dimensions.x + start;
         uint bits = 0u;
         for (uint i = 0u; i < count; ++i) {
             // Everything that is not above the threshold is empty, NaN included.
-            if (density[first + i] > params.origin.w) {
+            if (density[first + i] > params.threshold) {
                 bits |= 1u << i;
             }
         }
         occupancy[word] = bits;
-        int y = int(row % params.grid.y);
-        int z = int(row / params.grid.y);
+        int y = int(row % params.dimensions.y);
+        int z = int(row / params.dimensions.y);
         ivec3 low = params.emitter_first.xyz;
         ivec3 high = params.emitter_last.xyz;
         if (y >= low.y && y <= high.y && z >= low.z && z <= high.z) {
-            births = uint(bitCount(bits & span(int(start), low.x, high.x)));
+            births = uint(bitCount(bits & voxel_bits(int(start), low.x, high.x)));
         }
     }
     uint lane = gl_LocalInvocationID.x;
     partial[lane] = births;
-    for (uint width = 128u; width > 0u; width /= 2u) {
+    for (uint width = gl_WorkGroupSize.x / 2u; width > 0u; width /= 2u) {
         barrier();
         if (lane < width) {
             partial[lane] += partial[lane + width];

@@ -4,14 +4,12 @@
 #extension GL_GOOGLE_include_directive : require
 layout(constant_id = 0) const uint SECOND = 0u;  // 1: second differences
 #include "params.glsl"
-layout(local_size_x = 32, local_size_y = 8) in;
-layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
+#include "tile.glsl"
 layout(std430, binding = 2) readonly buffer Depth { float depth[]; };
 layout(std430, binding = 3) writeonly buffer Lines { float lines[]; };
 
 float depth_at(ivec2 at) {
-    ivec2 inside = clamp(at, ivec2(0), ivec2(params.image.xy) - 1);
-    return depth[uint(inside.y) * params.image.x + uint(inside.x)];
+    return depth[pixel_index(uvec2(clamp(at, ivec2(0), ivec2(params.size) - 1)))];
 }
 
 float line_at(ivec2 at) {
@@ -26,21 +24,14 @@ float line_at(ivec2 at) {
     if (a == INFINITY || b == INFINITY || c == INFINITY || d == INFINITY) {
         return 1.0;
     }
-    float per_unit = 1.0 / max(params.ink.z, 8.0 * params.ink.w * centre);
+    float per_unit = 1.0 / max(params.smallest_side, 8.0 * params.pixel_footprint * centre);
     float first = SECOND != 0u ? (a - centre) + (b - centre) : a - b;
     float second = SECOND != 0u ? (c - centre) + (d - centre) : c - d;
     first *= per_unit;
     second *= per_unit;
-    return 1.0 - max(0.0, 1.0 - params.ink.x * (first * first + second * second));
+    return 1.0 - max(0.0, 1.0 - params.outline_strength * (first * first + second * second));
 }
 
-void main() {
-    uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = uvec2(tile % params.image.z, tile / params.image.z) * TILE;
-    for (uint row = 0u; row < TILE; row += 8u) {
-        uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
-        if (all(lessThan(at, params.image.xy))) {
-            lines[at.y * params.image.x + at.x] = line_at(ivec2(at));
-        }
-    }
+void work_on(uvec2 at) {
+    lines[pixel_index(at)] = line_at(ivec2(at));
 }

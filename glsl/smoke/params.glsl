@@ -1,5 +1,4 @@
-// What the host tells every smoke kernel, and what kernels tell each other. `src/smoke/params.rs` has the same
-// structures; build.rs compares offsets and sizes.
+// What the host tells every smoke kernel, and what kernels tell each other.
 #ifndef SMOKE_PARAMS
 #define SMOKE_PARAMS
 
@@ -7,61 +6,106 @@
 
 #include "common/bits.glsl"
 
-const uint TILE = 32u;           // side of a screen tile in pixels
-const uint BLOCK = 8u;           // side of a block in pixels; a tile is 4 x 4 blocks
-const uint TILE_BLOCKS = 4u;
-const uint SLOT_PIXELS = 1024u;  // pixels of a tile
-const uint BIRTH_BLOCK = 256u;   // words of occupancy whose births are counted together
-const uint LIST_RUN = 16u;       // sphere slots that one invocation counts and lists
+const uint TILE = 32u;                 // side of a screen tile in pixels
+const uint BLOCK = 8u;                 // side of a block in pixels
+const uint TILE_BLOCKS = TILE / BLOCK; // blocks of a tile across and down
+const uint SLOT_PIXELS = TILE * TILE;  // pixels of a tile
+const uint LIST_RUN = 16u;             // sphere slots that one invocation counts and lists
+const uint LIVE_LANES = 64u;           // invocations of a workgroup of kernels over live spheres
+const uint QUAD_VERTICES = 4u;         // what a draw of a sphere or tile has
+const uint MAX_LEVELS = 12u;           // levels that the occupancy pyramid can have
+
+// A level of the occupancy pyramid.
+struct PyramidLevel {
+    uint first_word;
+    uint rows_y;  // rows along y
+    uint rows_z;  // rows along z
+    uint unused;
+};
 
 layout(binding = 0) uniform SmokeParams {
     vec4 eye;          // position of the camera, high part; w: unused
     vec4 eye_low;      // what `eye` lost in rounding
-    vec4 right;        // rows of the view rotation
+    vec4 right;        // rows of the view rotation; w: unused
     vec4 up;
     vec4 forward;
     vec4 right_low;    // what they lost in rounding
     vec4 up_low;
     vec4 forward_low;
-    vec4 lens;         // half extent at depth 1 along x and y, near, far
-    uvec4 image;       // width, height, tiles across, tiles down
-    uvec4 grid;        // voxels along x, y, z; words a row
-    vec4 voxel;        // sides in metres; smallest side
-    vec4 origin;       // corner of voxel 0, 0, 0; threshold
-    ivec4 emitter_first; // voxels that overlap the emitter, first and last along each axis; w: 1 if there is one
-    ivec4 emitter_last;
-    vec4 emitter_low;  // the emitter in metres
-    vec4 emitter_high;
-    vec4 light;        // unit vector towards the light, w = 0; or its position, w = 1
-    vec4 light_right;  // axes across a directional light
+    vec2 half_extent;  // of the picture at depth 1, along x and y
+    float near;        // nearest depth that is seen, metres
+    float far;         // farthest
+    uvec2 size;        // of the picture in pixels
+    uvec2 tiles;       // across and down
+
+    vec4 voxel_size;      // sides in metres; w: unused
+    vec4 origin;          // corner of voxel (0, 0, 0) in metres; w: unused
+    uvec4 dimensions;     // voxels along x, y, z; w: unused
+    uint row_words;       // words of a row of occupancy bits
+    float smallest_side;  // of a voxel, metres
+    float threshold;      // a voxel is occupied where density is above
+    uint has_emitter;
+    ivec4 emitter_first;  // first voxel along each axis that overlaps the emitter; w: unused
+    ivec4 emitter_last;   // last
+    vec4 emitter_min;     // lower corner of the emitter in metres; w: unused
+    vec4 emitter_max;     // upper corner
+
+    vec4 light;                // unit vector towards a directional light, position of a point light; w: unused
+    vec4 light_right;          // axes across a directional light; w: unused
     vec4 light_up;
-    vec4 light_frame;  // light-space tiles: low x, low y, 1 / side; largest distance of a penumbra's caster
-    vec4 light_range;  // distances from the light: nearest, 1 / span
-    vec4 shade;        // ambient, softness, scale of the radius, seconds between frames
-    vec4 motion;       // metres a second at and below which a particle dies; share of the old depth range kept; hysteresis; group depth or 0
-    uvec4 counts;      // particles, fade, sphere slots, seed
-    uvec4 frame;       // frames since the restart; 1 if there is velocity; lifetime or 0; groups
-    uvec4 shadow;      // levels of light-space tiles, cells of a face, faces, taps of the shadow map's filter
-    uvec4 filtering;   // window, window in blocks, tones, row of the ring of dying spheres
-    vec4 ink;          // outline: strength, width, smallest depth unit, pixel footprint at depth 1
-    vec4 ink_colour;   // linear RGB; softness of tones
-    uvec4 blocks;      // blocks of the occlusion test: side in pixels, across, down
-    uvec4 levels[12];  // occupancy pyramid: first word, rows along y, rows along z
+    vec2 light_low;            // low corner of the light-space tiles
+    float light_inverse_side;  // 1 / side of what they cover
+    float caster_distance;     // largest distance of what casts a penumbra, metres
+    uint is_point_light;
+    float light_nearest;       // least distance from the light, metres
+    float light_inverse_span;  // 1 / (largest - least distance from the light)
+    float ambient;
+    uint light_levels;         // levels of light-space tiles
+    uint light_cells;          // light-space tiles of a face
+    uint light_faces;          // 1, or 6 for a point light
+    uint shadow_filter;        // taps of the shadow map's filter along an axis
+
+    uint particles;
+    uint fade;          // frames over which spheres grow and shrink
+    uint spheres;       // particles and the ring of dying ones
+    uint seed;
+    uint frames;        // since the restart
+    uint has_velocity;
+    uint lifetime;      // frames; 0: none
+    uint ring_row;      // of the dying spheres' ring, for this frame's deaths
+    float dt;           // seconds between frames
+    float still_speed;  // a particle this slow dies, metres per second
+    float scale;        // of the radius
+    float softness;     // tangent of the light's half angle
+
+    uint group_count;
+    float group_depth;      // metres; 0: equal ranges of the smoke's own depth
+    float range_smoothing;  // share of the old depth range that is kept
+    float hysteresis;       // share of a group's range
+    uint window;            // of the Gaussian to each side, in pixels
+    uint window_blocks;     // the same in blocks
+    uint tone_count;
+    float tone_softness;    // width of the border between tones, pixels
+    vec4 outline_colour;    // linear RGB; w: unused
+    float outline_strength;
+    float outline_width;    // pixels
+    float pixel_footprint;  // metres at depth 1
+    uint occlusion_side;    // of a block of the occlusion test, pixels
+    PyramidLevel levels[MAX_LEVELS];
+    uvec2 occlusion_blocks;  // across and down
 } params;
 
 // What the device decides during a frame; the host resets it at the frame's start.
 struct Control {
     uint live;          // spheres with a radius
     uint visible;       // those that can touch the screen
-    uint unused_a;
-    uint unused_b;
-    uvec4 live_groups;  // dispatch over live spheres, 64 a group
+    uint depth_low;     // depth range of live spheres ahead of the near plane, ordered bits
+    uint depth_high;
+    uvec4 live_groups;  // dispatch over live spheres
     uvec4 draw;         // draw of visible spheres
     uvec4 light_draw;   // draw of live spheres
     uvec4 tile_groups;  // dispatch over occupied tiles
     uvec4 tile_draw;    // draw of occupied tiles
-    uint depth_low;     // depth range of live spheres ahead of the near plane, ordered bits
-    uint depth_high;
     uint light_low_x;   // bounds of live spheres in light space, ordered bits
     uint light_low_y;
     uint light_low_z;
@@ -74,12 +118,9 @@ struct Control {
 struct History {
     float range_low;   // smoothed depth range
     float range_high;
-    uint started;      // 0 until there is a range
+    uint has_range;
     uint births;       // occupied voxels that a birth may choose
     uint longest;      // longest list of light-space tiles that one ray can meet
-    uint unused_a;
-    uint unused_b;
-    uint unused_c;
 };
 
 #endif

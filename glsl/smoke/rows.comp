@@ -2,7 +2,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "pixel.glsl"
 #include "gaussian.glsl"
 layout(std430, binding = 3) readonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 4) readonly buffer RowItems { uint row_items[]; };
@@ -10,11 +9,11 @@ layout(std430, binding = 5) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 6) writeonly buffer RowSums { vec2 row_sums[]; };
 
 void add_block(int block, uint row, int first, uint group) {
-    float values[8];
-    float masks[8];
-    for (int i = 0; i < 8; ++i) {
+    float values[TAPS];
+    float masks[TAPS];
+    for (int i = 0; i < TAPS; ++i) {
         int x = first + i;
-        uint pixel = x < int(params.image.x) ? pixels[row + uint(x)] : 0u;
+        uint pixel = x < int(params.size.x) ? pixels[row + uint(x)] : 0u;
         masks[i] = pixel_id(pixel) == group ? 1.0 : 0.0;
         values[i] = masks[i] * pixel_luminance(pixel);
     }
@@ -23,33 +22,29 @@ void add_block(int block, uint row, int first, uint group) {
 
 void main() {
     uint item = row_items[constants.base + gl_WorkGroupID.x];
-    uint group = item & 255u;
-    uint tile = item >> 8;
+    uint group = item & GROUP_MASK;
+    uint tile = item >> GROUP_BITS;
     uint block = gl_LocalInvocationID.y;
-    uvec2 at = uvec2(tile % params.image.z, tile / params.image.z) * TILE_BLOCKS
-        + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS);
-    uint across = params.image.z * TILE_BLOCKS;
-    uint bit = 1u << (group & 31u);
-    uvec2 groups = reached[at.y * across + at.x];
+    uvec2 at = block_at(tile, block);
+    uint across = blocks_of_tiles().x;
+    uint bit = group_bit(group);
+    Reach groups = reached[at.y * across + at.x];
     uint y = at.y * BLOCK + gl_LocalInvocationID.x;
-    if ((groups.x & groups.y & bit) == 0u || y >= params.image.y) {
+    if ((groups.beside & groups.above & bit) == 0u || y >= params.size.y) {
         return;
     }
-    for (int o = 0; o < 8; ++o) {
-        numerator[o] = 0.0;
-        denominator[o] = 0.0;
-    }
-    for (int distance = int(params.filtering.y); distance >= 0; --distance) {
+    clear_sums();
+    for (int distance = int(params.window_blocks); distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
             int x = int(at.x) + side * distance;
             bool used = x >= 0 && x < int(across) && (distance > 0 || side > 0);
             if (used && (block_masks[at.y * across + uint(x)] & bit) != 0u) {
-                add_block(side * distance, y * params.image.x, x * int(BLOCK), group);
+                add_block(side * distance, y * params.size.x, x * int(BLOCK), group);
             }
         }
     }
-    uint local = (block / TILE_BLOCKS * BLOCK + gl_LocalInvocationID.x) * TILE + block % TILE_BLOCKS * BLOCK;
-    for (uint o = 0u; o < 8u; ++o) {
+    uint local = slot_row(block, gl_LocalInvocationID.x);
+    for (uint o = 0u; o < BLOCK; ++o) {
         row_sums[gl_WorkGroupID.x * SLOT_PIXELS + local + o] = vec2(numerator[o], denominator[o]);
     }
 }

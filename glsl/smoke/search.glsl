@@ -1,21 +1,30 @@
 // What the searches of the nearest empty voxel share. A search may be cut at the loop budget (lavapipe ends an
-// invocation's loops after 65,535 turns): its state stays in memory and the next dispatch goes on.
+// invocation's loops after 65,535 iterations): its state stays in memory and the next dispatch goes on.
 #include "grow.glsl"
 layout(std430, binding = 3) readonly buffer Occupancy { uint occupancy[]; };
-layout(std430, binding = 4) buffer Searches { uvec2 searches[]; };             // cursor, nearest so far (bits)
-layout(std430, binding = 5) buffer Continuations { uvec4 continuations[]; };   // dispatches that go on
+
+// Where the search of a particle's radius stands.
+struct Search {
+    uint cursor;
+    float nearest;  // distance so far
+};
+
+layout(std430, binding = 4) buffer Searches { Search searches[]; };
+layout(std430, binding = 5) buffer Continuations { uvec4 continuations[]; };  // dispatches that go on
 layout(push_constant) uniform SearchConstants {
-    uint part;    // 0 begins, others go on
-    uint turns;   // turns of the outer loop in this dispatch
-    uint ball;    // 1: Euclidean distance instead of the largest axis
-    uint last;    // end of the cursor's range
+    uint part;        // 0 begins, others go on
+    uint iterations;  // of the outer loop in this dispatch
+    uint is_ball;     // 1: Euclidean distance instead of the largest axis
+    uint last;        // end of the cursor's range
 } constants;
 
-const uint FINISHED = 0xffffffffu;
+#include "occupancy.glsl"
+
+const uint FINISHED = 0xffffffffu;  // instead of a cursor
 
 // Distances are combined as they are measured: along each axis, then the largest, or the root of the sum of squares.
 float combined(float a, float b, float c) {
-    return constants.ball != 0u ? sqrt(a * a + b * b + c * c) : max(a, max(b, c));
+    return constants.is_ball != 0u ? sqrt(a * a + b * b + c * c) : max(a, max(b, c));
 }
 
 float along(vec3 p, int index, int axis) {
@@ -25,17 +34,17 @@ float along(vec3 p, int index, int axis) {
 // The nearest voxel outside of the volume lies straight across one of its faces.
 float outside_distance(vec3 p, ivec3 voxel) {
     vec3 own = vec3(along(p, voxel.x, 0), along(p, voxel.y, 1), along(p, voxel.z, 2));
-    vec3 out_ = vec3(min(along(p, -1, 0), along(p, int(params.grid.x), 0)),
-                     min(along(p, -1, 1), along(p, int(params.grid.y), 1)),
-                     min(along(p, -1, 2), along(p, int(params.grid.z), 2)));
+    vec3 out_ = vec3(min(along(p, -1, 0), along(p, int(params.dimensions.x), 0)),
+                     min(along(p, -1, 1), along(p, int(params.dimensions.y), 1)),
+                     min(along(p, -1, 2), along(p, int(params.dimensions.z), 2)));
     return min(combined(out_.x, own.y, own.z), min(combined(own.x, out_.y, own.z), combined(own.x, own.y, out_.z)));
 }
 
 // Words of a row of the pyramid with a 1 for each empty voxel; beyond the volume's end nothing is found.
 uint empties(uint row, int word, uint level) {
     uint bits = ~occupancy[row + uint(word)];
-    uint used = params.grid.x - uint(word) * 32u;
-    return level == 0u && used < 32u ? bits & ((1u << used) - 1u) : bits;
+    uint used = params.dimensions.x - uint(word) * WORD_VOXELS;
+    return level == 0u && used < WORD_VOXELS ? bits & ((1u << used) - 1u) : bits;
 }
 
 // Distance along x from p to the nearest empty voxel of a row, infinite if there is none within `limit`.
@@ -60,7 +69,7 @@ float nearest_in_row(uint row, uint level, vec3 p, int x, float limit) {
             best = min(best, along(p, w * 32 + findLSB(right), 0));
             break;
         }
-        if (++w >= int(params.grid.w) || along(p, w * 32, 0) > min(limit, best)) {
+        if (++w >= int(params.row_words) || along(p, w * 32, 0) > min(limit, best)) {
             break;
         }
         right = empties(row, w, level);
@@ -68,24 +77,18 @@ float nearest_in_row(uint row, uint level, vec3 p, int x, float limit) {
     return best;
 }
 
-bool is_occupied(ivec3 v) {
-    uint word = (uint(v.z) * params.grid.y + uint(v.y)) * params.grid.w + uint(v.x) / 32u;
-    return is_inside(v) && (occupancy[word] >> (uint(v.x) % 32u) & 1u) != 0u;
-}
-
 // Where a slot's search stands; a new one starts with what lies outside. False if there is nothing to search.
 bool resume_search(uint slot, vec3 p, ivec3 voxel, out uint cursor, out float best) {
     if (constants.part > 0u) {
-        uvec2 state = searches[slot];
-        cursor = state.x;
-        best = uintBitsToFloat(state.y);
+        cursor = searches[slot].cursor;
+        best = searches[slot].nearest;
         return cursor != FINISHED;
     }
     cursor = 0u;
     best = 0.0;
     if (!is_alive(slot) || !is_occupied(voxel)) {
         spheres[slot] = vec4(p, 0.0);
-        searches[slot] = uvec2(FINISHED, 0u);
+        searches[slot] = Search(FINISHED, 0.0);
         return false;
     }
     best = outside_distance(p, voxel);
@@ -94,7 +97,7 @@ bool resume_search(uint slot, vec3 p, ivec3 voxel, out uint cursor, out float be
 
 void keep_search(uint slot, vec3 p, uint cursor, float best) {
     bool finished = cursor >= constants.last;
-    searches[slot] = uvec2(finished ? FINISHED : cursor, floatBitsToUint(best));
+    searches[slot] = Search(finished ? FINISHED : cursor, best);
     if (finished) {
         put_sphere(slot, p, best);
     } else {

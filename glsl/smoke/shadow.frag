@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "map_near.glsl"
 layout(push_constant) uniform ShadowConstants { uint face; float texels; } constants;
 layout(location = 0) flat in vec4 light_sphere;
 
@@ -9,7 +10,7 @@ void main() {
     vec2 at = gl_FragCoord.xy / constants.texels;
     vec3 c = light_sphere.xyz;
     float r = light_sphere.w;
-    if (params.light.w == 0.0) {
+    if (params.is_point_light == 0u) {
         vec2 across = at - c.xy;
         float inside = r * r - dot(across, across);
         if (inside < 0.0) {
@@ -24,7 +25,7 @@ void main() {
     vec3 across = c - closest * ray;
     float inside = r * r - dot(across, across);
     float front = closest - sqrt(max(inside, 0.0) / a);
-    float near = 1e-3 * params.voxel.w;
+    float near = map_near();
     if (inside < 0.0 || front < near) {
         discard;
     }

@@ -7,7 +7,6 @@ layout(std430, binding = 2) readonly buffer Live { uint live_list[]; };
 layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };
 layout(push_constant) uniform ShadowConstants { uint face; float texels; } constants;
 layout(location = 0) flat out vec4 light_sphere;
-layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 #include "light.glsl"
 #include "light_map.glsl"
 
@@ -17,9 +16,7 @@ void main() {
     float margin = 2.0 / constants.texels;
     if (!is_point_light()) {
         vec4 frame = map_frame();
-        vec3 c = vec3(dot(params.light_right.xyz, sphere.xyz), dot(params.light_up.xyz, sphere.xyz),
-                      dot(params.light.xyz, sphere.xyz));
-        light_sphere = vec4((c - frame.xyz) / frame.w, sphere.w / frame.w);
+        light_sphere = vec4((in_light_space(sphere.xyz) - frame.xyz) / frame.w, sphere.w / frame.w);
         vec2 at = 2.0 * light_sphere.xy - 1.0 + corner * (2.0 * light_sphere.w + margin);
         gl_Position = vec4(at, 0.0, 1.0);
         return;

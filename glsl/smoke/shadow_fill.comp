@@ -1,9 +1,8 @@
 // Writes the lists of the light-space tiles. Their order is not fixed and does not matter: a shadow is a minimum.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-layout(constant_id = 0) const float CELLS_ACROSS = 4.0;
 #include "params.glsl"
-layout(local_size_x = 64) in;
+layout(local_size_x = LIVE_LANES) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 2) readonly buffer Live { uint live_list[]; };
 layout(std430, binding = 3) readonly buffer ControlBuffer { Control control; };
@@ -17,9 +16,8 @@ void main() {
     }
     uint slot = live_list[gl_GlobalInvocationID.x];
     vec4 sphere = spheres[slot];
-    // The nearest of the sphere; a unit in the last place nearer, so that rounding cannot put it behind what it shadows.
-    uint bucket = bucket_of(light_distance(sphere.xyz) - sphere.w * 1.0001);
-    for (uint face = 0u; face < params.shadow.z; ++face) {
+    uint bucket = bucket_of_sphere(sphere);
+    for (uint face = 0u; face < params.light_faces; ++face) {
         uint level;
         uvec4 cells;
         if (cells_of(sphere, face, level, cells)) {

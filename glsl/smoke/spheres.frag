@@ -12,9 +12,9 @@ void main() {
     float depth;
     vec3 normal;
     bool hit = hit_sphere(pixel_ray(gl_FragCoord.xy), view_sphere, depth, normal);
-    if (!(hit && depth >= params.lens.z && depth <= params.lens.w)) {
+    if (!(hit && depth >= params.near && depth <= params.far)) {
         discard;
     }
-    gl_FragDepth = params.lens.z / depth;
+    gl_FragDepth = params.near / depth;
     seen = code;
 }

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "group.glsl"
 layout(std430, binding = 1) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 layout(std430, binding = 2) readonly buffer Visible { uint visible_list[]; };
 layout(std430, binding = 3) readonly buffer Groups { uint groups[]; };
@@ -12,10 +13,10 @@ layout(location = 1) flat out uint code;
 void main() {
     uint slot = visible_list[gl_InstanceIndex];
     view_sphere = view_spheres[slot];
-    code = (slot + 1u) << 8 | groups[slot];
+    code = (slot + 1u) << GROUP_BITS | groups[slot];
     // Nothing of the sphere is nearer than its quad: fragments may be rejected before they are shaded.
-    float front = max(view_sphere.z - view_sphere.w, params.lens.z);
-    float nearest = min(params.lens.z / front * 1.00001, 1.0);
+    float front = max(view_sphere.z - view_sphere.w, params.near);
+    float nearest = min(params.near / front * 1.00001, 1.0);
     vec4 quad = quads[gl_InstanceIndex];
     gl_Position = vec4(mix(quad.xy, quad.zw, vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1)), nearest, 1.0);
 }

@@ -3,35 +3,37 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-layout(local_size_x = 8, local_size_y = 16) in;
+#include "group.glsl"
+#include "screen.glsl"
+layout(local_size_x = BLOCK, local_size_y = TILE_BLOCKS * TILE_BLOCKS) in;
 layout(binding = 1, r32ui) uniform readonly uimage2D seen;
 layout(std430, binding = 2) writeonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 3) writeonly buffer TileGroups { uint tile_groups[]; };
 
-shared uint block_bits[16];
-shared uint tile_bits[8];
+shared uint block_bits[gl_WorkGroupSize.y];
+shared uint tile_bits[GROUP_WORDS];
 
 void main() {
     uint lane = gl_LocalInvocationIndex;
-    if (lane < 16u) {
+    if (lane < gl_WorkGroupSize.y) {
         block_bits[lane] = 0u;
     }
-    if (lane < 8u) {
+    if (lane < GROUP_WORDS) {
         tile_bits[lane] = 0u;
     }
     barrier();
-    uvec2 tile = gl_WorkGroupID.xy;
+    uint tile = gl_WorkGroupID.y * params.tiles.x + gl_WorkGroupID.x;
     uint block = gl_LocalInvocationID.y;
-    uvec2 corner = tile * TILE + uvec2(block % TILE_BLOCKS, block / TILE_BLOCKS) * BLOCK;
+    uvec2 corner = block_at(tile, block) * BLOCK;
     uint y = corner.y + gl_LocalInvocationID.x;
-    if (y < params.image.y) {
+    if (y < params.size.y) {
         uint last = 0u;
         uint bits = 0u;
-        for (uint x = corner.x; x < min(corner.x + BLOCK, params.image.x); ++x) {
-            uint id = imageLoad(seen, ivec2(x, y)).x & 255u;
+        for (uint x = corner.x; x < min(corner.x + BLOCK, params.size.x); ++x) {
+            uint id = imageLoad(seen, ivec2(x, y)).x & GROUP_MASK;
             if (id != last && id != 0u) {
-                bits |= 1u << (id & 31u);
-                atomicOr(tile_bits[id / 32u], 1u << (id & 31u));
+                bits |= group_bit(id);
+                atomicOr(tile_bits[id / 32u], group_bit(id));
             }
             last = id;
         }
@@ -40,12 +42,11 @@ void main() {
         }
     }
     barrier();
-    uint tile_index = tile.y * params.image.z + tile.x;
-    if (lane < 8u) {
-        tile_groups[8u * tile_index + lane] = tile_bits[lane];
+    if (lane < GROUP_WORDS) {
+        tile_groups[GROUP_WORDS * tile + lane] = tile_bits[lane];
     }
-    if (lane < 16u) {
-        uvec2 at = tile * TILE_BLOCKS + uvec2(lane % TILE_BLOCKS, lane / TILE_BLOCKS);
-        block_masks[at.y * (params.image.z * TILE_BLOCKS) + at.x] = block_bits[lane];
+    if (lane < gl_WorkGroupSize.y) {
+        uvec2 at = block_at(tile, lane);
+        block_masks[at.y * blocks_of_tiles().x + at.x] = block_bits[lane];
     }
 }

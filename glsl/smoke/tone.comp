@@ -7,23 +7,28 @@ layout(constant_id = 2) const uint LAYERS = 0u;    // 1: tone and line are kept
 layout(constant_id = 3) const int REACH = 1;       // pixels from which a line can reach a pixel
 #include "params.glsl"
 #include "pixel.glsl"
-layout(local_size_x = 32, local_size_y = 8) in;
-layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
+#include "tile.glsl"
+
+// From luminance `from` upwards the smoke has this colour.
+struct Tone {
+    float colour[3];  // linear RGB
+    float from;
+};
+
 layout(std430, binding = 2) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 3) readonly buffer Smooth { float smooth_luminance[]; };
 layout(std430, binding = 4) readonly buffer Lines { float lines[]; };
-layout(std430, binding = 5) readonly buffer Tones { vec4 tones[]; };  // linear RGB, from
+layout(std430, binding = 5) readonly buffer Tones { Tone tones[]; };
 layout(std430, binding = 6) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 7) writeonly buffer ToneLayer { vec4 tone_layer[]; };
 layout(std430, binding = 8) writeonly buffer OutlineLayer { float outline_layer[]; };
 
 uint pixel_at(ivec2 at) {
-    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
-    return inside ? pixels[uint(at.y) * params.image.x + uint(at.x)] : 0u;
+    return is_in_picture(uvec2(at)) ? pixels[pixel_index(uvec2(at))] : 0u;
 }
 
 float value_at(ivec2 at, uint pixel) {
-    return FILTERED != 0u ? smooth_luminance[uint(at.y) * params.image.x + uint(at.x)] : pixel_luminance(pixel);
+    return FILTERED != 0u ? smooth_luminance[pixel_index(uvec2(at))] : pixel_luminance(pixel);
 }
 
 // Difference per pixel along an axis within the same group: central, one-sided at a border, else 0.
@@ -37,26 +42,29 @@ float slope(ivec2 at, ivec2 axis, uint id, float centre) {
     return (high - low) * (has_next && has_previous ? 0.5 : 1.0);
 }
 
+vec3 colour_of(uint tone) {
+    return vec3(tones[tone].colour[0], tones[tone].colour[1], tones[tone].colour[2]);
+}
+
 vec3 tone_of(ivec2 at, uint pixel) {
     float s = value_at(at, pixel);
-    float softness = params.ink_colour.w;
+    float softness = params.tone_softness;
     float width = 0.0;
     if (softness > 0.0) {
         uint id = pixel_id(pixel);
         width = 2.0 * softness * length(vec2(slope(at, ivec2(1, 0), id, s), slope(at, ivec2(0, 1), id, s)));
     }
-    vec3 colour = tones[0].rgb;
-    for (uint i = 1u; i < params.filtering.z; ++i) {
-        float above = s - tones[i].w;
+    vec3 colour = colour_of(0u);
+    for (uint i = 1u; i < params.tone_count; ++i) {
+        float above = s - tones[i].from;
         float share = width > 0.0 ? clamp(0.5 + above / width, 0.0, 1.0) : above >= 0.0 ? 1.0 : 0.0;
-        colour = mix(colour, tones[i].rgb, share);
+        colour = mix(colour, colour_of(i), share);
     }
     return colour;
 }
 
 float line_at(ivec2 at) {
-    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.image.xy)));
-    return inside ? lines[uint(at.y) * params.image.x + uint(at.x)] : 0.0;
+    return is_in_picture(uvec2(at)) ? lines[pixel_index(uvec2(at))] : 0.0;
 }
 
 // The line, widened: the strongest of the pixels near enough, fading over the last pixel.
@@ -66,13 +74,13 @@ float line_of(ivec2 at) {
                            max(line_at(at + ivec2(0, 1)), line_at(at - ivec2(0, 1))));
         float across = max(max(line_at(at + ivec2(1, 1)), line_at(at - ivec2(1, 1))),
                            max(line_at(at + ivec2(1, -1)), line_at(at - ivec2(1, -1))));
-        return max(line_at(at), max(beside * clamp(params.ink.y - 1.0, 0.0, 1.0),
-                                    across * clamp(params.ink.y - sqrt(2.0), 0.0, 1.0)));
+        return max(line_at(at), max(beside * clamp(params.outline_width - 1.0, 0.0, 1.0),
+                                    across * clamp(params.outline_width - sqrt(2.0), 0.0, 1.0)));
     }
     float opacity = 0.0;
     for (int y = -REACH; y <= REACH; ++y) {
         for (int x = -REACH; x <= REACH; ++x) {
-            float share = clamp(params.ink.y - length(vec2(x, y)), 0.0, 1.0);
+            float share = clamp(params.outline_width - length(vec2(x, y)), 0.0, 1.0);
             if (share > 0.0) {
                 opacity = max(opacity, line_at(at + ivec2(x, y)) * share);
             }
@@ -81,29 +89,18 @@ float line_of(ivec2 at) {
     return opacity;
 }
 
-void finish(ivec2 at) {
-    uint index = uint(at.y) * params.image.x + uint(at.x);
+void work_on(uvec2 at) {
+    uint index = pixel_index(at);
     uint pixel = pixels[index];
     if (pixel_id(pixel) == 0u) {
         picture[index] = vec4(0.0);
         return;
     }
-    vec3 tone = tone_of(at, pixel);
-    float line = INKED != 0u ? line_of(at) : 0.0;
-    picture[index] = vec4(mix(tone, params.ink_colour.rgb, line), 1.0);
+    vec3 tone = tone_of(ivec2(at), pixel);
+    float line = INKED != 0u ? line_of(ivec2(at)) : 0.0;
+    picture[index] = vec4(mix(tone, params.outline_colour.rgb, line), 1.0);
     if (LAYERS != 0u) {
         tone_layer[index] = vec4(tone, 1.0);
         outline_layer[index] = line;
-    }
-}
-
-void main() {
-    uint tile = occupied_tiles[gl_WorkGroupID.x];
-    uvec2 corner = uvec2(tile % params.image.z, tile / params.image.z) * TILE;
-    for (uint row = 0u; row < TILE; row += 8u) {
-        uvec2 at = corner + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y + row);
-        if (all(lessThan(at, params.image.xy))) {
-            finish(ivec2(at));
-        }
     }
 }

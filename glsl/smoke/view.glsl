@@ -7,15 +7,15 @@ vec3 to_world_direction(vec3 v) {
 
 // The ray through a pixel's centre, with z = 1: its parameter is the view depth.
 vec3 pixel_ray(vec2 centre) {
-    precise vec2 ndc = 2.0 * centre / vec2(params.image.xy) - 1.0;
-    return vec3(ndc.x * params.lens.x, -ndc.y * params.lens.y, 1.0);
+    precise vec2 ndc = 2.0 * centre / vec2(params.size) - 1.0;
+    return vec3(ndc.x * params.half_extent.x, -ndc.y * params.half_extent.y, 1.0);
 }
 
 // Whether a sphere in view space can touch the screen between near and far.
 bool can_be_seen(vec3 c, float r) {
-    vec2 slope = params.lens.xy;
+    vec2 slope = params.half_extent;
     vec2 reach = r * 1.0001 * sqrt(1.0 + slope * slope);
-    return c.z + r >= params.lens.z && c.z - r <= params.lens.w && abs(c.x) - c.z * slope.x <= reach.x
+    return c.z + r >= params.near && c.z - r <= params.far && abs(c.x) - c.z * slope.x <= reach.x
         && abs(c.y) - c.z * slope.y <= reach.y;
 }
 

@@ -5,7 +5,6 @@
 
 mod blur;
 mod flame;
-mod font;
 mod limits;
 mod measure;
 mod plot;

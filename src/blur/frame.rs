@@ -1,96 +1,14 @@
 //! What a host says of one output.
 
-use ash::vk;
-
-use crate::blur::layout::TOON;
+use crate::blur::desc::Desc;
+use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Cluster, Interval, Segment};
-use crate::blur::params::{FRONTS_A_WORD, MOST_KNOTS, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
-use crate::blur::settings::{Completion, Settings};
+use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
-use crate::host::{
-    Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image,
-};
+use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image};
+use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
 use crate::view::{Camera, Light};
-
-/// Triangles that refinement may make, unless a host says otherwise.
-pub const MOST_TRIANGLES: u32 = 1_000_000;
-
-/// What a blur effect is made for. All of it is fixed until `resize`.
-#[derive(Clone, Debug)]
-pub struct Desc {
-    /// Pixels of the picture, each at least 1.
-    pub size: [u32; 2],
-    /// Format of the target and of the frames' images; one that can be a colour attachment and be sampled.
-    pub target_format: vk::Format,
-    /// Points of the mesh, at least 1.
-    pub points: u32,
-    /// Its triangles.
-    pub triangles: u32,
-    /// Entries of its lists of neighbours.
-    pub neighbours: u32,
-    /// Its objects.
-    pub objects: u32,
-    /// Its normal groups, and the entries of the lists of their triangles; not looked at unless `completion = "surface"`.
-    pub groups: u32,
-    /// As `groups`.
-    pub group_triangles: u32,
-    /// Whether frames may bring images of frames i - 1 and i + 2, or these are drawn, too.
-    pub outer: bool,
-    /// Whether there may be outputs without images, whose frames are drawn; needs normal groups and base colours.
-    pub toon: bool,
-    /// How the host's depth images hold depth, if they are to hide the mesh and to take its depth.
-    pub depth: Option<DepthFormat>,
-    /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
-    /// Usually [`MOST_TRIANGLES`].
-    pub most_triangles: u32,
-    /// Pieces that a trajectory may have in a frame, 1 to 32: [`Desc::segments_of`], or more with `trajectory = "exact"`.
-    pub segments: u32,
-    /// Frames whose poses are kept on the device, at least 4 and as many as a window of trajectories has; a frame takes
-    /// the place of the one that is so many before it.
-    pub frames_resident: u32,
-    /// Same seed, same teeth.
-    pub seed: u32,
-    /// The look.
-    pub settings: Settings,
-    /// Whether every buffer that is a layer is kept for reading after the frame.
-    pub layers: bool,
-    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
-    pub skipping: bool,
-}
-
-impl Desc {
-    /// For a mesh, pictures of `size` pixels and 32-bit floats, and every setting; four frames' poses, no layers, no depth,
-    /// images of frames i and i + 1 only. What is to be otherwise is set after.
-    pub fn new(mesh: &Mesh, size: [u32; 2], settings: Settings) -> Desc {
-        let triangles = mesh.triangles().len() as u32;
-        Desc {
-            size,
-            target_format: vk::Format::R32G32B32A32_SFLOAT,
-            points: mesh.points() as u32,
-            triangles,
-            neighbours: mesh.neighbours().items.len() as u32,
-            objects: mesh.objects().len() as u32,
-            groups: mesh.group_triangles().starts.len() as u32 - 1,
-            group_triangles: mesh.group_triangles().items.len() as u32,
-            outer: false,
-            toon: false,
-            depth: None,
-            most_triangles: MOST_TRIANGLES.max(triangles),
-            segments: Desc::segments_of(&settings),
-            frames_resident: 4,
-            seed: 0,
-            settings,
-            layers: false,
-            skipping: true,
-        }
-    }
-
-    /// Pieces that splines need: one, and one for each frame that the effect reaches back over.
-    pub fn segments_of(settings: &Settings) -> u32 {
-        1 + settings.reach().ceil() as u32
-    }
-}
 
 /// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
@@ -260,7 +178,7 @@ pub struct Drawn {
 impl Drawn {
     /// Where its image is among [`crate::blur::layout::TOON`].
     pub(super) fn place(&self, desc: &Desc) -> usize {
-        self.view.frame as usize % if desc.outer { TOON.len() } else { 2 }
+        self.view.frame as usize % if desc.outer { DRAWN_PLACES } else { 2 }
     }
 
     /// Its number.

@@ -1,24 +1,24 @@
 //! Which buffers and images the effect has, and how large they are. Pure.
 
+use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS, MOST_LINES, MOST_LISTED, MOST_TABLES};
 use ash::vk;
 
-use crate::blur::frame::Desc;
-use crate::blur::params::{
-    BIN_FIELDS, BINS, BLOCK, BlurParams, Cluster, Control, Covering, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, Knot,
-    MOST_FEW, MOST_KNOTS, MOST_LINES, MOST_SITES, OBJECTS, Piece, PointMotion, ROUNDS, Round, STARTS, Site, TILE,
-    TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS, ToonParams, Trail, Vertex,
-};
+use crate::blur::desc::Desc;
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::layout::{Sizes, buffers};
+use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource};
 use crate::shaders::blur as glsl;
-
-/// Workgroups that any device can dispatch along an axis.
-const MOST_GROUPS: u64 = 65_535;
+use crate::shaders::blur::blocks::{
+    BlurParams, Cluster, Control, Covering, Knot, Piece, PointMotion, Round, Site, ToonParams, Trail, Vertex,
+};
+use crate::shaders::blur::constants::{
+    BIN_FIELDS, BINS, BLOCK, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_SITES, OBJECTS, ROUNDS, STARTS,
+    TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
+};
 
 buffers! {
     "blur"
@@ -74,8 +74,6 @@ buffers! {
     SURFACE = "Surface",
 }
 
-/// The most objects that completion learns colours of; places of others have what the frame that shows them has.
-pub const MOST_TABLES: u32 = 256;
 /// Words before the flags of tiles: their number, and dispatches over them.
 pub const TILE_WORDS: usize = TILE_FLAGS as usize;
 /// Words before the list of large groups: dispatch over them.
@@ -85,10 +83,6 @@ pub const COMPLETING_WORDS: usize = OBJECTS as usize;
 /// Bytes of a table of colours, and of the sums that it is made from.
 const TABLE_BYTES: u64 = 16 * BINS as u64;
 const SUM_BYTES: u64 = 4 * (BIN_FIELDS * BINS) as u64;
-/// The most samples in one of completion's lists. A round of so many would not be within the loop budget: it and what would
-/// come after it are left out, and samples keep the side that is known.
-const MOST_LISTED: u64 = 1 << 21;
-
 /// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
 /// refined one.
 pub const NAME_LAYERS: [BufferId; 3] = [PREVIOUS_NAMES, NEXT_NAMES, DISTORTED_NAMES];
@@ -138,7 +132,7 @@ pub const OUTER_DEPTH: [ImageId; 2] = [ImageId(12), ImageId(13)];
 pub const OUTER_FRAMES: [ImageId; 2] = [ImageId(14), ImageId(15)];
 /// Frames that are drawn because the host has no images of them: frame f stands in place f modulo their number.
 /// Only two are used where frames i - 1 and i + 2 are not.
-pub const TOON: [ImageId; 4] = [ImageId(16), ImageId(17), ImageId(18), ImageId(19)];
+pub const TOON: [ImageId; DRAWN_PLACES] = [ImageId(16), ImageId(17), ImageId(18), ImageId(19)];
 /// An after-image, at four samples a pixel.
 pub const GHOST: ImageId = ImageId(20);
 /// Its format.

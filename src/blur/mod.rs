@@ -3,8 +3,10 @@
 //! A post effect: from the mesh's poses and the frames already rendered, each output smears the mesh along the
 //! trajectories of its vertices, in ragged teeth, and colours it from both frames.
 
+pub mod desc;
 pub mod frame;
 pub mod layout;
+pub mod limits;
 pub mod mesh;
 pub mod motion;
 pub mod params;
@@ -18,22 +20,21 @@ pub mod steps;
 use ash::vk;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
+pub use desc::{Desc, MOST_TRIANGLES};
 pub use frame::{
-    Counts, DepthInput, Desc, Frame, GroupInput, IntervalInput, Knot, MOST_TRIANGLES, PoseInput, ToonInput,
-    TopologyInput, Trajectories, View,
+    Counts, DepthInput, Frame, GroupInput, IntervalInput, Knot, PoseInput, ToonInput, TopologyInput, Trajectories, View,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
 pub use settings::Settings;
 
 use crate::effect::{DeviceLimits, Effect, Kind};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::executor::Description;
 use crate::gpu::resources::Resources;
 use crate::host::{HostBuffer, Memory};
 use crate::plan::Plan;
 use layout::Layout;
-use params::{BASE_MASK, MOST_SEGMENTS};
 use passes::Passes;
 use steps::Steps;
 
@@ -48,7 +49,7 @@ pub struct BlurKind {
     /// The frame whose pose stands in each place.
     resident: Vec<Option<u32>>,
     /// The frame that is drawn in each place.
-    drawn: [Option<frame::Drawn>; layout::TOON.len()],
+    drawn: [Option<frame::Drawn>; limits::DRAWN_PLACES],
     has_mesh: bool,
 }
 
@@ -59,7 +60,7 @@ impl Kind for BlurKind {
     type Recorded = ();
 
     fn new(desc: &Desc, limits: &DeviceLimits) -> Result<BlurKind> {
-        validate(desc)?;
+        desc.validate()?;
         // Four samples a pixel.
         limits.check_sides(desc.size.map(|side| side.saturating_mul(2)))?;
         let layout = Layout::new(desc, limits.storage_range)?;
@@ -151,23 +152,4 @@ impl Effect<BlurKind> {
         let (stage, access) = (vk::PipelineStageFlags2::COMPUTE_SHADER, vk::AccessFlags2::SHADER_STORAGE_WRITE);
         Some(HostBuffer { buffer, offset, size, stage, access })
     }
-}
-
-fn validate(desc: &Desc) -> Result<()> {
-    desc.settings.validate()?;
-    if desc.size.contains(&0) {
-        return Err(Error::setting("size", format!("{:?}", desc.size), "at least 1 pixel a side"));
-    }
-    if desc.points == 0 {
-        return Err(Error::setting("blur's points", 0, "at least 1"));
-    }
-    if desc.triangles > desc.most_triangles || desc.most_triangles > BASE_MASK {
-        let allowed = format!("from the mesh's own {} to {BASE_MASK}", desc.triangles);
-        return Err(Error::setting("blur's triangles", desc.most_triangles, allowed));
-    }
-    if desc.toon && desc.groups == 0 {
-        return Err(Error::setting("blur's normal groups", 0, "at least 1 where frames are drawn"));
-    }
-    crate::error::within("blur's segments", desc.segments, 1, MOST_SEGMENTS, "1 to 32")?;
-    crate::error::within("blur's resident frames", desc.frames_resident, 4, 1 << 24, "4 to 16777216")
 }

@@ -3,7 +3,8 @@
 use bytemuck::Zeroable;
 use glam::{DMat3, DVec3};
 
-use crate::blur::frame::{self, Desc, Frame, IntervalInput};
+use crate::blur::desc::Desc;
+use crate::blur::frame::{self, Frame, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 use crate::blur::settings::{Settings, Toon};
 use crate::host::Background;
@@ -11,22 +12,6 @@ use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
 use crate::view::{Camera, Light, LightSource};
-
-/// The most frames that trajectories go through.
-pub const MOST_KNOTS: usize = 64;
-/// The most speed lines of a picture.
-pub const MOST_LINES: u32 = 16_384;
-/// Candidates of each round of the search for the light.
-pub const LIGHT_CANDIDATES: [u32; SEARCHES as usize] = {
-    let mut candidates = [FINE * FINE; SEARCHES as usize];
-    candidates[0] = STARTS;
-    let mut round = 1;
-    while round < COARSE_SEARCHES as usize {
-        candidates[round] = COARSE * COARSE;
-        round += 1;
-    }
-    candidates
-};
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.

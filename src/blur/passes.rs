@@ -1,15 +1,14 @@
 //! The passes of the blur effect, declared once. Kernels bind by name.
 
+use crate::blur::limits::{CHOOSE_ROUNDS, GRADIENT_DISPATCHES, LIGHT_CANDIDATES, MEAN_DISPATCHES, MOST_KNOTS};
 use ash::vk;
 
-use crate::blur::frame::Desc;
+use crate::blur::desc::Desc;
 use crate::blur::layout::*;
 use crate::blur::params::{
-    BlurParams, Control, FROM_GRADIENT, FROM_SURFACE, Knot, LIGHT_CANDIDATES, MOST_KNOTS, PIECE_SEGMENTS, ROUNDS,
-    Round, ToonParams, ink_reach,
+    BlurParams, Control, FROM_GRADIENT, FROM_SURFACE, Knot, PIECE_SEGMENTS, ROUNDS, Round, ToonParams, ink_reach,
 };
 use crate::blur::settings::{Completion, Operator, Refine, Space};
-use crate::blur::steps::{CHOOSE_ROUNDS, GRADIENT_DISPATCHES, MEAN_DISPATCHES};
 use crate::host::DepthFormat;
 use crate::plan::{
     Blend, ColourAttachment, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage, passes,

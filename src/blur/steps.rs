@@ -1,29 +1,23 @@
 //! A frame's list: which passes run, over how much, in which order, and why others do not. Pure.
 
+use crate::blur::limits::{
+    CHOOSE_ROUNDS, DRAWN_PLACES, GRADIENT_DISPATCHES, LIGHT_CANDIDATES, MEAN_DISPATCHES, MOST_KNOTS, MOST_LINES,
+};
 use std::mem::offset_of;
 
-use crate::blur::frame::{
-    DepthInput, Desc, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories,
-};
+use crate::blur::desc::Desc;
+use crate::blur::frame::{DepthInput, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
     self, BackgroundConstants, BlurParams, ChooseConstants, Control, FRONTS_A_WORD, GhostConstants, HostDepthConstants,
-    Knot, LIGHT_CANDIDATES, LINE_VERTICES, LightConstants, LinesConstants, MOST_KNOTS, MOST_LINES, NONE, NOTHING_SEEN,
-    ROUNDS, Round, RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
+    Knot, LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, ROUNDS, Round, RoundConstants,
+    SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
 use crate::host::Background;
 use crate::plan::{Command, PassId, Plan, Shader};
 use crate::shaders::blur as glsl;
-
-/// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
-/// stays as it is.
-pub(super) const GRADIENT_DISPATCHES: u32 = 16;
-/// As [`GRADIENT_DISPATCHES`], where neither frame shows anything.
-pub(super) const MEAN_DISPATCHES: u32 = 4;
-/// Rounds in which the points are chosen that speed lines trail from.
-pub(super) const CHOOSE_ROUNDS: u32 = 3;
 
 /// Fills a frame's plan.
 pub struct Steps<'a> {
@@ -36,7 +30,7 @@ pub struct Steps<'a> {
     /// Its sizes.
     pub layout: &'a Layout,
     /// Frames that are drawn already, each in its place.
-    pub drawn: &'a [Option<Drawn>; TOON.len()],
+    pub drawn: &'a [Option<Drawn>; DRAWN_PLACES],
 }
 
 /// What is on the device of frame i + 1.

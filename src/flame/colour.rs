@@ -6,9 +6,7 @@
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
 use super::cie::{FIRST_NM, MATCHING};
-
-/// What is colder emits nothing.
-pub const COLDEST: f64 = 700.0;
+use super::params::COLDEST;
 
 /// Entries of a black-body table.
 pub const ENTRIES: usize = 256;
@@ -69,7 +67,7 @@ impl Eye {
 
     /// Linear sRGB, with components below 0 where it cannot hold the colour.
     fn unclamped(&self, kelvin: f64) -> DVec3 {
-        self.rgb_from_xyz * black_body(kelvin.clamp(COLDEST, HOTTEST))
+        self.rgb_from_xyz * black_body(kelvin.clamp(COLDEST.into(), HOTTEST))
     }
 
     /// The same with 1 as its largest component.
@@ -81,7 +79,7 @@ impl Eye {
 
 /// Whether a body at `kelvin` glows at all; not if that is NaN.
 fn glows(kelvin: f64) -> bool {
-    kelvin >= COLDEST
+    kelvin >= f64::from(COLDEST)
 }
 
 /// Radiance as linear sRGB, relative to that of `hottest`; 0 or above, without an upper bound for what is hotter.
@@ -191,7 +189,7 @@ impl Table {
 
     fn black_body(form: Form, hottest: f64, upper: f64, colour: impl Fn(f64) -> DVec3) -> Table {
         let last = (ENTRIES - 1) as f64;
-        let (hot, cold) = (1.0 / upper, 1.0 / COLDEST);
+        let (hot, cold) = (1.0 / upper, 1.0 / f64::from(COLDEST));
         let nodes = (0..ENTRIES).map(|i| 1.0 / (hot + (cold - hot) * i as f64 / last));
         let colours: Vec<(f64, DVec3)> = nodes.map(|kelvin| (kelvin, colour(kelvin))).collect();
         let glowing = colours.iter().filter(|(kelvin, _)| *kelvin <= hottest * (1.0 + 1e-9));
@@ -216,7 +214,7 @@ impl Table {
 
     /// The colour at `kelvin` as a shader finds it.
     pub fn look_up(&self, kelvin: f32) -> [f32; 3] {
-        if kelvin.is_nan() || kelvin < COLDEST as f32 {
+        if kelvin.is_nan() || kelvin < COLDEST {
             return [0.0; 3];
         }
         let t = if self.form == Form::Ramp { kelvin } else { 1.0 / kelvin };

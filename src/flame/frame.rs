@@ -1,45 +1,9 @@
 //! What a host says of one frame.
 
-use ash::vk;
-
 use crate::error::{Error, Result};
-use crate::flame::Settings;
-#[cfg(doc)]
-use crate::flame::settings::HOTTEST;
-use crate::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_background, check_image};
+use crate::flame::desc::{Desc, SceneFormat};
+use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_image};
 use crate::view::Camera;
-
-/// What a flame effect is made for. All of it is fixed until `resize`.
-#[derive(Clone, Debug)]
-pub struct Desc {
-    /// Pixels of the picture, each at least 1.
-    pub size: [u32; 2],
-    /// Format of the target images; any that can be a colour attachment.
-    pub target_format: vk::Format,
-    /// What is in front of the fire and behind it, if frames say so.
-    pub scene: Option<SceneFormat>,
-    /// The most particles of a frame.
-    pub particles: u32,
-    /// The highest temperature of a frame in kelvin, above 0, at most [`HOTTEST`]: hotter particles count as this hot.
-    pub hottest: f32,
-    /// Same seed, same render particles.
-    pub seed: u32,
-    /// The look.
-    pub settings: Settings,
-    /// Whether every buffer that is a layer is kept for reading after the frame.
-    pub layers: bool,
-    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
-    pub skipping: bool,
-}
-
-/// How frames hand over the depth of the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SceneFormat {
-    /// A depth image of the host.
-    Image(DepthFormat),
-    /// View depth in metres, `f32` a pixel, rows from the top, infinity where nothing is: as the smoke effect leaves it.
-    Buffer,
-}
 
 /// The depth of the scene: what is nearer hides fire.
 #[derive(Clone, Copy, Debug)]

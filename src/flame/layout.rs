@@ -4,28 +4,22 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::flame::colour::Table;
-use crate::flame::frame::{Desc, SceneFormat};
-use crate::flame::params::{
-    CELLS_ACROSS, Control, FlameParams, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, Lamp, MASK_LEVELS, MASK_SIDE,
-    Particle, SHARE_SIDE, TILE, buckets,
-};
-use crate::flame::settings::{MOST_COUNT, Method, Mode, Sampling, Settings};
+use crate::flame::desc::{Desc, SceneFormat};
+use crate::flame::limits::{MOST_COUNTERS, Stage, buckets, is_raster, most_count, stages};
+use crate::flame::settings::Mode;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-use crate::layout::{LOOP_BUDGET, Sizes, buffers};
+use crate::layout::{Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource};
+use crate::shaders::flame::blocks::{CellLevel, Control, FlameParams, Lamp, Particle};
+use crate::shaders::flame::constants::{
+    CELLS_ACROSS, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_LEVELS, MASK_SIDE, SHARE_SIDE, SUM_VECTORS, TILE,
+    UNFINISHED_VECTORS, UNLAID_VECTORS,
+};
 
-/// Loop turns that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
-pub const TURNS: u32 = 44_000;
-/// Repetitions after which a tile is looked at for the first time with `adaptive`.
-pub const FIRST_STAGE: u32 = 16;
-/// The most dispatches of a frame's repetitions.
-const MOST_PARTS: u64 = 1 << 15;
-/// The most repetitions that are drawn one after the other.
-const MOST_DRAWN: u32 = 4096;
-/// The most counters of a scan, which one workgroup walks over twice within its loop budget.
-const MOST_COUNTERS: u64 = 256 * 20_000;
+/// Bytes of a vector of four words.
+const VECTOR: u64 = 16;
 
 buffers! {
     "flame"
@@ -95,59 +89,13 @@ pub fn resource(binding: &Binding) -> Option<Resource> {
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
-/// Loop turns of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cost {
-    /// Whatever is in the list.
-    pub base: u32,
-    /// For each entry.
-    pub visit: u32,
-    /// For each of the entry's render particles, in eighths.
-    pub eighths: u32,
-}
-
-impl Cost {
-    /// The most that the kernels of this effect take.
-    pub fn new(desc: &Desc) -> Cost {
-        match (desc.settings.mode, desc.settings.sampling) {
-            // A batch of 32 entries looks them up in up to 12 lists; a round makes 32 sprites in 3 turns, each of which a
-            // column of pixels then tests at most once. The last round of a batch, and the last batch, may be short.
-            (Mode::Stochastic, Sampling::Independent) => Cost { base: 48, visit: 1, eighths: 9 },
-            // And a round's Sobol points take up to 20 turns.
-            (Mode::Stochastic, Sampling::ShuffledSobol) => Cost { base: 48, visit: 2, eighths: 14 },
-            // A particle meets the 8 pixels of a column.
-            (Mode::Expected, _) => Cost { base: 48, visit: 11, eighths: 0 },
-        }
-    }
-}
-
-/// A run of repetitions after which tiles may be done.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stage {
-    /// Its first repetition.
-    pub first: u32,
-    /// The one after its last.
-    pub last: u32,
-    /// Dispatches that it may need.
-    pub parts: u32,
-    /// Its place in the dispatches' arguments.
-    pub arguments: u32,
-}
-
-impl Stage {
-    /// Repetitions that are drawn, where it has no dispatches.
-    pub fn drawn(&self) -> u32 {
-        if self.parts == 0 { self.last - self.first } else { 0 }
-    }
-}
-
 /// Sizes of everything, from what the effect is made for.
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// Screen tiles across and down.
     pub tiles: [u32; 2],
-    /// Cells of each level: first, across, down.
-    pub levels: Vec<[u32; 4]>,
+    /// Levels of cells.
+    pub levels: Vec<CellLevel>,
     /// Cells of all levels.
     pub cells: u32,
     /// Depth buckets.
@@ -168,10 +116,9 @@ impl Layout {
             levels,
             cells,
             buckets: buckets(settings.mode, settings.bins),
-            stages: Vec::new(),
+            stages: stages(desc)?,
             sizes: Sizes::LEAST,
         };
-        layout.cut_stages(desc)?;
         layout.size_particles(desc, table);
         layout.size_pictures(desc);
         let counters = u64::from(layout.cells) * u64::from(layout.buckets);
@@ -182,49 +129,6 @@ impl Layout {
         }
         layout.check(limit)?;
         Ok(layout)
-    }
-
-    /// Repetitions, or the bins of the expected image, are done in as many dispatches as the longest possible list asks for.
-    fn cut_stages(&mut self, desc: &Desc) -> Result<()> {
-        let settings = &desc.settings;
-        let expected = settings.mode == Mode::Expected;
-        let particles = u64::from(desc.particles.max(1));
-        let cost = Cost::new(desc);
-        let visit = u64::from(cost.visit) + (most_count(desc) * u64::from(cost.eighths)).div_ceil(8);
-        let segments = particles.div_ceil((u64::from(TURNS - cost.base) / visit).max(1));
-        let of_all = u64::from(cost.base) + particles * visit;
-        let at_once = if segments > 1 { 1 } else { (u64::from(TURNS) / of_all).max(1) };
-        let all = if expected { settings.bins } else { settings.repetitions };
-        if is_raster(desc) {
-            // No dispatches, but all of the repetitions.
-            self.stages.push(Stage { last: settings.repetitions, ..Stage::default() });
-            return check_raster(desc);
-        }
-        let mut ends = Vec::new();
-        if settings.adaptive > 0.0 && !expected {
-            ends.extend((0..).map(|i| FIRST_STAGE << i).take_while(|end| *end < all));
-        }
-        ends.push(all);
-        let (mut first, mut arguments, mut sum) = (0, 0, 0_u64);
-        for last in ends {
-            let parts = segments * u64::from(last - first).div_ceil(at_once);
-            sum += parts;
-            let parts = parts.min(MOST_PARTS) as u32;
-            self.stages.push(Stage { first, last, parts, arguments });
-            (first, arguments) = (last, arguments + 2 * parts);
-        }
-        match sum > MOST_PARTS {
-            true => Err(Error::Limit {
-                what: "the flame (dispatches over the longest list possible)",
-                needed: sum,
-                limit: MOST_PARTS,
-                advice: match expected {
-                    true => "use fewer particles or fewer flame.bins",
-                    false => "use fewer particles, a smaller flame.count or fewer flame.repetitions",
-                },
-            }),
-            false => Ok(()),
-        }
     }
 
     fn set(&mut self, id: BufferId, bytes: u64) {
@@ -241,9 +145,9 @@ impl Layout {
         let texels = u64::from(MASK_SIDE * MASK_SIDE * desc.settings.variants);
         self.set(PARAMS, size_of::<FlameParams>() as u64);
         self.set(CONTROL, size_of::<Control>() as u64);
-        self.set(POSITIONS, particles * 16);
+        self.set(POSITIONS, particles * VECTOR);
         self.set(IDS, particles * 4);
-        self.set(COLOURS, table.entries.len() as u64 * 16);
+        self.set(COLOURS, table.entries.len() as u64 * VECTOR);
         self.set(PARTICLES, particles * size_of::<Particle>() as u64);
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
@@ -252,7 +156,7 @@ impl Layout {
             self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
         }
         let arguments: u64 = self.stages.iter().map(|stage| u64::from(2 * stage.parts)).sum();
-        self.set(PART_ARGUMENTS, arguments * 16);
+        self.set(PART_ARGUMENTS, arguments * VECTOR);
     }
 
     fn size_pictures(&mut self, desc: &Desc) {
@@ -263,26 +167,26 @@ impl Layout {
         let segmented = !is_raster(desc) && self.stages.iter().any(|stage| stage.parts > stage.last - stage.first);
         // What a tile's pixels have of a repetition, or of a bin, that is not done yet.
         let unfinished = match desc.settings.mode {
-            Mode::Stochastic => 16,
-            Mode::Expected => 32,
+            Mode::Stochastic => VECTOR,
+            Mode::Expected => VECTOR * u64::from(UNFINISHED_VECTORS),
         };
         // Between dispatches, the last two bins of each pixel of the expected image, which lean on their neighbours.
         let is_cut = desc.settings.mode == Mode::Expected && self.stages.iter().any(|stage| stage.parts > 1);
-        self.set(UNLAID, kept(is_cut, pixels * if desc.layers { 64 } else { 48 }));
+        self.set(UNLAID, kept(is_cut, pixels * VECTOR * u64::from(UNLAID_VECTORS + u32::from(desc.layers))));
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);
         self.set(TILE_REPETITIONS, tiles * 4);
         self.set(TILE_OPEN, tiles * 4);
         self.set(SCENE_WORDS, kept(words, pixels * 4));
         self.set(SCENE, kept(desc.scene.is_some(), pixels * 4));
-        self.set(SUMS, pixels * 64);
+        self.set(SUMS, pixels * VECTOR * u64::from(SUM_VECTORS));
         let sprites = u64::from(desc.particles) * most_count(desc);
         self.set(SPRITE_LIST, kept(is_raster(desc), sprites * 8));
         self.set(LAMP, size_of::<Lamp>() as u64);
         self.set(WINNERS, kept(segmented, pixels * unfinished));
-        self.set(PICTURE, pixels * 16);
-        self.set(MEAN, kept(desc.layers, pixels * 16));
-        self.set(VARIANCE, kept(desc.layers, pixels * 16));
+        self.set(PICTURE, pixels * VECTOR);
+        self.set(MEAN, kept(desc.layers, pixels * VECTOR));
+        self.set(VARIANCE, kept(desc.layers, pixels * VECTOR));
         self.set(NEAREST, kept(desc.layers, pixels * 4));
     }
 
@@ -340,44 +244,14 @@ impl Layout {
     }
 }
 
-/// One workgroup lists the sprites, each of its invocations within the loop budget; and a step a repetition must be recorded.
-fn check_raster(desc: &Desc) -> Result<()> {
-    let sprites = u64::from(desc.particles).div_ceil(256) * (most_count(desc) + 2);
-    if sprites > u64::from(LOOP_BUDGET) {
-        let what = "the flame's list of sprites (sprites of 256 particles)";
-        let advice = "use method = \"tiles\", fewer particles or a smaller flame.count";
-        return Err(Error::Limit { what, needed: sprites, limit: LOOP_BUDGET.into(), advice });
-    }
-    let Settings { repetitions, adaptive, .. } = desc.settings;
-    match () {
-        _ if repetitions > MOST_DRAWN => {
-            let allowed = "1 to 4096 with method = \"raster\"";
-            Err(Error::setting("flame.repetitions", repetitions, allowed))
-        }
-        _ if adaptive > 0.0 => Err(Error::setting("flame.adaptive", adaptive, "0 with method = \"raster\"")),
-        _ => Ok(()),
-    }
-}
-
-/// Whether repetitions are drawn, one after the other.
-pub fn is_raster(desc: &Desc) -> bool {
-    desc.settings.mode == Mode::Stochastic && desc.settings.method == Method::Raster
-}
-
-/// The most render particles that a particle can have.
-pub fn most_count(desc: &Desc) -> u64 {
-    let settings = &desc.settings;
-    let mean = f64::from(settings.count) * f64::from(desc.hottest) / f64::from(settings.hottest);
-    // Rounding may differ on the device.
-    (mean * 1.000001).min(f64::from(MOST_COUNT)) as u64 + 1
-}
-
 /// Levels of cells: tiles, and squares of 2 x 2 of the level before, up to where a particle that covers the picture stands.
-fn levels(tiles: [u32; 2]) -> (Vec<[u32; 4]>, u32) {
+fn levels(tiles: [u32; 2]) -> (Vec<CellLevel>, u32) {
     let (mut levels, mut cells, mut sides) = (Vec::new(), 0, tiles);
     loop {
-        levels.push([cells, sides[0], sides[1], 0]);
-        cells += sides[0] * sides[1];
+        let [across, down] = sides;
+        let end = cells + across * down;
+        levels.push(CellLevel { first: cells, across, down, end });
+        cells = end;
         if sides[0].max(sides[1]) <= CELLS_ACROSS {
             return (levels, cells);
         }

@@ -7,8 +7,10 @@
 
 mod cie;
 pub mod colour;
+pub mod desc;
 pub mod frame;
 pub mod layout;
+pub mod limits;
 pub mod params;
 pub mod passes;
 #[doc(hidden)]
@@ -18,7 +20,8 @@ mod spacing;
 pub mod steps;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
-pub use frame::{Desc, Frame, ParticleInput, SceneDepth, SceneFormat};
+pub use desc::{Desc, SceneFormat};
+pub use frame::{Frame, ParticleInput, SceneDepth};
 pub use settings::Settings;
 pub use spacing::mean_spacing;
 
@@ -34,7 +37,7 @@ use layout::Layout;
 use params::{FlameParams, Given};
 use passes::Passes;
 use reference::mask::Mask;
-use settings::{Colour, HOTTEST, MOST_REPETITIONS};
+use settings::{Colour, MOST_REPETITIONS};
 use steps::{Moment, Steps};
 
 /// The flame effect. A frame depends on no other, unless it takes the last one's particles or adds to its repetitions.
@@ -74,7 +77,7 @@ impl Kind for FlameKind {
     type Recorded = State;
 
     fn new(desc: &Desc, limits: &DeviceLimits) -> Result<FlameKind> {
-        validate(desc)?;
+        desc.validate()?;
         limits.check_sides(desc.size)?;
         let table = table(desc);
         let layout = Layout::new(desc, &table, limits.storage_range)?;
@@ -192,19 +195,4 @@ fn table(desc: &Desc) -> Table {
         Colour::Displayable => Table::displayable(hottest, falloff, adaptation),
         Colour::Ramp(colours) => Table::ramp(hottest, colours),
     }
-}
-
-fn validate(desc: &Desc) -> Result<()> {
-    desc.settings.validate()?;
-    if desc.settings.spread.is_none() {
-        let allowed = "metres, 0 or above; celfx::flame::mean_spacing finds the usual one";
-        return Err(Error::setting("flame.spread", "none", allowed));
-    }
-    if desc.size.contains(&0) {
-        return Err(Error::setting("size", format!("{:?}", desc.size), "at least 1 pixel a side"));
-    }
-    if !(desc.hottest > 0.0 && desc.hottest <= HOTTEST) {
-        return Err(Error::setting("flame's hottest particle", desc.hottest, "kelvin, above 0, at most 1e6"));
-    }
-    Ok(())
 }

@@ -3,36 +3,27 @@
 use bytemuck::Zeroable;
 
 use crate::flame::colour::Table;
-use crate::flame::frame::{Desc, Frame};
+use crate::flame::desc::Desc;
+use crate::flame::frame::Frame;
 use crate::flame::layout::Layout;
+use crate::flame::reference::draws::sobol_bits;
 use crate::flame::settings::{Mode, Shape};
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
 use crate::view::CameraRows;
 
-/// Levels that the cells of the screen can have.
-pub const MAX_LEVELS: usize = 12;
-/// Classes of the kernel table, by threshold: bits of a word.
-pub const KERNEL_CLASSES: u32 = 32;
-/// Its places along x and along y.
-pub const KERNEL_PLACES: u32 = 97;
-/// Its depths.
-pub const KERNEL_DEPTHS: u32 = 16;
-/// Depth buckets of the stochastic mode.
-pub const BUCKETS: u32 = 32;
-
 impl Control {
     /// What a frame starts with.
     pub fn reset() -> Control {
         Control {
-            nearest: u32::MAX,
-            range_low: u32::MAX,
-            depth_low: u32::MAX,
+            nearest: NOTHING,
+            range_low: NOTHING,
+            depth_low: NOTHING,
             tile_groups: [0, 1, 1, 0],
             active_groups: [0, 1, 1, 0],
-            tile_draw: [4, 0, 0, 0],
-            screen_draw: [4, 1, 0, 0],
-            sprite_draw: [4, 0, 0, 0],
+            tile_draw: [QUAD_VERTICES, 0, 0, 0],
+            screen_draw: [QUAD_VERTICES, 1, 0, 0],
+            sprite_draw: [QUAD_VERTICES, 0, 0, 0],
             ..Control::zeroed()
         }
     }
@@ -54,45 +45,69 @@ impl FlameParams {
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, table: &Table, max_alpha: f32) -> Self {
         let settings = &desc.settings;
         let CameraRows { eye, rows, lens } = CameraRows::new(&frame.camera, desc.size);
-        let mut params = FlameParams::zeroed();
-        [params.eye, params.eye_low] = eye;
-        [[params.right, params.right_low], [params.up, params.up_low], [params.forward, params.forward_low]] = rows;
-        params.lens = lens;
+        let [[right, right_low], [up, up_low], [forward, forward_low]] = rows;
+        let [_, _, near, far] = lens;
         let [width, height] = desc.size;
-        let focal = f64::from(height) / 2.0 / frame.camera.half_extent(desc.size).y;
-        params.focal = [focal as f32, width as f32 / 2.0, height as f32 / 2.0, (1.0 / focal) as f32];
-        params.image = [width, height, layout.tiles[0], layout.tiles[1]];
-        params.counts = [given.count, layout.buckets, layout.levels.len() as u32, 0];
-        // Draws that have flickered on: whole ones, and the fraction that some particles' phases make one more.
+        let focal_length = f64::from(height) / 2.0 / frame.camera.half_extent(desc.size).y;
+        // Draws are renewed as a whole, and the fraction is those particles' whose phases make one more of it.
         let flickered = u64::from(frame.number) * (f64::from(settings.flicker) * 65536.0).round() as u64;
-        params.draw = [desc.seed, settings.variants, (flickered >> 16) as u32, (flickered & 0xffff) as u32];
-        let bits = settings.repetitions.next_power_of_two().trailing_zeros().clamp(1, 20);
-        let flags = u32::from(settings.size_pixels.is_some()) | u32::from(given.ids) << 1;
-        params.flags = [u32::from(desc.skipping), bits, given.before, flags];
-        params.model = [settings.alpha_scale, settings.threshold, settings.count, settings.hottest];
-        let least = match settings.mode {
-            Mode::Stochastic => 0.0,
+        let (iterations, least) = match settings.mode {
+            Mode::Stochastic => (settings.repetitions, 0.0),
             // The table is over the depth of a particle's space, which must have one.
-            Mode::Expected => settings.sprite() / 256.0,
+            Mode::Expected => (settings.bins, settings.sprite() / 256.0),
         };
         let spread = settings.spread.unwrap_or_default().max(least);
-        let depth = if settings.shape == Shape::Cube { spread * 3.0_f32.sqrt() } else { spread };
-        params.space = [spread, settings.size_pixels.unwrap_or(settings.sprite()), depth, desc.hottest];
-        params.light = [settings.intensity, max_alpha, settings.adaptive, settings.light];
-        params.colour = [table.scale, table.offset, table.entries.len() as f32 - 1.0, table.falloff];
-        let [r, g, b] = table.shift;
-        params.shift = [r, g, b, 0.0];
-        for (to, level) in params.levels.iter_mut().zip(&layout.levels) {
-            *to = *level;
+        let [red, green, blue] = table.shift;
+        let mut cell_levels = [CellLevel::zeroed(); MAX_CELL_LEVELS as usize];
+        cell_levels.iter_mut().zip(&layout.levels).for_each(|(to, level)| *to = *level);
+        FlameParams {
+            eye: eye[0],
+            eye_low: eye[1],
+            right,
+            up,
+            forward,
+            right_low,
+            up_low,
+            forward_low,
+            near,
+            far,
+            focal_length: focal_length as f32,
+            pixel_slope: (1.0 / focal_length) as f32,
+            principal_point: [width as f32 / 2.0, height as f32 / 2.0],
+            size: desc.size,
+            tiles: layout.tiles,
+            cell_count: layout.cells,
+            cell_level_count: layout.levels.len() as u32,
+            bucket_count: layout.buckets,
+            iterations,
+            repetitions_before: given.before,
+            particle_count: given.count,
+            seed: desc.seed,
+            variants: settings.variants,
+            sobol_bits: sobol_bits(settings.repetitions),
+            flicker_whole: (flickered >> 16) as u32,
+            flicker_fraction: (flickered & 0xffff) as u32,
+            is_skipping: desc.skipping.into(),
+            is_in_pixels: settings.size_pixels.is_some().into(),
+            has_ids: given.ids.into(),
+            sprite_size: settings.size_pixels.unwrap_or(settings.sprite()),
+            spread,
+            bounding_radius: if settings.shape == Shape::Cube { spread * 3.0_f32.sqrt() } else { spread },
+            alpha_scale: settings.alpha_scale,
+            threshold: settings.threshold,
+            count: settings.count,
+            hottest: settings.hottest,
+            max_temperature: desc.hottest,
+            max_alpha,
+            intensity: settings.intensity,
+            adaptive: settings.adaptive,
+            light: settings.light,
+            falloff: table.falloff,
+            table_scale: table.scale,
+            table_offset: table.offset,
+            table_last: table.entries.len() as f32 - 1.0,
+            table_shift: [red, green, blue, 0.0],
+            cell_levels,
         }
-        params
-    }
-}
-
-/// Depth buckets of an effect.
-pub fn buckets(mode: Mode, bins: u32) -> u32 {
-    match mode {
-        Mode::Stochastic => BUCKETS,
-        Mode::Expected => bins,
     }
 }

@@ -3,9 +3,12 @@
 use ash::vk;
 
 use crate::flame::colour::{Form, Table};
-use crate::flame::frame::Desc;
+use crate::flame::desc::Desc;
 use crate::flame::layout::*;
-use crate::flame::params::{Control, FlameParams, MASK_LEVELS};
+use crate::flame::limits::is_raster;
+use crate::flame::params::{
+    CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP,
+};
 use crate::flame::settings::{Mode, Sampling, Shape};
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
 use crate::shaders::flame as glsl;
@@ -50,32 +53,32 @@ passes! {
 /// How colours follow from the table, as `prepare` is told.
 fn form(table: &Table) -> u32 {
     match table.form {
-        Form::Radiance => 0,
-        Form::Chromaticity => 1,
-        Form::Ramp => 2,
+        Form::Radiance => RADIANCE,
+        Form::Chromaticity => CHROMATICITY,
+        Form::Ramp => RAMP,
     }
 }
 
 /// What kernels that make sprites are specialised by.
-fn variant(desc: &Desc, magnified: u32) -> [u32; 5] {
+fn variant(desc: &Desc, look_up: u32) -> [u32; 5] {
     let settings = &desc.settings;
     [
         u32::from(settings.shape == Shape::Cube),
         u32::from(settings.sampling == Sampling::ShuffledSobol),
         u32::from(settings.flicker > 0.0),
-        magnified,
+        look_up,
         u32::from(desc.scene.is_some()),
     ]
 }
 
 fn accumulate(desc: &Desc, layout: &Layout) -> Vec<Pass> {
     let parts = layout.stages.iter().map(|stage| stage.parts as usize).sum::<usize>();
-    let stochastic = |magnified| {
-        let pass = Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, magnified));
+    let stochastic = |look_up| {
+        let pass = Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, look_up));
         pass.times(parts)
     };
     match desc.settings.mode {
-        Mode::Stochastic => [0, 1].map(stochastic).into(),
+        Mode::Stochastic => [MINIFIED, MAGNIFIED].map(stochastic).into(),
         Mode::Expected => vec![expected(desc).times(2 * parts)],
     }
 }
@@ -98,7 +101,7 @@ fn raster(desc: &Desc) -> Pass {
         extent,
     };
     // Which look-up a sprite needs is its own to find out: the mask may be magnified in one frame and not in another.
-    Pass::raster("flame.raster", raster).specialise(variant(desc, 2))
+    Pass::raster("flame.raster", raster).specialise(variant(desc, EITHER))
 }
 
 /// What the fire does to the scene around it.

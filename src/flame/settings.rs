@@ -1,6 +1,7 @@
 //! The settings of the flame effect: one field per key of `[flame]`, with unit, range and default.
 
 use crate::error::{Error, Result, within};
+use crate::shaders::flame::constants::{COLDEST, MOST_COUNT};
 use crate::view::BRIGHTEST;
 
 /// What a pixel's colour is made of.
@@ -139,8 +140,6 @@ impl Default for Settings {
 
 /// The highest temperature that is taken, of particles as of settings, in kelvin.
 pub const HOTTEST: f32 = 1e6;
-/// The most render particles that one particle can have in a repetition.
-pub const MOST_COUNT: f32 = 32_768.0;
 /// The most repetitions.
 pub const MOST_REPETITIONS: u32 = 1 << 20;
 
@@ -174,7 +173,7 @@ impl Settings {
         number("flame.alpha_scale", self.alpha_scale, 0.0, 1e6, "0 to 1e6")?;
         number("flame.threshold", self.threshold, f32::MIN, f32::MAX, "a finite number")?;
         whole("flame.variants", self.variants, 1, 64, "1 to 64")?;
-        number("flame.hottest", self.hottest, 700.0, HOTTEST, "kelvin, 700 to 1e6")?;
+        number("flame.hottest", self.hottest, COLDEST, HOTTEST, "kelvin, 700 to 1e6")?;
         self.validate_ramp()?;
         number("flame.falloff", self.falloff, 0.0, 16.0, "0 to 16")?;
         number("flame.adaptation", self.adaptation, 0.0, 1.0, "0 to 1")?;

@@ -5,16 +5,19 @@ use std::mem::offset_of;
 use ash::vk;
 
 use crate::flame::colour::Table;
-use crate::flame::frame::{Desc, Frame, SceneDepth, SceneFormat};
+use crate::flame::desc::{Desc, SceneFormat};
+use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
+use crate::flame::limits::{Cost, Stage, TURNS, is_raster};
 use crate::flame::params::{
-    AccumulateConstants, AddConstants, Control, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
-    PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants,
+    AccumulateConstants, AddConstants, Control, FLOATS, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
+    PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants, UNORM_16, UNORM_24,
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::{Mode, Shape};
 use crate::host::{Background, HostDepth};
-use crate::plan::{Command, Plan};
+use crate::plan::{Command, Plan, Shader};
+use crate::shaders::flame as glsl;
 use crate::view::Camera;
 
 /// What this frame is to the ones before.
@@ -134,9 +137,9 @@ impl Steps<'_> {
                 let (from, to, extent) = (HOST_DEPTH, SCENE_WORDS, self.desc.size);
                 self.plan.step(self.passes.scene_copy, Command::CopyDepth { from, to, extent });
                 let kind = match made.format {
-                    vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => 0,
-                    vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => 1,
-                    _ => 2,
+                    vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => UNORM_16,
+                    vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => UNORM_24,
+                    _ => FLOATS,
                 };
                 let constants = SceneConstants { terms, kind };
                 self.plan.step_with(self.passes.scene, Command::Dispatch { threads: [pixels, 1, 1] }, &constants);
@@ -148,21 +151,16 @@ impl Steps<'_> {
     /// Particles by tile and depth.
     fn lists(&mut self) {
         let particles = Command::Dispatch { threads: [self.moment.given.count, 1, 1] };
-        let one_group = Command::Dispatch { threads: [256, 1, 1] };
         self.plan.step(self.passes.prepare, particles);
         self.plan.step(self.passes.range, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
-        let repetitions = match self.desc.settings.mode {
-            Mode::Stochastic => self.desc.settings.repetitions,
-            Mode::Expected => self.desc.settings.bins,
-        };
         let Cost { base, visit, eighths } = Cost::new(self.desc);
-        let constants = ScanConstants { cells: self.layout.cells, turns: TURNS, base, visit, eighths, repetitions };
-        self.plan.step_with(self.passes.scan, one_group, &constants);
+        let constants = ScanConstants { budget: TURNS, base, visit, eighths };
+        self.plan.step_with(self.passes.scan, one_group(&glsl::scan::SHADER), &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {
-            self.plan.step_with(self.passes.tiles, one_group, &parts_of(stage));
+            self.plan.step_with(self.passes.tiles, one_group(&glsl::tiles::SHADER), &parts_of(stage));
         }
     }
 
@@ -177,22 +175,20 @@ impl Steps<'_> {
         let force = u32::from(self.moment.camera.is_none() || turned);
         let threads = [self.moment.given.count, 1, 1];
         self.plan.step(self.passes.weigh, Command::Dispatch { threads });
-        let once = Command::Dispatch { threads: [1, 1, 1] };
+        let once = one_group(&glsl::rebuild::SHADER);
         self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
         self.plan.step(self.passes.shares, dispatch(offset_of!(Control, share_groups)));
         self.plan.step(self.passes.kernel, dispatch(offset_of!(Control, kernel_groups)));
     }
 
     fn repetitions(&mut self) {
-        let before = self.moment.given.before;
         if is_raster(self.desc) {
-            return self.drawn(before);
+            return self.drawn(self.moment.given.before);
         }
         for (index, stage) in self.layout.stages.iter().enumerate() {
             if index > 0 {
                 self.plan.step(self.passes.converge, dispatch(offset_of!(Control, active_groups)));
-                let one_group = Command::Dispatch { threads: [256, 1, 1] };
-                self.plan.step_with(self.passes.adapt, one_group, &parts_of(stage));
+                self.plan.step_with(self.passes.adapt, one_group(&glsl::adapt::SHADER), &parts_of(stage));
             }
             let kinds = [self.passes.accumulate.first(), self.passes.accumulate.last()];
             for (kind, pass) in kinds.into_iter().flatten().enumerate() {
@@ -200,8 +196,7 @@ impl Steps<'_> {
                     let argument = stage.arguments + kind as u32 * stage.parts + part;
                     let offset = 16 * u64::from(argument);
                     let command = Command::DispatchIndirect { arguments: PART_ARGUMENTS, offset };
-                    let (repetitions, last) = (stage.first, stage.last);
-                    let constants = AccumulateConstants { part, repetitions, last, before };
+                    let constants = AccumulateConstants { part, first: stage.first, last: stage.last };
                     self.plan.step_with(*pass, command, &constants);
                 }
             }
@@ -210,7 +205,7 @@ impl Steps<'_> {
 
     /// The paper's way: a render pass a repetition.
     fn drawn(&mut self, before: u32) {
-        self.plan.step(self.passes.sprites, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.sprites, one_group(&glsl::sprites::SHADER));
         let [width, height] = self.desc.size;
         for repetition in before..before + self.desc.settings.repetitions {
             let sprites = draw(offset_of!(Control, sprite_draw));
@@ -226,7 +221,7 @@ impl Steps<'_> {
         if self.desc.settings.light == 0.0 || self.desc.scene.is_none() {
             return self.plan.skip(self.passes.light, "light is 0, or nothing else is in the scene");
         }
-        self.plan.step(self.passes.lamp, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.lamp, one_group(&glsl::light::SHADER));
         self.plan.step(self.passes.light, draw(offset_of!(Control, screen_draw)));
     }
 }
@@ -234,10 +229,15 @@ impl Steps<'_> {
 fn parts_of(stage: &Stage) -> PartsConstants {
     PartsConstants {
         first: stage.arguments,
-        most: stage.parts,
+        parts: stage.parts,
         repetitions: stage.last - stage.first,
-        stages: stage.first,
+        done: stage.first,
     }
+}
+
+/// A dispatch of a single workgroup.
+fn one_group(shader: &Shader) -> Command {
+    Command::Dispatch { threads: shader.local_size }
 }
 
 /// A dispatch whose groups the device has counted.

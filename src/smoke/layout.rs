@@ -1,6 +1,7 @@
 //! Which buffers and images the effect has, and how large they are. Pure.
 
 use ash::vk;
+use bytemuck::Zeroable;
 
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
@@ -8,17 +9,20 @@ use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 pub use crate::layout::LOOP_BUDGET;
 use crate::layout::{Sizes, buffers};
-use crate::plan::{Binding, BufferId, ImageId, Resource};
+use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
+use crate::shaders::smoke as glsl;
 use crate::smoke::frame::{Desc, Shape};
 use crate::smoke::params::{
-    BIRTH_BLOCK, BLOCK, BUCKETS, Control, History, LIST_RUN, MAX_LEVELS, Particle, SLOT_PIXELS, SmokeParams, TILE,
-    TILE_BLOCKS,
+    BIRTH_BLOCK, BLOCK, BUCKETS, Control, Edge, FIELD_VOXELS, GROUP_WORDS, History, LIST_RUN, MAX_LEVELS,
+    MAX_LIGHT_LEVELS, Particle, PyramidLevel, Reach, SLOT_PIXELS, Search, SmokeParams, TILE, TILE_BLOCKS, Tone,
+    WORD_VOXELS,
 };
 use crate::smoke::settings::{Grow, Shadow};
 
-/// Entries of light-space tiles that one dispatch works on for a pixel. An invocation of `luminance` shades four pixels,
-/// one after the other, and each also walks the levels of tiles.
-pub const LUMINANCE_TURNS: u32 = LOOP_BUDGET / 4 - 16;
+/// Pixels of a tile that an invocation of `luminance` shades, one after the other.
+const TILE_ROWS: u32 = TILE / glsl::luminance_exact::SHADER.local_size[1];
+/// Entries of light-space tiles that one dispatch works on for a pixel, which also walks the levels of tiles.
+pub const LUMINANCE_ENTRIES: u32 = LOOP_BUDGET / TILE_ROWS - MAX_LIGHT_LEVELS;
 /// Workgroups that every device can dispatch along an axis.
 const MOST_GROUPS: u64 = 65_535;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
@@ -172,7 +176,7 @@ impl Layout {
             light_cells: ((1_u64 << (2 * light_levels)) / 3) as u32,
             light_faces: faces,
             cells_across: cells_across as u32,
-            luminance_parts: if exact { (spheres as u32).div_ceil(LUMINANCE_TURNS).max(1) } else { 1 },
+            luminance_parts: if exact { (spheres as u32).div_ceil(LUMINANCE_ENTRIES).max(1) } else { 1 },
             search_parts: 0,
             sizes: Sizes::LEAST,
         };
@@ -210,7 +214,7 @@ impl Layout {
         self.set(VIEW_SPHERES, spheres * 16);
         self.set(GROUPS, spheres * 4);
         self.set(QUADS, spheres * 16);
-        self.set(SEARCHES, particles * 8);
+        self.set(SEARCHES, particles * size_of::<Search>() as u64);
         self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_RUN)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
@@ -221,7 +225,7 @@ impl Layout {
         let shape = Shape { dimensions: desc.dimensions, ..Shape::default() };
         let [nx, ny, nz] = desc.dimensions.map(u64::from);
         let pyramid = Pyramid::new(desc.dimensions);
-        if pyramid.count as usize > MAX_LEVELS {
+        if pyramid.count > MAX_LEVELS {
             let (needed, limit) = (ny.max(nz), 1 << (MAX_LEVELS - 1));
             return Err(Error::Limit {
                 what: "the volume's height or depth in voxels",
@@ -232,7 +236,8 @@ impl Layout {
         }
         let words = u64::from(pyramid.row_words) * ny * nz;
         let above = u64::from(pyramid.row_words) * ny.div_ceil(2) * nz.div_ceil(2);
-        let needed = words.div_ceil(256).max(above.div_ceil(64));
+        let [occupancy, pyramids] = [&glsl::occupancy::SHADER, &glsl::pyramid::SHADER].map(lanes);
+        let needed = words.div_ceil(occupancy).max(above.div_ceil(pyramids));
         if needed > MOST_GROUPS {
             let what = "the volume (workgroups of its occupancy)";
             return Err(Error::Limit { what, needed, limit: MOST_GROUPS, advice: "use a smaller volume" });
@@ -241,14 +246,14 @@ impl Layout {
         self.set(VELOCITY, if desc.velocity { shape.voxels() * 12 } else { 0 });
         self.set(OCCUPANCY, pyramid.words * 4);
         self.set(BIRTH_COUNTS, (words.div_ceil(u64::from(BIRTH_BLOCK)) + 1) * 4);
-        self.set(FIELD, nx.div_ceil(4) * ny * nz * 4);
-        self.set(FIELD_COLUMNS, nx.div_ceil(4) * ny * nz * 4);
+        self.set(FIELD, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
+        self.set(FIELD_COLUMNS, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
         // A walk of the pyramid also visits the inner nodes.
         let visits = match desc.settings.grow {
             Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
             _ => pyramid.leaves().saturating_mul(4).div_ceil(3),
         };
-        self.search_parts = visits.div_ceil(pyramid.turns()).max(1);
+        self.search_parts = visits.div_ceil(pyramid.iterations()).max(1);
         self.set(CONTINUATIONS, u64::from(self.search_parts) * 16);
         Ok(())
     }
@@ -263,14 +268,14 @@ impl Layout {
         let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
         let items = u64::from(self.batches) * u64::from(self.batch_capacity);
         self.set(BLOCK_MASKS, blocks * 4);
-        self.set(TILE_GROUPS, tiles * 32);
+        self.set(TILE_GROUPS, tiles * u64::from(GROUP_WORDS) * 4);
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(OCCLUSION, u64::from(self.occlusion_blocks[0]) * u64::from(self.occlusion_blocks[1]) * 4);
         self.set(PIXELS, pixels * 4);
         self.set(DEPTH, pixels * 4);
-        self.set(EDGES, kept(desc.edges, pixels * 16));
+        self.set(EDGES, kept(desc.edges, pixels * size_of::<Edge>() as u64));
         self.set(SHADOW, kept(desc.layers || self.luminance_parts > 1, pixels * 4));
-        self.set(REACHED, kept(filtered, blocks * 8));
+        self.set(REACHED, kept(filtered, blocks * size_of::<Reach>() as u64));
         self.set(ROW_ITEMS, kept(filtered, items * 4));
         self.set(COLUMN_ITEMS, kept(filtered, items * 4));
         self.set(ROW_SLOTS, kept(filtered, items * 4));
@@ -279,7 +284,7 @@ impl Layout {
         self.set(ROW_SUMS, kept(filtered, u64::from(self.batch_capacity) * u64::from(SLOT_PIXELS) * 8));
         self.set(SMOOTH, kept(filtered, pixels * 4));
         self.set(LINES, kept(inked, pixels * 4));
-        self.set(TONES, settings.tones.len() as u64 * 16);
+        self.set(TONES, (settings.tones.len() * size_of::<Tone>()) as u64);
         self.set(PICTURE, pixels * 16);
         self.set(TONE_LAYER, kept(desc.layers, pixels * 16));
         self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 4));
@@ -345,8 +350,8 @@ impl Layout {
 /// The occupancy pyramid of a volume: level 0 is a bit a voxel, each further level joins 2 x 2 rows along y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pyramid {
-    /// First word, rows along y, rows along z of each level.
-    pub levels: [[u32; 4]; MAX_LEVELS],
+    /// From the finest.
+    pub levels: [PyramidLevel; MAX_LEVELS as usize],
     /// Number of levels; more than there is room for if the volume is too high or too deep.
     pub count: u32,
     /// Words of a row.
@@ -358,12 +363,13 @@ pub struct Pyramid {
 impl Pyramid {
     /// For a volume of so many voxels.
     pub fn new(dimensions: [u32; 3]) -> Pyramid {
-        let row_words = dimensions[0].div_ceil(32);
-        let mut pyramid = Pyramid { levels: [[0; 4]; MAX_LEVELS], count: 0, row_words, words: 0 };
+        let row_words = dimensions[0].div_ceil(WORD_VOXELS);
+        let mut pyramid =
+            Pyramid { levels: [PyramidLevel::zeroed(); MAX_LEVELS as usize], count: 0, row_words, words: 0 };
         let (mut y, mut z) = (dimensions[1], dimensions[2]);
         loop {
             if let Some(level) = pyramid.levels.get_mut(pyramid.count as usize) {
-                *level = [pyramid.words as u32, y, z, 0];
+                *level = PyramidLevel { first_word: pyramid.words as u32, rows_y: y, rows_z: z, unused: 0 };
             }
             pyramid.count += 1;
             pyramid.words += u64::from(row_words) * u64::from(y) * u64::from(z);
@@ -379,18 +385,23 @@ impl Pyramid {
         1 << (2 * (self.count - 1))
     }
 
-    /// Turns of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
+    /// Iterations of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
     /// of a row, to both sides.
-    pub fn turns(&self) -> u32 {
+    pub fn iterations(&self) -> u32 {
         (LOOP_BUDGET / (2 * self.row_words + 6)).max(1)
     }
 }
 
+/// Invocations of a workgroup along x.
+fn lanes(shader: &Shader) -> u64 {
+    shader.local_size[0].into()
+}
+
 /// Whether the passes that make the chessboard distance field can be dispatched: a slice of the volume is a row of
-/// workgroups of 64 words of four voxels.
+/// workgroups.
 pub fn field_fits(shape: &Shape) -> bool {
     let [nx, ny, _] = shape.dimensions.map(u64::from);
-    (nx.div_ceil(4) * ny).div_ceil(64) <= MOST_GROUPS
+    (nx.div_ceil(FIELD_VOXELS.into()) * ny).div_ceil(lanes(&glsl::field_rows::SHADER)) <= MOST_GROUPS
 }
 
 /// Rows that the paper's loop may have to look at in a volume of this shape: the shells up to where the outside is

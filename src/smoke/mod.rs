@@ -161,8 +161,8 @@ impl SmokeKind {
                 "needs smaller slices (x, y); \"chosen\" or \"pyramid\" serve all",
             )),
             Grow::Growth => {
-                let turns = layout::Pyramid::new(shape.dimensions).turns();
-                let needed = u64::from(layout::growth_rows(shape).div_ceil(turns));
+                let iterations = layout::Pyramid::new(shape.dimensions).iterations();
+                let needed = u64::from(layout::growth_rows(shape).div_ceil(iterations));
                 let limit = u64::from(self.layout.search_parts);
                 let advice = "its voxels are too flat for grow = \"growth\"; use \"chosen\"";
                 match needed > limit {

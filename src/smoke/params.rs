@@ -7,17 +7,14 @@ pub use crate::shaders::smoke::blocks::*;
 pub use crate::shaders::smoke::constants::*;
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::{Layout, Pyramid};
-use crate::smoke::settings::{Emitter, Settings};
+use crate::smoke::settings::{Emitter, Outline, Settings};
 use crate::view::{Camera, CameraRows, Light, LightSource};
-
-/// Levels that the occupancy pyramid can have.
-pub const MAX_LEVELS: usize = 12;
 
 impl Control {
     /// What a frame starts with.
     pub fn reset() -> Control {
         let groups = [0, 1, 1, 0];
-        let draw = [4, 0, 0, 0];
+        let draw = [QUAD_VERTICES, 0, 0, 0];
         Control {
             live_groups: groups,
             draw,
@@ -36,61 +33,66 @@ impl Control {
 impl SmokeParams {
     /// What a frame's kernels are told. `frames` counts from the last restart.
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, shape: &Shape, frames: u32) -> SmokeParams {
-        let settings = &desc.settings;
         let mut params = SmokeParams::zeroed();
-        params.set_camera(desc, layout, &frame.camera);
-        params.set_volume(settings, shape);
+        params.set_picture(desc, layout, &frame.camera);
+        params.set_volume(&desc.settings, shape);
         params.set_light(desc, layout, &frame.light, shape);
-        let smallest = shape.voxel_size.iter().copied().fold(f32::MAX, f32::min);
-        params.shade[1] = settings.softness;
-        params.shade[2] = settings.scale;
-        params.shade[3] = frame.dt;
-        params.motion = [
-            settings.still * smallest / frame.dt,
-            settings.range_smoothing,
-            settings.hysteresis,
-            settings.group_depth.unwrap_or(0.0),
-        ];
-        params.counts = [settings.particles, settings.fade, layout.spheres, desc.seed];
-        params.frame = [frames, u32::from(desc.velocity), settings.lifetime.unwrap_or(0), settings.group_count()];
-        let ring = if settings.fade == 0 { 0 } else { frames % settings.fade };
-        params.filtering = [settings.window(), layout.window_blocks, settings.tones.len() as u32, ring];
-        let outline = &settings.outline;
-        let footprint = 2.0 * frame.camera.half_extent(desc.size).y / f64::from(desc.size[1]);
-        params.ink = [outline.strength, outline.width, smallest, footprint as f32];
-        let [r, g, b] = outline.colour;
-        params.ink_colour = [r, g, b, settings.tone_softness];
+        params.set_particles(desc, layout, frame.dt, frames);
+        params.set_look(&desc.settings, layout);
         params
     }
 
-    fn set_camera(&mut self, desc: &Desc, layout: &Layout, camera: &Camera) {
-        let CameraRows { eye, rows, lens } = CameraRows::new(camera, desc.size);
-        [self.eye, self.eye_low] = eye;
-        [[self.right, self.right_low], [self.up, self.up_low], [self.forward, self.forward_low]] = rows;
-        self.lens = lens;
-        self.image = [desc.size[0], desc.size[1], layout.tiles[0], layout.tiles[1]];
-        let [across, down] = layout.occlusion_blocks;
-        self.blocks = [layout.occlusion_side, across, down, 0];
+    fn set_picture(&mut self, desc: &Desc, layout: &Layout, camera: &Camera) {
+        let CameraRows { eye: [eye, eye_low], rows, lens: [half_width, half_height, near, far] } =
+            CameraRows::new(camera, desc.size);
+        let [[right, right_low], [up, up_low], [forward, forward_low]] = rows;
+        let footprint = 2.0 * camera.half_extent(desc.size).y / f64::from(desc.size[1]);
+        *self = SmokeParams {
+            eye,
+            eye_low,
+            right,
+            up,
+            forward,
+            right_low,
+            up_low,
+            forward_low,
+            half_extent: [half_width, half_height],
+            near,
+            far,
+            size: desc.size,
+            tiles: layout.tiles,
+            pixel_footprint: footprint as f32,
+            occlusion_side: layout.occlusion_side,
+            occlusion_blocks: layout.occlusion_blocks,
+            ..*self
+        };
     }
 
     fn set_volume(&mut self, settings: &Settings, shape: &Shape) {
         let Shape { dimensions: [nx, ny, nz], voxel_size: [hx, hy, hz], origin: [ox, oy, oz] } = *shape;
-        let pyramid = Pyramid::new(shape.dimensions);
-        self.grid = [nx, ny, nz, pyramid.row_words];
-        self.voxel = [hx, hy, hz, hx.min(hy).min(hz)];
-        self.origin = [ox, oy, oz, settings.threshold];
-        self.levels = pyramid.levels;
-        self.emitter_last = [nx as i32 - 1, ny as i32 - 1, nz as i32 - 1, 0];
+        let Pyramid { row_words, levels, .. } = Pyramid::new(shape.dimensions);
+        let (mut first, mut last) = ([0; 3], [nx, ny, nz].map(|n| n as i32 - 1));
         if let Some(Emitter { min, max }) = settings.emitter {
             for axis in 0..3 {
-                let (first, last) = overlapped(shape, axis, min[axis], max[axis]);
-                self.emitter_first[axis] = first;
-                self.emitter_last[axis] = last;
+                (first[axis], last[axis]) = overlapped(shape, axis, min[axis], max[axis]);
             }
-            self.emitter_first[3] = 1;
-            self.emitter_low = [min[0], min[1], min[2], 0.0];
-            self.emitter_high = [max[0], max[1], max[2], 0.0];
         }
+        let (min, max) = settings.emitter.map_or_else(Default::default, |emitter| (emitter.min, emitter.max));
+        *self = SmokeParams {
+            voxel_size: [hx, hy, hz, 0.0],
+            origin: [ox, oy, oz, 0.0],
+            dimensions: [nx, ny, nz, 0],
+            row_words,
+            levels,
+            smallest_side: hx.min(hy).min(hz),
+            threshold: settings.threshold,
+            has_emitter: settings.emitter.is_some().into(),
+            emitter_first: [first[0], first[1], first[2], 0],
+            emitter_last: [last[0], last[1], last[2], 0],
+            emitter_min: [min[0], min[1], min[2], 0.0],
+            emitter_max: [max[0], max[1], max[2], 0.0],
+            ..*self
+        };
     }
 
     fn set_light(&mut self, desc: &Desc, layout: &Layout, light: &Light, shape: &Shape) {
@@ -99,31 +101,79 @@ impl SmokeParams {
             DVec3::from_array([0, 1, 2].map(|a| f64::from(shape.voxel_size[a]) * f64::from(shape.dimensions[a])));
         let corners = (0..8_u32)
             .map(|i| corner + extent * DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)));
-        let vector = |v: DVec3, w: f32| v.as_vec3().extend(w).to_array();
+        let vector = |v: DVec3| v.as_vec3().extend(0.0).to_array();
+        let (nearest, farthest);
         match light.source {
             LightSource::Direction(direction) => {
                 let towards = -direction.normalize();
                 let (right, up) = towards.any_orthonormal_pair();
-                self.light = vector(towards, 0.0);
-                (self.light_right, self.light_up) = (vector(right, 0.0), vector(up, 0.0));
-                let nearest = corners.clone().map(|c| -c.dot(towards)).fold(f64::MAX, f64::min);
-                let farthest = corners.clone().map(|c| -c.dot(towards)).fold(f64::MIN, f64::max);
-                self.light_range = [nearest as f32, (1.0 / (farthest - nearest).max(1e-30)) as f32, 0.0, 0.0];
+                (self.light, self.light_right, self.light_up) = (vector(towards), vector(right), vector(up));
+                nearest = corners.clone().map(|c| -c.dot(towards)).fold(f64::MAX, f64::min);
+                farthest = corners.clone().map(|c| -c.dot(towards)).fold(f64::MIN, f64::max);
                 let across = corners.map(|c| DVec2::new(c.dot(right), c.dot(up)));
                 let (low, high) = across.fold((DVec2::MAX, DVec2::MIN), |(low, high), at| (low.min(at), high.max(at)));
                 let side = (high - low).max_element().max(1e-30);
-                self.light_frame = [low.x as f32, low.y as f32, (1.0 / side) as f32, 2.0 * extent.length() as f32];
+                self.light_low = low.as_vec2().to_array();
+                self.light_inverse_side = (1.0 / side) as f32;
+                self.caster_distance = 2.0 * extent.length() as f32;
             }
             LightSource::Position(position) => {
-                self.light = vector(position, 1.0);
-                let farthest = corners.map(|c: DVec3| c.distance(position)).fold(0.0, f64::max);
-                self.light_frame = [0.0, 0.0, 1.0, (farthest + extent.length()) as f32];
-                let nearest = (farthest - 2.0 * extent.length()).max(0.0);
-                self.light_range = [nearest as f32, (1.0 / (farthest - nearest).max(1e-30)) as f32, 0.0, 0.0];
+                self.is_point_light = 1;
+                self.light = vector(position);
+                farthest = corners.map(|c: DVec3| c.distance(position)).fold(0.0, f64::max);
+                nearest = (farthest - 2.0 * extent.length()).max(0.0);
+                self.light_inverse_side = 1.0;
+                self.caster_distance = (farthest + extent.length()) as f32;
             }
         }
-        self.shade[0] = light.ambient as f32;
-        self.shadow = [layout.light_levels, layout.light_cells, layout.light_faces, desc.settings.shadow_filter];
+        *self = SmokeParams {
+            light_nearest: nearest as f32,
+            light_inverse_span: (1.0 / (farthest - nearest).max(1e-30)) as f32,
+            ambient: light.ambient as f32,
+            softness: desc.settings.softness,
+            light_levels: layout.light_levels,
+            light_cells: layout.light_cells,
+            light_faces: layout.light_faces,
+            shadow_filter: desc.settings.shadow_filter,
+            ..*self
+        };
+    }
+
+    /// After [`Self::set_volume`].
+    fn set_particles(&mut self, desc: &Desc, layout: &Layout, dt: f32, frames: u32) {
+        let settings = &desc.settings;
+        *self = SmokeParams {
+            particles: settings.particles,
+            fade: settings.fade,
+            spheres: layout.spheres,
+            seed: desc.seed,
+            frames,
+            has_velocity: desc.velocity.into(),
+            lifetime: settings.lifetime.unwrap_or(0),
+            ring_row: if settings.fade == 0 { 0 } else { frames % settings.fade },
+            dt,
+            still_speed: settings.still * self.smallest_side / dt,
+            scale: settings.scale,
+            group_count: settings.group_count(),
+            group_depth: settings.group_depth.unwrap_or(0.0),
+            range_smoothing: settings.range_smoothing,
+            hysteresis: settings.hysteresis,
+            ..*self
+        };
+    }
+
+    fn set_look(&mut self, settings: &Settings, layout: &Layout) {
+        let Outline { strength, width, colour: [r, g, b], .. } = settings.outline;
+        *self = SmokeParams {
+            window: settings.window(),
+            window_blocks: layout.window_blocks,
+            tone_count: settings.tones.len() as u32,
+            tone_softness: settings.tone_softness,
+            outline_colour: [r, g, b, 0.0],
+            outline_strength: strength,
+            outline_width: width,
+            ..*self
+        };
     }
 }
 

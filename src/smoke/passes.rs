@@ -6,7 +6,7 @@ use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster
 use crate::shaders::smoke as glsl;
 use crate::smoke::frame::Desc;
 use crate::smoke::layout::*;
-use crate::smoke::params::{Control, MAX_LEVELS, SmokeParams};
+use crate::smoke::params::{Control, MAX_LEVELS, SmokeParams, Tone};
 use crate::smoke::settings::{Integrator, Operator, Shadow};
 use crate::smoke::steps::Tables;
 
@@ -15,7 +15,7 @@ passes! {
     params = Pass::transfer("smoke.params").updates::<SmokeParams>(PARAMS, 1).updates::<Control>(CONTROL, 1);
     tables = Pass::transfer("smoke.tables")
         .updates::<f32>(WEIGHTS, tables.weights.len())
-        .updates::<[f32; 4]>(TONES, tables.tones.len());
+        .updates::<Tone>(TONES, tables.tones.len());
     volume = Pass::transfer("smoke.volume").copies(HOST_DENSITY, DENSITY).copies(HOST_VELOCITY, VELOCITY);
     background = Pass::transfer("smoke.background").copies(BACKGROUND, TARGET);
     restart = Pass::transfer("smoke.restart").fills(DYING).fills(SPHERES).fills(GROUPS);
@@ -24,7 +24,7 @@ passes! {
         .fold(Pass::transfer("smoke.clear"), Pass::fills);
     occupancy = Pass::compute("smoke.occupancy", &glsl::occupancy::SHADER);
     births = Pass::compute("smoke.occupancy", &glsl::births::SHADER);
-    pyramid = Pass::compute("smoke.pyramid", &glsl::pyramid::SHADER).times(MAX_LEVELS);
+    pyramid = Pass::compute("smoke.pyramid", &glsl::pyramid::SHADER).times(MAX_LEVELS as usize);
     field: [PassId; 3] = [&glsl::field_rows::SHADER, &glsl::field_columns::SHADER, &glsl::field_slices::SHADER]
         .map(|shader| Pass::compute("smoke.field", shader));
     advect = Pass::compute("smoke.advect", &glsl::advect::SHADER)

@@ -1,7 +1,11 @@
 //! The settings of the smoke effect: one field per key of `[smoke]`, with unit, range and default.
 
 use crate::error::{Error, Result, within};
+use crate::shaders::smoke::constants::GROUP_MASK;
 use crate::view::{BRIGHTEST, FARTHEST};
+
+/// The most depth groups.
+pub const MAX_GROUPS: u32 = GROUP_MASK - 1;
 
 /// Where particles are placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -167,7 +171,7 @@ pub struct Settings {
     pub shadow_map: u32,
     /// Taps per axis of the shadow map's filter: 1, 3 or 5; default 3.
     pub shadow_filter: u32,
-    /// Number of depth groups, 1 to 254; default 8.
+    /// Number of depth groups, 1 to [`MAX_GROUPS`]; default 8.
     pub groups: u32,
     /// Depth of a group in metres, > 0, at most 1e12, counted from the camera; default: equal ranges of the smoke's own depth.
     pub group_depth: Option<f32>,
@@ -228,9 +232,9 @@ impl Settings {
         (self.cutoff * self.sigma).ceil() as u32
     }
 
-    /// Number of group ids in use: `groups`, or 254 where `group_depth` fixes the ranges.
+    /// Number of group ids in use: `groups`, or [`MAX_GROUPS`] where `group_depth` fixes the ranges.
     pub fn group_count(&self) -> u32 {
-        if self.group_depth.is_some() { 254 } else { self.groups }
+        if self.group_depth.is_some() { MAX_GROUPS } else { self.groups }
     }
 
     /// Checks every value; the error names the key and what is allowed.
@@ -268,7 +272,7 @@ impl Settings {
         if ![1, 3, 5].contains(&self.shadow_filter) {
             return Err(Error::setting("smoke.shadow_filter", self.shadow_filter, "1, 3 or 5 taps a side"));
         }
-        whole("smoke.groups", self.groups, 1, 254, "1 to 254")?;
+        whole("smoke.groups", self.groups, 1, MAX_GROUPS, "1 to 254")?;
         if let Some(depth) = self.group_depth {
             number("smoke.group_depth", depth, f32::MIN_POSITIVE, FARTHEST, "metres, above 0, at most 1e12")?;
         }

@@ -4,6 +4,7 @@ use std::mem::offset_of;
 
 use crate::host::Background;
 use crate::plan::{Command, PassId, Plan};
+use crate::shaders::smoke as glsl;
 use crate::smoke::frame::{Desc, Frame, Shape};
 use crate::smoke::layout::*;
 use crate::smoke::params::*;
@@ -62,7 +63,7 @@ fn cheapest_grow(particles: u32, shape: &Shape) -> Grow {
     let pyramid = 0.1 + (1.6e-4 + 7.2e-6 * voxels.cbrt()) * particles;
     // The paper's loop costs the cube of the radius, so it is only for volumes where no radius is large.
     let is_small =
-        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).turns();
+        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).iterations();
     let growth = if is_small { 2e-4 * particles } else { f64::INFINITY };
     match () {
         _ if growth <= field.min(pyramid) => Grow::Growth,
@@ -163,21 +164,21 @@ impl Steps<'_> {
         self.plan.step(self.passes.occupancy, Command::Dispatch { threads: [words, 1, 1] });
         self.plan.step_with(
             self.passes.births,
-            Command::Dispatch { threads: [256, 1, 1] },
+            Command::Dispatch { threads: glsl::births::SHADER.local_size },
             &BirthsConstants { blocks },
         );
         match chosen_grow(&self.desc.settings, shape) {
             Grow::Field => {
                 let [nx, ny, nz] = shape.dimensions;
                 for pass in self.passes.field {
-                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(4) * ny, nz, 1] });
+                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(FIELD_VOXELS) * ny, nz, 1] });
                 }
                 self.plan.skip(self.passes.pyramid, "the field is searched");
             }
             Grow::Pyramid => {
                 for level in 1..pyramid.count {
-                    let [_, y, z, _] = pyramid.levels[level as usize];
-                    let threads = [pyramid.row_words * y * z, 1, 1];
+                    let PyramidLevel { rows_y, rows_z, .. } = pyramid.levels[level as usize];
+                    let threads = [pyramid.row_words * rows_y * rows_z, 1, 1];
                     self.plan.step_with(
                         self.passes.pyramid,
                         Command::Dispatch { threads },
@@ -213,20 +214,20 @@ impl Steps<'_> {
         }
         let spheres = [self.layout.spheres.div_ceil(LIST_RUN), 1, 1];
         self.plan.step(self.passes.count, Command::Dispatch { threads: spheres });
-        self.plan.step(self.passes.scan, Command::Dispatch { threads: [256, 1, 1] });
+        self.plan.step(self.passes.scan, Command::Dispatch { threads: glsl::scan::SHADER.local_size });
         self.plan.step(self.passes.listing, Command::Dispatch { threads: spheres });
     }
 
     /// A search in as many dispatches as the loop budget may ask for; all but the first are empty unless needed.
     fn search(&mut self, pass: PassId, pyramid: &Pyramid, last: u32) {
-        let turns = pyramid.turns();
+        let iterations = pyramid.iterations();
         // A walk of the pyramid also visits the inner nodes.
         let visits = if pass == self.passes.grow_pyramid { last.saturating_mul(4).div_ceil(3) } else { last };
-        let parts = visits.div_ceil(turns).max(1);
-        let ball = u32::from(self.desc.settings.radius == Radius::Ball);
+        let parts = visits.div_ceil(iterations).max(1);
+        let is_ball = u32::from(self.desc.settings.radius == Radius::Ball);
         self.plan.step(self.passes.grow_reset, Command::Fill { buffer: CONTINUATIONS, word: 0 });
         for part in 0..parts {
-            let constants = SearchConstants { part, turns, ball, last };
+            let constants = SearchConstants { part, iterations, is_ball, last };
             let command = match part {
                 0 => Command::Dispatch { threads: [self.desc.settings.particles, 1, 1] },
                 _ => Command::DispatchIndirect { arguments: CONTINUATIONS, offset: 16 * u64::from(part - 1) },
@@ -241,16 +242,21 @@ impl Steps<'_> {
         self.clear();
         self.occlusion();
         self.plan.step(self.passes.spheres, draw(offset_of!(Control, draw)));
-        let threads = [self.layout.tiles[0] * 8, self.layout.tiles[1] * 16, 1];
+        let [x, y, _] = glsl::tiles::SHADER.local_size;
+        let threads = [self.layout.tiles[0] * x, self.layout.tiles[1] * y, 1];
         self.plan.step(self.passes.tiles, Command::Dispatch { threads });
-        let parts = OccupiedConstants { parts: self.layout.luminance_parts, part_turns: LUMINANCE_TURNS };
-        self.plan.step_with(self.passes.occupied, Command::Dispatch { threads: [256, 1, 1] }, &parts);
+        let parts = OccupiedConstants { parts: self.layout.luminance_parts, part_entries: LUMINANCE_ENTRIES };
+        self.plan.step_with(
+            self.passes.occupied,
+            Command::Dispatch { threads: glsl::occupied::SHADER.local_size },
+            &parts,
+        );
         for part in 0..self.layout.luminance_parts {
             let command = Command::DispatchIndirect { arguments: LUMINANCE_PARTS, offset: 16 * u64::from(part) };
             match settings.shadow {
                 Shadow::None => self.plan.step(self.passes.luminance, command),
                 Shadow::Exact => {
-                    let constants = LuminanceConstants { part, turns: LUMINANCE_TURNS };
+                    let constants = LuminanceConstants { part, entries: LUMINANCE_ENTRIES };
                     self.plan.step_with(self.passes.luminance, command, &constants);
                 }
                 Shadow::Map => {
@@ -269,7 +275,7 @@ impl Steps<'_> {
         match &frame.depth {
             Some(depth) => {
                 self.edges(frame);
-                let constants = CompositeConstants { terms: depth.terms, edges: frame.edges.is_some().into() };
+                let constants = CompositeConstants { terms: depth.terms, has_edges: frame.edges.is_some().into() };
                 self.plan.step_with(self.passes.composite, tiles, &constants)
             }
             None => self.plan.step(self.passes.composite, tiles),
@@ -279,7 +285,7 @@ impl Steps<'_> {
     /// What covers pixels in part.
     fn edges(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
-        let bytes = 16 * u64::from(width) * u64::from(height);
+        let bytes = size_of::<Edge>() as u64 * u64::from(width) * u64::from(height);
         match frame.edges {
             Some(_) => self.plan.step(self.passes.edges, Command::CopyBuffer { from: HOST_EDGES, to: EDGES, bytes }),
             None => self.plan.skip(self.passes.edges, "nothing covers pixels in part"),
@@ -323,7 +329,8 @@ impl Steps<'_> {
         if settings.shadow == Shadow::Exact {
             self.plan.step(self.passes.shadow_reset, Command::Fill { buffer: CELLS, word: 0 });
             self.plan.step(self.passes.shadow_count, live);
-            self.plan.step(self.passes.shadow_scan, Command::Dispatch { threads: [256, 1, 1] });
+            self.plan
+                .step(self.passes.shadow_scan, Command::Dispatch { threads: glsl::shadow_scan::SHADER.local_size });
             self.plan.step(self.passes.shadow_fill, live);
         }
         for (face, pass) in self.passes.shadow_map.iter().enumerate() {
@@ -345,7 +352,11 @@ impl Steps<'_> {
             let group_count = self.layout.batch_groups.min(self.desc.settings.group_count() + 1 - first_group);
             let capacity = self.layout.batch_capacity;
             let items = ItemsConstants { batch, first_group, group_count, capacity };
-            self.plan.step_with(self.passes.items, Command::Dispatch { threads: [256, 1, 1] }, &items);
+            self.plan.step_with(
+                self.passes.items,
+                Command::Dispatch { threads: glsl::items::SHADER.local_size },
+                &items,
+            );
             let constants = GaussianConstants { base: batch * capacity, first_group };
             for (pass, argument) in [(self.passes.rows, 2 * batch), (self.passes.columns, 2 * batch + 1)] {
                 let offset = 16 * u64::from(argument);
@@ -370,7 +381,7 @@ fn draw(member: usize) -> Command {
 #[derive(Clone, Debug)]
 pub struct Tables {
     pub(super) weights: Vec<f32>,
-    pub(super) tones: Vec<[f32; 4]>,
+    pub(super) tones: Vec<Tone>,
 }
 
 impl Tables {
@@ -385,10 +396,7 @@ impl Tables {
             true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
             false => vec![1.0],
         };
-        let tones = settings.tones.iter().map(|tone| {
-            let [r, g, b] = tone.colour;
-            [r, g, b, tone.from]
-        });
+        let tones = settings.tones.iter().map(|tone| Tone { colour: tone.colour, from: tone.from });
         Tables { weights, tones: tones.collect() }
     }
 }
@@ -427,7 +435,7 @@ mod tests {
         assert_eq!(chosen([501; 3], [0.1; 3], 1_000_000), Grow::Pyramid, "a field of bytes ends at 255");
         // Rows so long that the loop budget cuts the search: the buffers are not made for so many parts.
         let long = Shape { dimensions: [4096, 16, 16], voxel_size: [0.1; 3], origin: [0.0; 3] };
-        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).turns());
+        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).iterations());
         assert_ne!(chosen(long.dimensions, long.voxel_size, 10), Grow::Growth);
     }
 }

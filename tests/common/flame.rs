@@ -111,7 +111,7 @@ impl FlameRig {
         self.read(layout::POSITIONS, self.particles)
     }
 
-    /// What became of each particle; dropped ones have no render particles (`draw[2]`).
+    /// What became of each particle; dropped ones have a `count` of 0.
     pub fn prepared(&mut self) -> Vec<Particle> {
         self.read(layout::PARTICLES, self.particles)
     }
@@ -146,7 +146,7 @@ impl FlameRig {
     pub fn bits(&mut self) -> Bits {
         let mut bits = Bits::default();
         bits.push("picture", &self.picture());
-        let kept = self.prepared().into_iter().filter(|particle| particle.draw[2] > 0);
+        let kept = self.prepared().into_iter().filter(|particle| particle.count > 0);
         bits.push("particles", &kept.collect::<Vec<_>>());
         bits.push("mask", &self.mask());
         bits.push("mean", &self.mean());

@@ -20,6 +20,7 @@ use std::sync::PoisonError;
 use std::time::Duration;
 
 use celfx::gpu::headless::{Headless, Messages, Options};
+use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
 /// A device whose end, validated destruction included, fails the test if validation has said anything.
 pub struct TestDevice {
@@ -113,8 +114,8 @@ impl Drop for Verdict {
 
 /// Luminance and group of packed pixels (`glsl/smoke/pixel.glsl`).
 pub fn unpacked(pixels: &[u32]) -> (Vec<f64>, Vec<u32>) {
-    let luminance = pixels.iter().map(|pixel| f64::from(pixel >> 8) / 16_777_215.0).collect();
-    (luminance, pixels.iter().map(|pixel| pixel & 255).collect())
+    let luminance = pixels.iter().map(|pixel| f64::from(pixel >> GROUP_BITS) / f64::from(LUMINANCE_ONE)).collect();
+    (luminance, pixels.iter().map(|pixel| pixel & GROUP_MASK).collect())
 }
 
 /// How far a value is from what is expected; infinite where either is NaN, so that it never passes. Equal infinities are

@@ -1,6 +1,7 @@
 //! Tiles repeat until each of their pixels is known well enough: no sooner, no longer, and with the same repetitions as
 //! without.
 
+use celfx::flame::params;
 use celfx::flame::reference::sums::Sums;
 use celfx::flame::settings::Sampling;
 use celfx::flame::{Desc, Settings};
@@ -11,7 +12,7 @@ use crate::common::scenes::camera;
 use crate::oracle::{self, Shot, compare, occupied, sums};
 
 const SIZE: [u32; 2] = [112, 80];
-const TILE: usize = 16;
+const TILE: usize = params::TILE as usize;
 const MOST: u32 = 300;
 /// Ends of the stages of 300 repetitions.
 const STAGES: [u32; 6] = [16, 32, 64, 128, 256, MOST];
@@ -36,7 +37,7 @@ fn interval(sums: &Sums, pixel: usize, brightest: f64) -> f64 {
         1.96 * unit * (((squares + 1.0) / n - mean * mean).max(0.0) / n).sqrt()
     };
     let colour = |c: usize| {
-        let one = 65535.0_f64;
+        let one = f64::from(params::LIGHT_STEPS);
         of(sums.light[pixel][c] as f64 / one, sums.squares[pixel][c] as f64 / (one * one), brightest)
     };
     let hits = f64::from(sums.hits[pixel]);

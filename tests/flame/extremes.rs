@@ -84,7 +84,7 @@ fn temperatures() {
             total.add(check(&name, &mut rig, &Shot::new(&given, camera(0.0))));
             assert_finite(&name, &mut rig);
             let prepared = rig.prepared();
-            let dropped: Vec<usize> = (0..rows.len()).filter(|row| prepared[*row].draw[2] == 0).collect();
+            let dropped: Vec<usize> = (0..rows.len()).filter(|row| prepared[*row].count == 0).collect();
             // Not above 0 K, or not finite; 1e-40 and 1 K, which have no render particles; places that are none.
             assert_eq!(dropped, [0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18], "{name}");
         }
@@ -307,7 +307,7 @@ fn very_many_render_particles() {
     let settings = Settings { count: 32_768.0, ..small };
     let Some(mut rig) = FlameRig::new(Desc { hottest: 6000.0, ..desc([16, 16], 1, settings) }) else { return };
     rig.frame(&given, ahead());
-    assert_eq!(rig.prepared()[0].draw[2], 32_768);
+    assert_eq!(rig.prepared()[0].count, 32_768);
 }
 
 /// Many repetitions of short lists with every kind of turn: batches, queues that overflow, chunks.

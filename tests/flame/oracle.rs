@@ -83,7 +83,7 @@ pub fn sums(rig: &mut FlameRig, repetitions: u32) -> Sums {
         let tiles = if is_dark(rig) { Vec::new() } else { occupied(rig) };
         move |pixel: u32| tiles.binary_search(&(pixel / width / TILE * tiles_across + pixel % width / TILE)).is_ok()
     };
-    let words: Vec<[[u32; 4]; 4]> = rig
+    let words: Vec<[[u32; 4]; params::SUM_VECTORS as usize]> = rig
         .offline()
         .read_as(EffectBuffer::Flame(layout::SUMS), (width * height) as usize)
         .expect("the buffer can be read");
@@ -103,7 +103,7 @@ pub fn sums(rig: &mut FlameRig, repetitions: u32) -> Sums {
 
 /// Colour of a particle in 65535ths of the brightest.
 pub fn light(particle: &params::Particle) -> [u32; 3] {
-    let [rg, b, ..] = particle.light;
+    let [rg, b] = particle.light;
     [rg & 0xFFFF, rg >> 16, b]
 }
 
@@ -123,13 +123,13 @@ pub fn prepared(rig: &mut FlameRig, shot: &Shot) -> Prepared {
     let mut prepared = prepare::prepare(&desc.settings, desc.hottest, desc.seed, &shot.camera, &rows, ids);
     let device = rig.prepared();
     let valid: Vec<u32> = prepared.particles.iter().map(|particle| particle.row).collect();
-    let wrong = (0..).zip(&device).find(|(row, p)| p.draw[2] > 0 && valid.binary_search(row).is_err());
+    let wrong = (0..).zip(&device).find(|(row, p)| p.count > 0 && valid.binary_search(row).is_err());
     assert!(wrong.is_none(), "not valid, but kept: {wrong:?}");
     for particle in &mut prepared.particles {
         let found = &device[particle.row as usize];
-        if found.draw[2] > 0 {
+        if found.count > 0 {
             assert_prepared(particle, found, prepared.brightest);
-            (particle.count, particle.light) = (found.draw[2], light(found));
+            (particle.count, particle.light) = (found.count, light(found));
         }
     }
     prepared
@@ -138,17 +138,17 @@ pub fn prepared(rig: &mut FlameRig, shot: &Shot) -> Prepared {
 fn assert_prepared(expected: &Particle, found: &params::Particle, brightest: f64) {
     let near = |a: f32, e: f64, tolerance: f64| (f64::from(a) - e).abs() <= tolerance;
     // A product and a quotient: 1.5 ulp.
-    assert!(near(found.view[3], expected.alpha, 2e-7 * expected.alpha), "{expected:?}: {found:?}");
-    assert!(near(found.colour[3], expected.mean_count, 2e-7 * expected.mean_count), "{expected:?}: {found:?}");
+    assert!(near(found.colour[3], expected.alpha, 2e-7 * expected.alpha), "{expected:?}: {found:?}");
+    assert!(near(found.mean_count, expected.mean_count, 2e-7 * expected.mean_count), "{expected:?}: {found:?}");
     // Rounding of the mean may turn the fraction's comparison.
     let close = expected.mean_count * 2e-7;
     let counts = [-close, close].map(|by| {
         let mean = expected.mean_count + by;
         [mean.floor() as u32, mean.floor() as u32 + 1]
     });
-    let doubtful = found.draw[2] != expected.count;
-    assert!(!doubtful || counts.concat().contains(&found.draw[2]), "{expected:?}: {found:?}");
-    assert_eq!(found.draw[1], expected.id);
+    let doubtful = found.count != expected.count;
+    assert!(!doubtful || counts.concat().contains(&found.count), "{expected:?}: {found:?}");
+    assert_eq!(found.id, expected.id);
     // The specification's bound, relative to the particle's largest component.
     let largest = expected.colour.into_iter().fold(0.0, f64::max);
     let (colour, shares) = (found.colour, light(found));
@@ -157,7 +157,7 @@ fn assert_prepared(expected: &Particle, found: &params::Particle, brightest: f64
     for c in 0..3 {
         assert!(near(colour[c], expected.colour[c], tolerance), "{expected:?}: {found:?}");
         // The same of two colours, and half a step of rounding.
-        let whole = if brightest > 0.0 { 65535.0 / brightest } else { 0.0 };
+        let whole = if brightest > 0.0 { f64::from(params::LIGHT_STEPS) / brightest } else { 0.0 };
         let apart = (f64::from(shares[c]) - expected.colour[c] * whole).abs();
         assert!(apart <= 2.0 * tolerance * whole + 0.501, "{expected:?}: {found:?}");
     }
@@ -249,8 +249,9 @@ pub fn assert_finite(name: &str, rig: &mut FlameRig) {
         assert!(coverage == 0.0 || depth.is_finite() && *depth > 0.0, "{name}: {depth}");
         assert!((0.0..=1.0).contains(&coverage), "{name}: {coverage}");
     }
-    let particles: Vec<params::Particle> = rig.prepared().into_iter().filter(|p| p.draw[2] > 0).collect();
-    let particles = particles.iter().flat_map(|p| [p.view, p.colour]);
+    let particles: Vec<params::Particle> = rig.prepared().into_iter().filter(|p| p.count > 0).collect();
+    let place = |p: &params::Particle| [p.view[0], p.view[1], p.depth, p.mean_count];
+    let particles = particles.iter().flat_map(|p| [place(p), p.colour]);
     let layers = [mean, rig.variance(), rig.effect(), rig.picture(), particles.collect()].concat();
     assert!(layers.as_flattened().iter().all(|v| v.is_finite()), "{name}");
     let positive = [rig.mean(), rig.variance(), rig.effect()].concat();

@@ -52,7 +52,7 @@ fn assert_empty(name: &str, rig: &mut FlameRig) {
         assert!(layer.as_flattened().iter().all(|v| *v == 0.0), "{name}");
     }
     assert!(rig.nearest().iter().all(|z| *z == f32::INFINITY), "{name}");
-    assert!(rig.prepared().iter().all(|particle| particle.draw[2] == 0), "{name}: a particle is left");
+    assert!(rig.prepared().iter().all(|particle| particle.count == 0), "{name}: a particle is left");
 }
 
 /// Looks and particles of which the host knows that nothing can be seen.

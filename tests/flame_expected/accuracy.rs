@@ -79,9 +79,9 @@ fn check_depths(case: &Case, rig: &mut FlameRig, image: &Expected) {
 
 /// Particles' classes and weights on the device.
 fn check_weights(case: &Case, rig: &mut FlameRig, weighed: &[Weighed]) {
-    for (particle, weighed) in rig.prepared().iter().zip(weighed).filter(|(p, _)| p.draw[2] > 0) {
-        let weight = f64::from(f32::from_bits(particle.light[2]));
-        assert_eq!(particle.draw[3] as usize, weighed.class, "{}", case.name);
+    for (particle, weighed) in rig.prepared().iter().zip(weighed).filter(|(p, _)| p.count > 0) {
+        let weight = f64::from(particle.weight);
+        assert_eq!(particle.class_index as usize, weighed.class, "{}", case.name);
         // A few roundings of one product, and the square of what a depth has lost by cancelling.
         assert!((weight - weighed.weight).abs() <= 1e-5 * weighed.weight, "{}: {weight}, {weighed:?}", case.name);
     }

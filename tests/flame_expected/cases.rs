@@ -158,11 +158,11 @@ pub fn prepared(case: &Case, rig: &mut FlameRig) -> Vec<prepare::Particle> {
         let colour = [0, 1, 2].map(|c| f64::from(given.colour[c]));
         prepare::Particle {
             row: row as u32,
-            id: given.draw[1],
+            id: given.id,
             centre: *centre,
-            alpha: given.view[3].into(),
-            mean_count: given.colour[3].into(),
-            count: given.draw[2],
+            alpha: given.colour[3].into(),
+            mean_count: given.mean_count.into(),
+            count: given.count,
             colour,
             light: colour.map(|c| prepare::light(c, brightest)),
         }

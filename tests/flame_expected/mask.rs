@@ -1,7 +1,8 @@
 //! The layer `flame.mask`, and what its levels let pass.
 
 use celfx::flame::Settings;
-use celfx::flame::reference::mask::{LEVELS, Mask, SIDE};
+use celfx::flame::params::MASK_LEVELS;
+use celfx::flame::reference::mask::{Mask, SIDE};
 use celfx::view::Camera;
 use glam::DVec3;
 
@@ -40,7 +41,7 @@ fn the_mask_is_that_of_the_definition() {
 /// the sorted alphas say.
 #[test]
 fn texels_of_every_level_pass_as_often_as_their_alphas() {
-    for level in 1..LEVELS {
+    for level in 1..MASK_LEVELS {
         let side = SIDE >> level;
         let repetitions = 4096;
         let settings = Settings {

@@ -279,9 +279,9 @@ fn buffer_picture(device: &mut TestDevice, case: &Case, depths: &[f32]) -> Vec<[
 /// The middle of the fire in view space, the square of its width, and its colour: what `flame.light` goes by.
 fn lamp(particles: &[Particle], strength: f64) -> (DVec3, f64, DVec3) {
     let (mut place, mut squares, mut brightness, mut colour) = (DVec3::ZERO, 0.0, 0.0, DVec3::ZERO);
-    for particle in particles.iter().filter(|p| p.draw[2] > 0) {
-        let own = f64::from(particle.draw[2]) * DVec3::from_array([0, 1, 2].map(|c| f64::from(particle.colour[c])));
-        let view = DVec3::from_array([0, 1, 2].map(|c| f64::from(particle.view[c])));
+    for particle in particles.iter().filter(|p| p.count > 0) {
+        let own = f64::from(particle.count) * DVec3::from_array([0, 1, 2].map(|c| f64::from(particle.colour[c])));
+        let view = DVec3::from_array([particle.view[0], particle.view[1], particle.depth].map(f64::from));
         place += own.max_element() * view;
         squares += own.max_element() * view.length_squared();
         brightness += own.max_element();

@@ -1,6 +1,6 @@
 //! The table of the expected image and its look-ups in f64, with the nodes, classes and weights of the kernels.
 
-use celfx::flame::params::{KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES};
+use celfx::flame::params::{FINE_MASK_PLACES, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_PLACES, NARROW};
 use celfx::flame::reference::expected::{Bins, Expected, integrate};
 use celfx::flame::reference::kernel::FLOOR;
 use celfx::flame::reference::mask::Mask;
@@ -14,7 +14,7 @@ use crate::common::flame::FlameRig;
 const PLACES: usize = KERNEL_PLACES as usize;
 const DEPTHS: usize = KERNEL_DEPTHS as usize;
 /// Along a side of the mask, at least; where the space is as narrow as two of them.
-const PLACES_OF_MASK: [usize; 2] = [16, 32];
+const PLACES_OF_MASK: [usize; 2] = [MASK_PLACES as usize, FINE_MASK_PLACES as usize];
 const LAST: f64 = (PLACES - 1) as f64;
 
 /// What is the same for all particles of a frame.
@@ -169,7 +169,7 @@ impl<'a> Model<'a> {
             let share = f64::from(all(threshold)) / f64::from(all(of_class(class)).max(1));
             let pixel = pixel * view.z;
             let fill = (space.sprite / pixel).clamp(0.0, 1.0).powi(2);
-            let below = (space.reach() < 0.75 * pixel)
+            let below = (space.reach() < f64::from(NARROW) * pixel)
                 .then(|| Narrow { pixel, chance: fill * f64::from(all(threshold)) / last.len() as f64 });
             let weight = f64::from(particle.count) * if below.is_some() { 1.0 } else { share };
             Weighed { class, weight, below }

@@ -1,6 +1,7 @@
 //! The masked Gaussian against the reference, on images that are hard for separable forms.
 
 use celfx::io::volume::Volume;
+use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::reference::gaussian::masked_separable;
 use celfx::smoke::{Settings, layout};
 use celfx::view::{Camera, Light};
@@ -33,11 +34,16 @@ fn run(bench: &mut Bench, omit: &[&str]) {
 fn error(bench: &mut Bench, name: &str, pixels: &[u32]) -> f64 {
     let [width, height] = bench.desc.size.map(|n| n as usize);
     // Group alone; any slot will do, as luminance is written.
-    bench.write_seen(&pixels.iter().map(|p| if p & 255 == 0 { 0 } else { 256 | p & 255 }).collect::<Vec<_>>());
+    bench.write_seen(
+        &pixels
+            .iter()
+            .map(|p| if p & GROUP_MASK == 0 { 0 } else { 1 << GROUP_BITS | p & GROUP_MASK })
+            .collect::<Vec<_>>(),
+    );
     bench.write(layout::PIXELS, pixels);
     bench.write(
         layout::DEPTH,
-        &pixels.iter().map(|p| if p & 255 == 0 { f32::INFINITY } else { 3.0 }).collect::<Vec<_>>(),
+        &pixels.iter().map(|p| if p & GROUP_MASK == 0 { f32::INFINITY } else { 3.0 }).collect::<Vec<_>>(),
     );
     bench.write(layout::SMOOTH, &vec![0.0_f32; pixels.len()]);
     run(bench, WRITTEN);
@@ -55,7 +61,8 @@ fn error(bench: &mut Bench, name: &str, pixels: &[u32]) -> f64 {
 
 /// Packs luminance 0 to 1 and group of each pixel.
 fn image([width, height]: [u32; 2], pixel: impl Fn(u32, u32) -> (f32, u32)) -> Vec<u32> {
-    let pack = |(luminance, id): (f32, u32)| if id == 0 { 0 } else { ((luminance * 16_777_215.0) as u32) << 8 | id };
+    let pack =
+        |(luminance, id): (f32, u32)| if id == 0 { 0 } else { ((luminance * LUMINANCE_ONE) as u32) << GROUP_BITS | id };
     (0..width * height).map(|i| pack(pixel(i % width, i / width))).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Births, motion, deaths and fades against the reference.
 
 use celfx::io::volume::Volume;
-use celfx::smoke::params::Particle;
+use celfx::smoke::params::{DEAD, FULL_SIZE};
 use celfx::smoke::reference::birth::{birth, candidates};
 use celfx::smoke::reference::particles::Particles;
 use celfx::smoke::settings::{Emitter, Integrator, Shadow};
@@ -10,22 +10,6 @@ use celfx::smoke::{Sequence, Settings};
 use crate::common::apart;
 use crate::common::rig::{Rig, scene};
 use crate::common::scenes::{camera, desc, direction, grid, moving_puffs, puffs, random, volume};
-
-const DEAD: u32 = u32::MAX;
-const FULL_SIZE: u32 = 1 << 31;
-
-fn age(particle: &Particle) -> u32 {
-    particle.position_age[3].to_bits()
-}
-
-/// Frames so far born in this slot.
-fn births(particle: &Particle) -> u32 {
-    particle.step_generation[3].to_bits()
-}
-
-fn place(particle: &Particle) -> [f32; 3] {
-    [0, 1, 2].map(|a| particle.position_age[a])
-}
 
 fn assert_born(volume: &Volume, emitter: Option<Emitter>, seed: u32) {
     let settings = Settings { particles: 700, emitter, fade: 0, ..Settings::default() };
@@ -39,10 +23,10 @@ fn assert_born(volume: &Volume, emitter: Option<Emitter>, seed: u32) {
         match birth(&grid, emitter, &voxels, seed, slot as u32, 0) {
             Some(expected) => {
                 let bits = |p: [f32; 3]| p.map(f32::to_bits);
-                assert_eq!(bits(place(particle)), bits(expected), "slot {slot}, seed {seed}, {emitter:?}");
-                assert_eq!((age(particle), births(particle)), (FULL_SIZE, 1));
+                assert_eq!(bits(particle.position), bits(expected), "slot {slot}, seed {seed}, {emitter:?}");
+                assert_eq!((particle.age, particle.generation), (FULL_SIZE, 1));
             }
-            None => assert_eq!((age(particle), births(particle)), (DEAD, 0), "slot {slot}"),
+            None => assert_eq!((particle.age, particle.generation), (DEAD, 0), "slot {slot}"),
         }
     }
 }
@@ -93,10 +77,10 @@ fn compare(rig: &mut Rig, reference: &Particles, flipped: &mut [bool]) -> Differ
     let spheres = rig.spheres();
     for (slot, expected) in reference.slots().iter().enumerate() {
         let particle = &particles[slot];
-        let alive = age(particle) != DEAD;
+        let alive = particle.age != DEAD;
         let same = alive == expected.alive
-            && births(particle) == expected.births
-            && (!alive || age(particle) & !FULL_SIZE == expected.age);
+            && particle.generation == expected.births
+            && (!alive || particle.age & !FULL_SIZE == expected.age);
         flipped[slot] |= !same;
         if flipped[slot] || !alive {
             continue;

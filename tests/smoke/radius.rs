@@ -2,7 +2,7 @@
 
 use celfx::io::volume::Volume;
 use celfx::smoke::layout::{self, Pyramid, growth_rows};
-use celfx::smoke::params::Particle;
+use celfx::smoke::params::{FULL_SIZE, Particle};
 use celfx::smoke::reference::grow;
 use celfx::smoke::settings::{Grow, Radius};
 use celfx::smoke::{Settings, Shape};
@@ -28,7 +28,9 @@ fn serves(bench: &Bench, volume: &Volume) -> bool {
     let shape = Shape { dimensions, voxel_size, origin };
     match bench.desc.settings.grow {
         Grow::Field => shape.is_cubic(),
-        Grow::Growth => growth_rows(&shape).div_ceil(Pyramid::new(dimensions).turns()) <= bench.layout.search_parts,
+        Grow::Growth => {
+            growth_rows(&shape).div_ceil(Pyramid::new(dimensions).iterations()) <= bench.layout.search_parts
+        }
         _ => true,
     }
 }
@@ -61,8 +63,8 @@ fn beside(face: f32, step: f32) -> f32 {
 
 /// Runs the search for particles at these places.
 fn radii(bench: &mut Bench, volume: &Volume, positions: &[[f32; 3]]) -> Vec<f32> {
-    let full_size = f32::from_bits(0x8000_0000);
-    let particle = |p: &[f32; 3]| Particle { position_age: [p[0], p[1], p[2], full_size], step_generation: [0.0; 4] };
+    let particle =
+        |position: &[f32; 3]| Particle { position: *position, age: FULL_SIZE, displacement: [0.0; 3], generation: 0 };
     bench.write(layout::PARTICLES, &positions.iter().map(particle).collect::<Vec<_>>());
     bench.run(&Given {
         camera: Camera::default(),

@@ -1,5 +1,6 @@
 //! Tones and lines, given what they are made from: the smoothed luminance is read back, depth is the test's own.
 
+use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::reference::tone;
 use celfx::smoke::settings::{Operator, Outline, Tone};
 use celfx::smoke::{Settings, layout};
@@ -27,10 +28,10 @@ fn image() -> (Vec<u32>, Vec<f32>) {
         let step = [0.0, 0.03, 0.5][id.saturating_sub(1) as usize];
         let depth = 4.0 + step + 0.001 * x as f32 + if corner { 0.1 * noise(1) } else { 0.02 * (y as f32 * 0.2).sin() };
         let depth = if id == 0 { f32::INFINITY } else { depth };
-        (((luminance * 16_777_215.0) as u32) << 8 | id, depth)
+        (((luminance * LUMINANCE_ONE) as u32) << GROUP_BITS | id, depth)
     };
     let (pixels, depth): (Vec<u32>, Vec<f32>) = (0..COUNT).map(pixel).unzip();
-    (pixels.into_iter().map(|p| if p & 255 == 0 { 0 } else { p }).collect(), depth)
+    (pixels.into_iter().map(|p| if p & GROUP_MASK == 0 { 0 } else { p }).collect(), depth)
 }
 
 /// Runs the steps from tiles to the composite on the image, and compares with the reference.
@@ -43,7 +44,9 @@ fn assert_drawn(name: &str, settings: Settings) {
     let mut given = Given { camera, light: Light::default(), volume: &empty, frames: 0, rendered: true, omit: &[] };
     // Images leave layout UNDEFINED, and layers are cleared, in the first frame.
     bench.run(&given);
-    bench.write_seen(&pixels.iter().map(|p| if *p == 0 { 0 } else { 256 | p & 255 }).collect::<Vec<_>>());
+    bench.write_seen(
+        &pixels.iter().map(|p| if *p == 0 { 0 } else { 1 << GROUP_BITS | p & GROUP_MASK }).collect::<Vec<_>>(),
+    );
     bench.write(layout::PIXELS, &pixels);
     bench.write(layout::DEPTH, &depth);
     given.omit = &["smoke.clear", "smoke.shadow", "smoke.spheres", "smoke.luminance"];

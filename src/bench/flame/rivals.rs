@@ -6,7 +6,7 @@ use std::mem::offset_of;
 use crate::bench::rig::{EffectId, KernelBuffer, KernelsId, Rig};
 use crate::error::Result;
 use crate::flame::layout::{BUFFERS, CONTROL, resource};
-use crate::flame::params::{Control, KERNEL_CLASSES, KERNEL_PLACES};
+use crate::flame::params::{Control, KERNEL_CLASSES, KERNEL_PLACES, PRESENT_BITS};
 use crate::gpu::buffer::BufferDesc;
 use crate::plan::{BufferId, Command, Pass, PassId, Plan, Resource};
 use crate::shaders::flame as glsl;
@@ -23,9 +23,6 @@ const RANK: PassId = PassId(1);
 const SORTED: PassId = PassId(2);
 const WEIGHTED: PassId = PassId(3);
 
-/// Bits that a workgroup of `bench_blend.glsl` has for particles.
-const MOST_PARTICLES: usize = 256 * 32;
-
 /// The two of them, on an effect's lists.
 #[derive(Clone, Copy)]
 pub(super) struct Rivals {
@@ -37,7 +34,7 @@ impl Rivals {
     /// On the lists of a frame that the effect has rendered; it is in the `expected` mode.
     pub(super) fn new(rig: &mut Rig, effect: EffectId, scene: &Scene) -> Result<Rivals> {
         let particles = scene.particles.position.len();
-        assert!(particles <= MOST_PARTICLES, "a workload has at most {MOST_PARTICLES} particles");
+        assert!(particles <= PRESENT_BITS as usize, "a workload has at most {PRESENT_BITS} particles");
         let pixels = scene.size[0] as usize * scene.size[1] as usize;
         let mut buffers: Vec<_> = (0..BUFFERS).map(|id| KernelBuffer::Shared(effect, BufferId(id))).collect();
         let table = u64::from(KERNEL_CLASSES * KERNEL_PLACES * KERNEL_PLACES);

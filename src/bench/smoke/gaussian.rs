@@ -17,7 +17,7 @@ use crate::plan::{BufferId, Command, Kernel, Pass, PassId, Plan};
 use crate::shaders::smoke as glsl;
 use crate::smoke::Settings;
 use crate::smoke::layout::{PARAMS, PIXELS, REACHED, SMOOTH, WEIGHTS};
-use crate::smoke::params::{BLOCK, GaussianConstants, SLOT_PIXELS, TILE};
+use crate::smoke::params::{BLOCK, GROUP_BITS, GROUP_MASK, GaussianConstants, LUMINANCE_ONE, SLOT_PIXELS, TILE};
 use crate::smoke::reference::gaussian;
 
 const PASS: &str = "gaussian";
@@ -228,9 +228,9 @@ fn plan(variant: Variant, size: [u32; 2]) -> Plan {
 impl Picture {
     fn read(rig: &mut Rig, effect: EffectId, size: [u32; 2], settings: &Settings) -> Result<Picture> {
         let pixels: Vec<u32> = rig.read(effect, PIXELS, size[0] as usize * size[1] as usize)?;
-        // As in glsl/smoke/pixel.glsl.
-        let luminance: Vec<f64> = pixels.iter().map(|pixel| f64::from(pixel >> 8) / 16_777_215.0).collect();
-        let id: Vec<u32> = pixels.iter().map(|pixel| pixel & 255).collect();
+        let luminance = |pixel: &u32| f64::from(pixel >> GROUP_BITS) / f64::from(LUMINANCE_ONE);
+        let luminance: Vec<f64> = pixels.iter().map(luminance).collect();
+        let id: Vec<u32> = pixels.iter().map(|pixel| pixel & GROUP_MASK).collect();
         let [width, height] = size.map(|side| side as usize);
         let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
         Ok(Picture { size, id, smooth })

@@ -2,7 +2,7 @@
 
 use super::Pose;
 use crate::blur::mesh::Mesh;
-use crate::blur::params::{CLOSED, FRONT_BITS, FRONTS_A_WORD, TURNED};
+use crate::shaders::blur::constants::{CLOSED, FRONT_BITS, FRONTS_A_WORD, TURNED};
 
 /// [`super::Interval::fronts`] of frames i and i + 1. A shell that is flat in one of them, or that may hold the eye in one, is
 /// as one that is not closed.

@@ -4,7 +4,8 @@ use super::projection::Projection;
 use super::spline::{Spline, timeline};
 use super::{Motion, Pose, Window, cuts};
 use crate::blur::frame::{Knot, View};
-use crate::blur::params::{MOST_KNOTS, PIECE_SEGMENTS};
+use crate::blur::limits::MOST_KNOTS;
+use crate::shaders::blur::constants::PIECE_SEGMENTS;
 
 impl Motion {
     /// The frames that the trajectories of [`Motion::interval`] go through, and the weights that solve their splines, for

@@ -1,6 +1,7 @@
 //! What a render particle draws: a pure function of seed, particle, sample, repetition and flicker.
 
-use crate::flame::settings::{Sampling, Settings, Shape};
+use crate::flame::params::{PHASE_KEY, RENEWAL, SOBOL_KEY};
+use crate::flame::settings::{MOST_REPETITIONS, Sampling, Settings, Shape};
 use crate::reference::random::{hash, pcg, unit};
 
 /// What all draws of a frame depend on.
@@ -26,7 +27,7 @@ pub struct Draw {
 
 /// Bits of an index into the Sobol sequence for so many repetitions, 1 to 20.
 pub fn sobol_bits(repetitions: u32) -> u32 {
-    repetitions.max(1).next_power_of_two().trailing_zeros().clamp(1, 20)
+    repetitions.max(1).next_power_of_two().trailing_zeros().clamp(1, MOST_REPETITIONS.trailing_zeros())
 }
 
 impl Draws {
@@ -46,18 +47,18 @@ impl Draws {
         if self.flickered == 0 {
             return 0;
         }
-        let phase = u64::from(hash(self.seed, id, k, u32::MAX) >> 16);
+        let phase = u64::from(hash(self.seed, id, k, PHASE_KEY) >> 16);
         ((self.flickered >> 16) + (((self.flickered & 0xFFFF) + phase) >> 16)) as u32
     }
 
     /// The draw of render particle `k` of particle `id` in a repetition.
     pub fn draw(&self, id: u32, k: u32, repetition: u32) -> Draw {
-        let renewed = self.generation(id, k).wrapping_mul(0x9E37_79B9);
+        let renewed = self.generation(id, k).wrapping_mul(RENEWAL);
         let word = hash(self.seed, id, k, repetition).wrapping_add(renewed);
         let u = match self.sampling {
             Sampling::Independent => [0, 1, 2].map(|dimension: u32| unit(pcg(dimension.wrapping_add(word)))),
             Sampling::ShuffledSobol => {
-                let seed = hash(self.seed, id, k, u32::MAX - 1).wrapping_add(renewed);
+                let seed = hash(self.seed, id, k, SOBOL_KEY).wrapping_add(renewed);
                 sobol_point(seed, self.bits, repetition)
             }
         };

@@ -303,6 +303,7 @@ impl<'a> Exact<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flame::params::LIGHT_STEPS;
     use crate::flame::reference::mask::{Mask, SIDE};
     use crate::flame::reference::prepare::{self, Prepared};
     use crate::flame::reference::stochastic::{self, Rounding};
@@ -432,7 +433,7 @@ mod tests {
         let brightest = prepared.brightest;
         // Both see the same colours.
         for particle in &mut prepared.particles {
-            particle.colour = particle.light.map(|l| f64::from(l) / 65535.0 * brightest);
+            particle.colour = particle.light.map(|l| f64::from(l) / f64::from(LIGHT_STEPS) * brightest);
         }
         let bins = Bins::around(&frame, &prepared.particles, 256);
         let expected = render(&frame, &prepared.particles, bins, 128);

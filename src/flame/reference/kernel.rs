@@ -4,10 +4,11 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::weights::Weights;
+use crate::flame::params::LEAST_LOGARITHM;
 use crate::flame::settings::Shape;
 
 /// The logarithm of what is left is not below this.
-pub const FLOOR: f64 = -24.0;
+pub const FLOOR: f64 = LEAST_LOGARITHM as f64;
 
 /// What the render particles of a particle have in common.
 #[derive(Clone, Copy, Debug)]

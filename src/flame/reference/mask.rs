@@ -1,16 +1,11 @@
 //! Alpha of the sprites: a cone times noise, and the prefiltered levels in which nothing is averaged.
 
+use crate::flame::params::{MASK_LEVELS, MASK_SIDE, NOISE_CELLS};
 use crate::reference::noise::perlin;
 use crate::reference::random::{hash, unit};
 
 /// Texels of a mask along a side.
-pub const SIDE: usize = 64;
-
-/// Levels: sides of 64, 32, ..., 1.
-pub const LEVELS: u32 = 7;
-
-/// Cells of noise across a sprite.
-const CELLS: f64 = 4.0;
+pub const SIDE: usize = MASK_SIDE as usize;
 
 /// Alpha at the texels of every variant.
 #[derive(Clone, Debug)]
@@ -41,7 +36,8 @@ impl Mask {
             let (u, v) = (2.0 * s - 1.0, 2.0 * t - 1.0);
             // Off the lattice planes, on which noise is 0 at the corners of cells. A single number, as shaders have it.
             let z = f64::from((draw(2) >> 24) as f32 + (0.25 + 0.5 * unit(draw(3))));
-            let bumps = 0.5 + 0.5 * perlin([CELLS * s + whole(0), CELLS * t + whole(1), z]);
+            let cells = f64::from(NOISE_CELLS);
+            let bumps = 0.5 + 0.5 * perlin([cells * s + whole(0), cells * t + whole(1), z]);
             ((1.0 - (u * u + v * v).sqrt()).max(0.0) * bumps).clamp(0.0, 1.0)
         };
         let variants = variants as usize;
@@ -118,7 +114,7 @@ impl Mask {
 /// The level for sprites that are `pixels` wide where they are largest: the coarsest whose texels are not larger than a
 /// pixel. 0 for NaN.
 pub fn level(pixels: f64) -> u32 {
-    (0..LEVELS - 1).take_while(|level| pixels <= (SIDE >> (level + 1)) as f64).count() as u32
+    (0..MASK_LEVELS - 1).take_while(|level| pixels <= (SIDE >> (level + 1)) as f64).count() as u32
 }
 
 #[cfg(test)]
@@ -156,7 +152,7 @@ mod tests {
     #[test]
     fn levels_are_sorted_and_complete() {
         let mask = Mask::new(1, 2);
-        for level in 0..LEVELS {
+        for level in 0..MASK_LEVELS {
             let (sorted, below) = (mask.sorted(level), 4_usize.pow(level));
             assert!(sorted.chunks(below).all(|block| block.is_sorted_by(|a, b| a >= b)));
             let all = |values: &[f64]| {

@@ -2,12 +2,10 @@
 
 use super::mask;
 use crate::flame::colour;
+use crate::flame::params::{COUNT_KEY, LIGHT_STEPS, MOST_COUNT};
 use crate::flame::settings::{Colour, Settings};
 use crate::reference::random::{hash, unit};
 use crate::view::{Camera, FARTHEST};
-
-/// The most render particles of a particle in a repetition.
-const MOST_COUNT: f64 = 32_768.0;
 
 /// A particle in a frame. Tests may put a device's numbers into it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +24,7 @@ pub struct Particle {
     pub count: u32,
     /// Linear RGB.
     pub colour: [f64; 3],
-    /// The same in 65535ths of the frame's largest component.
+    /// The same in [`LIGHT_STEPS`] of the frame's largest component.
     pub light: [u32; 3],
 }
 
@@ -80,13 +78,13 @@ pub fn prepare(
 
 /// Mean number of render particles in a repetition at a temperature.
 pub fn mean_count(settings: &Settings, kelvin: f64) -> f64 {
-    (f64::from(settings.count) * kelvin / f64::from(settings.hottest)).min(MOST_COUNT)
+    (f64::from(settings.count) * kelvin / f64::from(settings.hottest)).min(MOST_COUNT.into())
 }
 
 /// The whole part, and one more if the fraction is above the particle's own threshold: no number pops from frame to
 /// frame.
 pub fn count(mean_count: f64, seed: u32, id: u32) -> u32 {
-    let one_more = mean_count.fract() > f64::from(unit(hash(seed, id, u32::MAX, 0)));
+    let one_more = mean_count.fract() > f64::from(unit(hash(seed, id, COUNT_KEY, 0)));
     mean_count.floor() as u32 + u32::from(one_more)
 }
 
@@ -100,9 +98,9 @@ pub fn colour(settings: &Settings, kelvin: f64) -> [f64; 3] {
     }
 }
 
-/// A component in 65535ths of the brightest.
+/// A component in [`LIGHT_STEPS`] of the brightest.
 pub fn light(component: f64, brightest: f64) -> u32 {
-    if brightest > 0.0 { (component / brightest * 65535.0 + 0.5).floor() as u32 } else { 0 }
+    if brightest > 0.0 { (component / brightest * f64::from(LIGHT_STEPS) + 0.5).floor() as u32 } else { 0 }
 }
 
 /// The mask's level in a frame whose nearest particle is at view depth `nearest`; 0 without one.

@@ -1,5 +1,7 @@
 //! What repetitions add up to.
 
+use crate::flame::params::LIGHT_STEPS;
+
 /// What repetitions add up to, a pixel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sums {
@@ -47,14 +49,14 @@ impl Sums {
 
     /// Mean linear RGB a pixel, of a frame whose largest component is `brightest`.
     pub fn mean(&self, brightest: f64) -> Vec<[f64; 3]> {
-        let scale = brightest / 65535.0 / f64::from(self.repetitions);
+        let scale = brightest / f64::from(LIGHT_STEPS) / f64::from(self.repetitions);
         self.light.iter().map(|sum| sum.map(|s| s as f64 * scale)).collect()
     }
 
     /// Unbiased variance of one repetition's linear RGB a pixel; 0 of a single repetition.
     pub fn variance(&self, brightest: f64) -> Vec<[f64; 3]> {
         let n = u128::from(self.repetitions);
-        let scale = (brightest / 65535.0).powi(2) / (n * n.max(2).saturating_sub(1)) as f64;
+        let scale = (brightest / f64::from(LIGHT_STEPS)).powi(2) / (n * n.max(2).saturating_sub(1)) as f64;
         let of = |sum: u64, square: u64| (n * u128::from(square) - u128::from(sum).pow(2)) as f64 * scale;
         let pixels = self.light.iter().zip(&self.squares);
         pixels.map(|(sum, square)| std::array::from_fn(|c| of(sum[c], square[c]))).collect()

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::data_uri::percent_decoded;
+use percent_encoding::percent_decode_str;
 
 /// What a URI may be.
 pub(super) const REACH: &str = "a relative path of a file in this one's folder, in the one above, or below these";
@@ -14,11 +14,11 @@ pub(super) fn beside(gltf: &Path, uri: &str) -> Result<PathBuf, String> {
     if start.contains(':') {
         return Err(format!("is at `{uri}`"));
     }
-    let name = String::from_utf8_lossy(&percent_decoded(uri)).into_owned();
+    let name = percent_decode_str(uri).decode_utf8_lossy();
     if name.contains(['\\', '\0']) {
         return Err(format!("is at `{uri}`, which has a backslash or a zero"));
     }
-    let name = Path::new(&name);
+    let name = Path::new(&*name);
     let Some(above) = levels_above(name).filter(|above| *above <= 1) else {
         return Err(format!("is at `{uri}`, which is absolute or leads out of the folder above"));
     };

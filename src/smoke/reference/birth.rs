@@ -2,6 +2,7 @@
 
 use super::grid::Grid;
 use crate::reference::random::{hash, unit};
+use crate::shaders::smoke::constants::{BIRTH_PLACE, BIRTH_VOXEL};
 use crate::smoke::settings::Emitter;
 
 /// The voxels that particles are born in: occupied, and overlapping the emitter if there is one; x fastest.
@@ -31,7 +32,7 @@ pub fn birth(
     slot: u32,
     generation: u32,
 ) -> Option<[f32; 3]> {
-    let draw = u64::from(hash(seed, slot, generation, 0));
+    let draw = u64::from(hash(seed, slot, generation, BIRTH_VOXEL));
     let voxel = candidates.get(((draw * candidates.len() as u64) >> 32) as usize)?;
     Some(std::array::from_fn(|axis| {
         let [mut low, mut high] = faces(grid, axis, voxel[axis]);
@@ -39,7 +40,7 @@ pub fn birth(
             low = low.max(emitter.min[axis]);
             high = high.min(emitter.max[axis]);
         }
-        low + unit(hash(seed, slot, generation, 1 + axis as u32)) * (high - low)
+        low + unit(hash(seed, slot, generation, BIRTH_PLACE + axis as u32)) * (high - low)
     }))
 }
 

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::grid::Grid;
 use super::{birth, grow};
 use crate::reference::random::hash;
+use crate::shaders::smoke::constants::FIRST_AGE;
 use crate::smoke::settings::{Integrator, Settings};
 
 /// The particles of one effect. A new one starts afresh: its first [`Particles::step`] is the first frame.
@@ -191,7 +192,7 @@ impl Ghost {
 
 /// With a lifetime, particles of the first frame have lived for a while, so that they don't all end together.
 fn first_age(settings: &Settings, seed: u32, slot: u32) -> u32 {
-    let word = u64::from(hash(seed, slot, 0, 4));
+    let word = u64::from(hash(seed, slot, 0, FIRST_AGE));
     settings.lifetime.map_or(0, |lifetime| ((word * u64::from(lifetime)) >> 32) as u32)
 }
 

@@ -9,13 +9,14 @@
 //!
 //! Logarithms, weights and errors are whole numbers, so that the order of their sums does not matter.
 
+use crate::blur::limits::LIGHT_CANDIDATES;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::table::{lessons, scale};
 use crate::blur::params::{
-    self, ALLOWED, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, LIGHT_CANDIDATES, MOST_CHANGE,
-    MOST_FEW, MOST_SITES, MOST_STRIDE, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, WANTED_SITES, WHOLE,
+    self, ALLOWED, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, MOST_CHANGE, MOST_FEW,
+    MOST_SITES, MOST_STRIDE, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, WANTED_SITES, WHOLE,
 };
 use crate::blur::reference::visible::{Colour, Frame, Surface};
 use crate::shaders::common::constants::MOST_HALF;

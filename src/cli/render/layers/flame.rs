@@ -42,10 +42,10 @@ fn mask(made: &Made) -> LayerData {
 fn particles(made: &Made) -> LayerData {
     let positions: Vec<[f32; 4]> = made.read(POSITIONS, made.particles);
     let prepared: Vec<Particle> = made.read(PARTICLES, made.particles);
-    let kept = positions.iter().zip(&prepared).filter(|(_, particle)| particle.draw[2] > 0);
+    let kept = positions.iter().zip(&prepared).filter(|(_, particle)| particle.count > 0);
     let row = |([x, y, z, temperature], particle): (&[f32; 4], &Particle)| {
-        let [r, g, b, mean_count] = particle.colour;
-        [*x, *y, *z, *temperature, mean_count, particle.view[3], r, g, b]
+        let [r, g, b, alpha] = particle.colour;
+        [*x, *y, *z, *temperature, particle.mean_count, alpha, r, g, b]
     };
     LayerData::table(COLUMNS, kept.flat_map(row).collect())
 }
@@ -62,9 +62,11 @@ mod tests {
     fn dropped_particles_are_left_out_and_pixels_taken_apart() {
         let positions: Vec<[f32; 4]> = (0..4).map(|i| [i as f32, 10.0, 20.0, 1000.0 + i as f32]).collect();
         let particle = |count: u32| Particle {
-            view: [7.0, 7.0, 7.0, 2.5],
-            colour: [0.5, 0.25, 0.125, 6.5],
-            draw: [9, 9, count, 9],
+            view: [7.0; 2],
+            mean_count: 6.5,
+            colour: [0.5, 0.25, 0.125, 2.5],
+            id: 9,
+            count,
             ..Particle::zeroed()
         };
         // The last row is one of an earlier frame with more particles.

@@ -5,14 +5,14 @@ use crate::cli::render::outputs::LayerData;
 use crate::smoke::layout::{
     CONTROL, DEPTH, GROUPS, OUTLINE_LAYER, PICTURE, PIXELS, SHADOW, SMOOTH, SPHERES, TONE_LAYER, VISIBLE,
 };
-use crate::smoke::params::Control;
+use crate::smoke::params::{Control, GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
 pub(super) const LAYERS: &[Entry] = &[
     Entry::array("smoke.spheres", &[CONTROL, VISIBLE, SPHERES, GROUPS], spheres),
     Entry::image("smoke.luminance", &[PIXELS], |made| LayerData::Value(luminance(made))),
     Entry::image("smoke.depth", &[DEPTH], |made| LayerData::Value(made.image(DEPTH))),
     Entry::image("smoke.id", &[PIXELS], |made| {
-        LayerData::Value(made.image::<u32>(PIXELS).into_iter().map(|word| (word & 255) as f32).collect())
+        LayerData::Value(made.image::<u32>(PIXELS).into_iter().map(|word| (word & GROUP_MASK) as f32).collect())
     }),
     Entry::image("smoke.shadow", &[SHADOW], |made| LayerData::Value(made.image(SHADOW))),
     Entry::image("smoke.smooth", &[SMOOTH, PIXELS], smooth),
@@ -21,11 +21,8 @@ pub(super) const LAYERS: &[Entry] = &[
     Entry::image("smoke", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
-/// Full scale of the luminance that a pixel's word holds above its group, as in `glsl/smoke/pixel.glsl`.
-const LUMINANCE_ONE: f32 = 16_777_215.0;
-
 fn luminance(made: &Made) -> Vec<f32> {
-    made.image::<u32>(PIXELS).into_iter().map(|word| (word >> 8) as f32 / LUMINANCE_ONE).collect()
+    made.image::<u32>(PIXELS).into_iter().map(|word| (word >> GROUP_BITS) as f32 / LUMINANCE_ONE).collect()
 }
 
 /// The luminance itself where nothing is smoothed.

@@ -2,6 +2,7 @@
 
 use ::meshopt::{EncodeExpMode, encode_filter_exp, encode_filter_oct, encode_filter_quat};
 use ::meshopt::{encode_index_buffer, encode_index_sequence, encode_vertex_buffer, encode_vertex_buffer_level};
+use base64::prelude::*;
 
 use super::faults::says;
 use super::*;
@@ -199,7 +200,7 @@ fn no_damage_to_compressed_bytes_panics() {
         let root = whole.text();
         let read = |root: &str, bytes: &[u8]| {
             let mut root: Value = serde_json::from_str(root).unwrap();
-            let uri = format!("data:application/octet-stream;base64,{}", gltf_file::base64(bytes));
+            let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(bytes));
             root["buffers"][0]["uri"] = uri.into();
             gltf::parse(Path::new("mesh.gltf"), root.to_string().as_bytes(), &Choice::default())
                 .map(|scene| scene.topology.objects)

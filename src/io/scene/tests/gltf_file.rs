@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use base64::prelude::*;
 use serde_json::{Value, json};
 
 /// The parts of a file.
@@ -89,7 +90,7 @@ impl GltfFile {
 
     /// Writes it with the buffer as a data URI.
     pub(super) fn write_gltf(&self, path: &Path) {
-        let uri = format!("data:application/octet-stream;base64,{}", base64(&self.bytes));
+        let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&self.bytes));
         fs::write(path, self.text(Some(uri))).unwrap();
     }
 
@@ -110,14 +111,4 @@ impl GltfFile {
         let length = 12 + chunks.len() as u32;
         [&b"glTF"[..], &2u32.to_le_bytes(), &length.to_le_bytes(), &chunks].concat()
     }
-}
-
-pub(super) fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let group = |three: &[u8]| {
-        let bits = (0..3).fold(0u32, |bits, i| bits << 8 | u32::from(three.get(i).copied().unwrap_or(0)));
-        let digits = (0..4).map(move |i| char::from(DIGITS[(bits >> (18 - 6 * i)) as usize % 64]));
-        digits.take(three.len() + 1).collect::<String>() + &"=".repeat(3 - three.len())
-    };
-    bytes.chunks(3).map(group).collect()
 }

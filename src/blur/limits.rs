@@ -1,0 +1,33 @@
+//! How much there may be of everything, and how much is dispatched.
+
+use crate::shaders::blur::constants::{COARSE, COARSE_SEARCHES, FINE, SEARCHES, STARTS};
+
+/// Places of frames that are drawn because the host has no images of them.
+pub const DRAWN_PLACES: usize = 4;
+/// The most objects that completion learns colours of; places of others have what the frame that shows them has.
+pub const MOST_TABLES: u32 = 256;
+/// The most samples in one of completion's lists. A round of so many would not be within the loop budget: it and what would
+/// come after it are left out, and samples keep the side that is known.
+pub const MOST_LISTED: u64 = 1 << 21;
+/// The most frames that trajectories go through.
+pub const MOST_KNOTS: usize = 64;
+/// The most speed lines of a picture.
+pub const MOST_LINES: u32 = 16_384;
+/// Candidates of each round of the search for the light.
+pub const LIGHT_CANDIDATES: [u32; SEARCHES as usize] = {
+    let mut candidates = [FINE * FINE; SEARCHES as usize];
+    candidates[0] = STARTS;
+    let mut round = 1;
+    while round < COARSE_SEARCHES as usize {
+        candidates[round] = COARSE * COARSE;
+        round += 1;
+    }
+    candidates
+};
+/// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
+/// stays as it is.
+pub const GRADIENT_DISPATCHES: u32 = 16;
+/// As [`GRADIENT_DISPATCHES`], where neither frame shows anything.
+pub const MEAN_DISPATCHES: u32 = 4;
+/// Rounds in which the points are chosen that speed lines trail from.
+pub const CHOOSE_ROUNDS: u32 = 3;

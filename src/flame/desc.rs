@@ -1,0 +1,57 @@
+//! What the effect is made for.
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::flame::settings::{HOTTEST, Settings};
+use crate::host::DepthFormat;
+
+/// What a flame effect is made for. All of it is fixed until `resize`.
+#[derive(Clone, Debug)]
+pub struct Desc {
+    /// Pixels of the picture, each at least 1.
+    pub size: [u32; 2],
+    /// Format of the target images; any that can be a colour attachment.
+    pub target_format: vk::Format,
+    /// What is in front of the fire and behind it, if frames say so.
+    pub scene: Option<SceneFormat>,
+    /// The most particles of a frame.
+    pub particles: u32,
+    /// The highest temperature of a frame in kelvin, above 0, at most [`HOTTEST`]: hotter particles count as this hot.
+    pub hottest: f32,
+    /// Same seed, same render particles.
+    pub seed: u32,
+    /// The look.
+    pub settings: Settings,
+    /// Whether every buffer that is a layer is kept for reading after the frame.
+    pub layers: bool,
+    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
+    pub skipping: bool,
+}
+
+/// How frames hand over the depth of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneFormat {
+    /// A depth image of the host.
+    Image(DepthFormat),
+    /// View depth in metres, `f32` a pixel, rows from the top, infinity where nothing is: as the smoke effect leaves it.
+    Buffer,
+}
+
+impl Desc {
+    /// Checks every value that does not depend on the device.
+    pub(super) fn validate(&self) -> Result<()> {
+        self.settings.validate()?;
+        if self.settings.spread.is_none() {
+            let allowed = "metres, 0 or above; celfx::flame::mean_spacing finds the usual one";
+            return Err(Error::setting("flame.spread", "none", allowed));
+        }
+        if self.size.contains(&0) {
+            return Err(Error::setting("size", format!("{:?}", self.size), "at least 1 pixel a side"));
+        }
+        if !(self.hottest > 0.0 && self.hottest <= HOTTEST) {
+            return Err(Error::setting("flame's hottest particle", self.hottest, "kelvin, above 0, at most 1e6"));
+        }
+        Ok(())
+    }
+}
