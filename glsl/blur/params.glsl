@@ -6,12 +6,12 @@
 
 #extension GL_GOOGLE_include_directive : require
 
-const uint NONE = 0xffffffffu;      // the number of nothing
+const uint NONE = 0xffffffffu;     // no index, no bin, no colour: there is none
 const uint TILE = 8u;              // pixels along each side of a tile, and of workgroups over pixels
 const uint BLOCK = 128u;           // triangles of a workgroup of the refinement
 const uint ROUNDS = 16u;           // rounds of it, at most
 const uint USUAL_ROUNDS = 11u;     // after these, each round's tolerance is twice the one's before
-const float UNIT = 262144.0;        // 1 - k' is a multiple of 2^-18 while it is smoothed
+const float UNIT = 262144.0;       // 1 - k' is a multiple of 2^-18 while it is smoothed
 const uint BASE_MASK = 0x3ffffffu; // a triangle's last word: base triangle,
 const uint SPLIT_SHIFT = 26u;      // which of its edges are split in this round,
 const uint OPEN_SHIFT = 29u;       // which may be split in this round or later; where none may:
