@@ -89,7 +89,7 @@ fn volumes(folder: &Folder) {
             ],
         );
     }
-    let density: Vec<f32> = (0..4096).map(|i| if random(i) % 5 == 0 { 0.0 } else { 1.0 }).collect();
+    let density: Vec<f32> = (0..4096).map(|i| if random(i).is_multiple_of(5) { 0.0 } else { 1.0 }).collect();
     let block: [(&str, &[u64], &[f32]); 3] =
         [("density", &[16, 16, 16], &density), ("voxel_size", &[3], &[0.08; 3]), ("origin", &[3], &[-1.2, 0.3, -0.6])];
     write_arrays(folder, "block.npz", &block);
