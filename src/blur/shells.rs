@@ -2,12 +2,11 @@
 //!
 //! Which way the corners of a file's triangles go around says nothing: exporters differ, and mirrors turn all of them over.
 
+use crate::blur::params::NONE;
 use crate::view::Camera;
 
 /// Share of the largest coordinate by which rounding a position to f32 can move it, with room for sums over triangles.
 const ROUNDING: f64 = 1.0 / 2_097_152.0;
-/// The shell of a triangle that is of none.
-const NONE: u32 = u32::MAX;
 
 /// The shells of a mesh. A *shell* is what hangs together over edges that two triangles share, if all of its edges are
 /// such ones and all of its triangles can be turned so that any two run along their edge in opposite directions. Triangles

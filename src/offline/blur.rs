@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+use crate::blur::motion::MOST_FRAMES;
 use crate::blur::motion::WINDOW;
 use crate::blur::params::MOST_SEGMENTS;
 use crate::blur::settings::{Settings, Trajectory};
@@ -13,8 +14,8 @@ use crate::io::ReadError;
 use crate::io::scene::{AnimatedMesh, shading_groups};
 use crate::view::Camera;
 
-/// Frames to each side of an interval in which different poses are looked for, where poses are held.
-pub(crate) const FARTHEST: u32 = 4 * WINDOW as u32;
+/// Frames to each side of an interval in which different poses are looked for.
+pub(crate) const FRAMES_BESIDE: u32 = MOST_FRAMES as u32;
 /// Steps between two frames with `trajectory = "exact"`.
 pub(crate) const STEPS: u32 = 8;
 
@@ -146,8 +147,8 @@ impl BlurInput {
     pub fn desc(&self, size: [u32; 2], rendered: [u32; 2], seed: u32, toon: bool, layers: bool) -> blur::Desc {
         let settings = &self.settings;
         let inner = if settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
-        let first = self.frames[0].max(rendered[0].saturating_sub(FARTHEST + 1));
-        let last = self.frames[1].min(rendered[1].saturating_add(FARTHEST + 1));
+        let first = self.frames[0].max(rendered[0].saturating_sub(FRAMES_BESIDE + 1));
+        let last = self.frames[1].min(rendered[1].saturating_add(FRAMES_BESIDE + 1));
         let desc = blur::Desc::new(&self.mesh, size, settings.clone());
         blur::Desc {
             target_format: super::TARGET_FORMAT,
@@ -207,7 +208,7 @@ impl BlurInput {
         let wanted = WINDOW + self.settings.reach().ceil() as usize;
         let (mut at, mut changes) = (from, 0);
         self.read(at)?;
-        while let Some(frame) = next(at).filter(|frame| changes < wanted && frame.abs_diff(current) <= FARTHEST) {
+        while let Some(frame) = next(at).filter(|frame| changes < wanted && frame.abs_diff(current) <= FRAMES_BESIDE) {
             self.read(frame)?;
             changes += usize::from(!self.is_held(at, frame));
             at = frame;

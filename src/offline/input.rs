@@ -3,7 +3,7 @@
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-use super::blur::{BlurFrame, FARTHEST};
+use super::blur::{BlurFrame, FRAMES_BESIDE};
 use crate::blur::{self, GroupInput, IntervalInput, PoseInput, TopologyInput, Trajectories};
 use crate::error::Result;
 use crate::flame::ParticleInput;
@@ -243,7 +243,7 @@ fn spans(frame: &BlurFrame, knots: &[blur::Knot]) -> u32 {
 pub(crate) fn resident(wanted: u32, points: u32, memory: u64, limit: u64) -> u32 {
     let fits = (memory / 4).min(limit) / (12 * u64::from(points.max(1)));
     let fits = u32::try_from(fits).unwrap_or(u32::MAX);
-    let window = 2 * FARTHEST + 2;
+    let window = 2 * FRAMES_BESIDE + 2;
     window.min(fits).min(wanted).max(4)
 }
 

@@ -29,9 +29,9 @@ const VERTICES: u32 = 4_000;
 const FRAMES: [usize; 6] = [20, 21, 22, 25, 26, 27];
 const SIZE: [u32; 2] = [1280, 720];
 /// Degrees by which the light turns in a frame.
-const TURN: f64 = 15.0;
+const LIGHT_TURN: f64 = 15.0;
 /// The bar before the other.
-const FRONT: u32 = 0;
+const FRONT_BAR: u32 = 0;
 /// Layer `blur.mask` where one of the frames shows the place.
 const ONE_SIDED: [u32; 2] = [SHOWN_PREVIOUS, SHOWN_NEXT];
 
@@ -59,7 +59,7 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
     let frames = if session.quick { vec![FRAMES[0], FRAMES[FRAMES.len() - 1]] } else { FRAMES.to_vec() };
     for current in frames {
         let scene = Scene { current, ..Scene::builtin(Builtin::Crossing, VERTICES, SIZE)? };
-        let open = scene.without(FRONT)?;
+        let open = scene.without(FRONT_BAR)?;
         let (images, open_images) = (images(&scene), images(&open));
         let truth = render(&mut session.rig, &open, &open_images, Completion::None)?.1;
         runs.clear();
@@ -88,7 +88,7 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
 
 /// Frames under a light that turns.
 fn images(scene: &Scene) -> [Vec<[f32; 4]>; 2] {
-    let light = |frames: f64| DQuat::from_rotation_y((frames * TURN).to_radians()) * LIGHT;
+    let light = |frames: f64| DQuat::from_rotation_y((frames * LIGHT_TURN).to_radians()) * LIGHT;
     scene.images([light(-0.5), light(0.5)])
 }
 
@@ -125,7 +125,8 @@ fn render(
 /// truth is the mixture of what the surface looks like in both frames.
 fn compare(found: &Layers, truth: &Layers, [width, height]: [u32; 2]) -> Vec<f64> {
     let (width, height) = (width as usize, height as usize);
-    let is_rear = |pixel: usize| [found, truth].iter().all(|layers| layers.object[pixel].is_some_and(|o| o != FRONT));
+    let is_rear =
+        |pixel: usize| [found, truth].iter().all(|layers| layers.object[pixel].is_some_and(|o| o != FRONT_BAR));
     let inside = (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| y * width + x));
     let counted = inside.filter(|pixel| {
         let mut around = [pixel - width, *pixel, pixel + width].into_iter().flat_map(|row| row - 1..=row + 1);

@@ -34,7 +34,7 @@ const VARIANTS: [(&str, Change); 8] = [
 const WORKLOADS: [(&str, [u32; 2], u32); 2] = [("paper", [512, 512], 1), ("1920x1080", FULL_HD, 2)];
 const VERTICES: u32 = 10_000;
 /// Of the picture that others are compared with, in pixels.
-const FINE: f32 = 0.1;
+const FINE_TOLERANCE: f32 = 0.1;
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
     for (name, size, cut) in WORKLOADS {
@@ -67,7 +67,8 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
         let rig = &mut session.rig;
         let settings = change(Settings::default());
         let defaults = Settings::default();
-        let fine = Settings { refine: Refine::Error, tolerance: FINE, edge: defaults.edge, ..settings.clone() };
+        let fine =
+            Settings { refine: Refine::Error, tolerance: FINE_TOLERANCE, edge: defaults.edge, ..settings.clone() };
         let truth = match truths.iter().position(|(known, _)| *known == fine) {
             Some(place) => place,
             None => {
@@ -110,7 +111,7 @@ fn render(rig: &mut Rig, scene: &Scene, images: &[Picture; 2], settings: &Settin
 fn accuracy(picture: &[[f32; 4]], truth: &[[f32; 4]], next: &[[f32; 4]]) -> Accuracy {
     let pixels = picture.iter().zip(truth).zip(next).filter(|((a, b), next)| a != next || b != next);
     let differences = pixels.flat_map(|((a, b), _)| [0, 1, 2, 3].map(|c| f64::from(a[c] - b[c]).abs())).collect();
-    let of = format!("tolerance {FINE} with the other settings, linear channels 0 to 1 where anything moves");
+    let of = format!("tolerance {FINE_TOLERANCE} with the other settings, linear channels 0 to 1 where anything moves");
     Deviation::of(differences).map(|deviation| (deviation, of))
 }
 

@@ -14,7 +14,7 @@ const DIRECTION_UNIT: f64 = 1_048_576.0;
 /// Units of a position or velocity: 2^16 a pixel.
 const PIXEL_UNIT: f64 = 65_536.0;
 /// The largest position or velocity in units, 2^40: 16 million pixels. What is farther counts as there.
-const FARTHEST: f64 = 1_099_511_627_776.0;
+const FARTHEST_PLACE: f64 = 1_099_511_627_776.0;
 /// A mean velocity below this share of the largest one has no direction.
 const NO_MEAN: f64 = 1e-6;
 /// Speeds below this, in pixels per frame, have no direction either.
@@ -44,7 +44,7 @@ impl Mover {
         Mover {
             point,
             direction: [x, y].map(|c| (c / length * DIRECTION_UNIT).round() as i64),
-            place: motion.map(|c| (c * PIXEL_UNIT).round().clamp(-FARTHEST, FARTHEST) as i64),
+            place: motion.map(|c| (c * PIXEL_UNIT).round().clamp(-FARTHEST_PLACE, FARTHEST_PLACE) as i64),
         }
     }
 

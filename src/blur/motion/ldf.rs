@@ -7,7 +7,7 @@
 use super::clusters::{Mover, otsu};
 
 /// The most rounds of axis and cut.
-const ROUNDS: usize = 30;
+const MOST_ROUNDS: usize = 30;
 /// Eigenvalues below this share of the largest are 0: the values do not vary that way.
 const RANK: f64 = 1e-10;
 
@@ -24,7 +24,7 @@ pub(super) fn split(movers: &mut [Mover]) -> Option<usize> {
     });
     let (axis, mut best) = raw.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let mut middle = otsu(movers, |mover| scatter.along(&axis, mover))?.0;
-    for _ in 0..ROUNDS {
+    for _ in 0..MOST_ROUNDS {
         let next = scatter.discriminant(&movers[..middle], &movers[middle..]);
         let mut trial = movers.to_vec();
         match otsu(&mut trial, |mover| scatter.along(&next, mover)) {

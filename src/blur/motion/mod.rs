@@ -57,8 +57,8 @@ pub struct Window<'a> {
 /// than 2e-6 pixels.
 pub const WINDOW: usize = 12;
 
-/// Frames to each side that are looked at for different poses.
-const FARTHEST: usize = 4 * WINDOW;
+/// Frames to each side of an interval in which different poses are looked for, where poses are held.
+pub(crate) const MOST_FRAMES: usize = 4 * WINDOW;
 
 /// A piece of the trajectories, from one time to another, in frames after frame i.
 #[repr(C)]
@@ -152,8 +152,8 @@ impl Motion {
 
     /// The part of a window that is looked at: it has enough poses even where each is held for some frames.
     fn nearby<'a>(&self, window: &Window<'a>) -> Window<'a> {
-        let first = window.current.saturating_sub(FARTHEST);
-        let end = window.poses.len().min(window.current + 2 + FARTHEST);
+        let first = window.current.saturating_sub(MOST_FRAMES);
+        let end = window.poses.len().min(window.current + 2 + MOST_FRAMES);
         let between = if self.settings.trajectory == Trajectory::Exact { window.between } else { &[] };
         Window { frame: window.frame, poses: &window.poses[first..end], current: window.current - first, between }
     }

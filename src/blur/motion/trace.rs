@@ -14,7 +14,7 @@ use crate::threads::together;
 /// A point that moves less than this many pixels from frame i to frame i + 1 is static.
 const STATIC: f64 = 0.5;
 /// Points that are worked on together: what belongs to them stays in the cache.
-const BLOCK: usize = 512;
+const TRACED: usize = 512;
 /// The largest number that the device is given.
 const MOST: f64 = f32::MAX as f64;
 
@@ -83,10 +83,10 @@ impl Traces {
             pieces: vec![Piece::zeroed(); points * spans],
         };
         let shared = Shared::new(task);
-        let mut slabs: Vec<_> = traces.pieces.chunks_mut(points).map(|slab| slab.chunks_mut(BLOCK)).collect();
-        let outputs = traces.motion.chunks_mut(BLOCK).zip(traces.moves.chunks_mut(BLOCK));
+        let mut slabs: Vec<_> = traces.pieces.chunks_mut(points).map(|slab| slab.chunks_mut(TRACED)).collect();
+        let outputs = traces.motion.chunks_mut(TRACED).zip(traces.moves.chunks_mut(TRACED));
         let blocks = outputs.enumerate().map(|(n, (motion, moves))| Block {
-            first: n * BLOCK,
+            first: n * TRACED,
             motion,
             moves,
             pieces: slabs.iter_mut().filter_map(Iterator::next).collect(),

@@ -2,12 +2,12 @@
 
 use super::distort::{Drawing, Fragment, interpolate};
 use super::raster::{Clip, Raster, Shape, raster, volume};
-use crate::blur::params;
+use crate::blur::params::{LEAST_WEIGHT, SAME_DEPTH};
 
 /// Share by which the depth that a tap sees may differ from that of the surface looked for.
-const DEPTH_TOLERANCE: f64 = params::SAME_DEPTH as f64;
+const DEPTH_TOLERANCE: f64 = SAME_DEPTH as f64;
 /// Weight of the visible taps above which a colour is known.
-const LEAST_WEIGHT: f64 = params::LEAST_WEIGHT as f64;
+const KNOWN_WEIGHT: f64 = LEAST_WEIGHT as f64;
 /// What a device may lose of a depth, as a share of it, besides what a moved corner changes.
 const DEPTH_ROUNDING: f64 = 1e-5;
 /// How far a device may have a place on screen from where it is, in pixels.
@@ -57,7 +57,7 @@ pub struct Look {
 impl Look {
     /// The colour, where it is known.
     pub fn known(&self) -> Option<Colour> {
-        (self.weight > LEAST_WEIGHT).then_some(self.colour)
+        (self.weight > KNOWN_WEIGHT).then_some(self.colour)
     }
 }
 
@@ -104,7 +104,7 @@ impl<'a> Frame<'a> {
                 (0..4).for_each(|i| colour[i] += share * value[i]);
             }
         }
-        look.uncertain |= (look.weight - LEAST_WEIGHT).abs() < 2.0 * PLACE_ROUNDING;
+        look.uncertain |= (look.weight - KNOWN_WEIGHT).abs() < 2.0 * PLACE_ROUNDING;
         look.colour = if look.weight > 0.0 { colour.map(|c| c / look.weight) } else { [0.0; 4] };
         look
     }

@@ -22,7 +22,7 @@ use crate::io::scene::{Source, references};
 use crate::io::sequence::{Input, Sequence};
 use crate::io::shot::{Background, Shot};
 use crate::io::volume::VolumeSequence;
-use crate::offline::blur::{FARTHEST, STEPS};
+use crate::offline::blur::{FRAMES_BESIDE, STEPS};
 
 /// Hashes of what the frames of a shot are made from. Files are read once.
 pub(super) struct Origins<'a> {
@@ -141,7 +141,7 @@ impl<'a> Origins<'a> {
         let [first, last] = self.shot.frames;
         let around = |before: u32, after: u32| frame.saturating_sub(before).max(first)..=(frame + after).min(last);
         let steps = if blur.settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
-        for at in around(FARTHEST + 1, FARTHEST) {
+        for at in around(FRAMES_BESIDE + 1, FRAMES_BESIDE) {
             let times = (0..steps).map(|step| f64::from(at) + f64::from(step) / f64::from(steps));
             times.for_each(|time| add(hash, self.shot.camera(time)));
         }

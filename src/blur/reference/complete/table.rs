@@ -5,13 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::blur::params::{self, LARGEST_SCALE, UNITS};
+use crate::blur::params::{BINS, LARGEST_SCALE, SIDE, UNITS};
 use crate::blur::reference::visible::{Colour, Frame, Surface};
 
-/// Bins along each side of the octahedral map.
-pub const SIDE: usize = params::SIDE as usize;
-/// Bins of an object.
-pub const BINS: usize = params::BINS as usize;
 /// The largest channel in units.
 const MOST: u32 = UNITS as u32 - 1;
 
@@ -28,8 +24,8 @@ pub fn bin(normal: [f64; 3]) -> Option<usize> {
     let [x, y, z] = normal.map(|c| c / length);
     let sign = |c: f64| if c < 0.0 { -1.0 } else { 1.0 };
     let [x, y] = if z < 0.0 { [(1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)] } else { [x, y] };
-    let place = |c: f64| (((c * 0.5 + 0.5) * SIDE as f64) as usize).min(SIDE - 1);
-    Some(place(y) * SIDE + place(x))
+    let place = |c: f64| (((c * 0.5 + 0.5) * f64::from(SIDE)) as u32).min(SIDE - 1);
+    Some((place(y) * SIDE + place(x)) as usize)
 }
 
 /// The scale of pixels: the least power of two that no channel of any of them, alpha included, is above, 1 to 16. Channels
@@ -80,7 +76,7 @@ impl Sum {
 /// if all are empty.
 pub fn filled(bins: &[Option<[u32; 4]>]) -> Option<Vec<[u32; 4]>> {
     let mut levels = vec![bins.to_vec()];
-    let mut side = SIDE;
+    let mut side = SIDE as usize;
     while side > 1 {
         side /= 2;
         let below = &levels[levels.len() - 1];
@@ -163,13 +159,14 @@ impl Table {
         let mut objects: BTreeMap<u32, [Vec<Sum>; 2]> = BTreeMap::new();
         for (k, frame) in [frame, other].into_iter().enumerate() {
             for Lesson { object, bin, colour, .. } in lessons(surface, frame, scale) {
-                let sums = objects.entry(object).or_insert_with(|| [(); 2].map(|()| vec![Sum::default(); BINS]));
+                let sums =
+                    objects.entry(object).or_insert_with(|| [(); 2].map(|()| vec![Sum::default(); BINS as usize]));
                 sums[k][bin].add(colour);
             }
         }
         let means = |[own, other]: &[Vec<Sum>; 2]| {
             let mean = |place: usize| own[place].mean().or_else(|| other[place].mean());
-            filled(&(0..BINS).map(mean).collect::<Vec<_>>())
+            filled(&(0..BINS as usize).map(mean).collect::<Vec<_>>())
         };
         Table { filled: objects.iter().filter_map(|(object, sums)| Some((*object, means(sums)?))).collect(), scale }
     }

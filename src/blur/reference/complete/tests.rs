@@ -1,9 +1,14 @@
 use super::gradient::{hsv, hue_difference, predict, rgb};
-use super::table::{BINS, SIDE, bin, filled, quantised, scale};
+use super::table::{bin, filled, quantised, scale};
 use super::*;
+use crate::blur::params;
 use crate::blur::reference::distort::Fragment;
 use crate::blur::reference::visible::rig::{Rig, Square};
 use crate::blur::reference::visible::shade;
+
+/// Bins of a table, and along each of its sides.
+const ALL_BINS: usize = params::BINS as usize;
+const SIDE_BINS: usize = params::SIDE as usize;
 
 fn close(a: Colour, b: Colour, tolerance: f64) -> bool {
     (0..4).all(|i| (a[i] - b[i]).abs() <= tolerance)
@@ -15,8 +20,8 @@ fn grey(value: f64) -> Colour {
 
 #[test]
 fn every_bin_holds_the_normal_at_its_centre() {
-    for place in 0..BINS {
-        let [x, y] = [place % SIDE, place / SIDE].map(|c| (c as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0);
+    for place in 0..ALL_BINS {
+        let [x, y] = [place % SIDE_BINS, place / SIDE_BINS].map(|c| (c as f64 + 0.5) / SIDE_BINS as f64 * 2.0 - 1.0);
         let z = 1.0 - x.abs() - y.abs();
         let unfolded = if z < 0.0 { [(1.0 - y.abs()) * x.signum(), (1.0 - x.abs()) * y.signum()] } else { [x, y] };
         assert_eq!(bin([unfolded[0] * 3.0, unfolded[1] * 3.0, z * 3.0]), Some(place));
@@ -30,12 +35,12 @@ fn every_bin_holds_the_normal_at_its_centre() {
 #[test]
 fn one_bin_fills_all_and_full_ones_stay() {
     for place in [0, 31, 500, 1023] {
-        let mut bins = vec![None; BINS];
+        let mut bins = vec![None; ALL_BINS];
         bins[place] = Some([7, 65_535, 1, 30_000]);
-        assert_eq!(filled(&bins), Some(vec![[7, 65_535, 1, 30_000]; BINS]));
+        assert_eq!(filled(&bins), Some(vec![[7, 65_535, 1, 30_000]; ALL_BINS]));
     }
-    assert_eq!(filled(&vec![None; BINS]), None);
-    let all: Vec<Option<[u32; 4]>> = (0..BINS as u32).map(|i| Some([i, 2 * i, 3 * i, 4 * i])).collect();
+    assert_eq!(filled(&vec![None; ALL_BINS]), None);
+    let all: Vec<Option<[u32; 4]>> = (0..ALL_BINS as u32).map(|i| Some([i, 2 * i, 3 * i, 4 * i])).collect();
     assert_eq!(filled(&all), all.iter().copied().collect());
 }
 
@@ -44,15 +49,15 @@ fn an_empty_bin_takes_sixteenths_of_those_above() {
     // One bin of each four is filled, so the level above is `f`.
     let f = |x: u32, y: u32| 1000 * x + 3 * y * y;
     let with = |odd: u32| {
-        let mut bins = vec![None; BINS];
+        let mut bins = vec![None; ALL_BINS];
         for (x, y) in (0..256).map(|i| (i % 16, i / 16)) {
-            bins[(2 * y + odd) as usize * SIDE + (2 * x + odd) as usize] = Some([f(x, y); 4]);
+            bins[(2 * y + odd) as usize * SIDE_BINS + (2 * x + odd) as usize] = Some([f(x, y); 4]);
         }
         filled(&bins).unwrap()
     };
     let mixed = |own: u32, in_x: u32, in_y: u32, in_both: u32| [(9 * own + 3 * in_x + 3 * in_y + in_both + 8) / 16; 4];
     let (even, odd) = (with(0), with(1));
-    let at = |bins: &[[u32; 4]], x: usize, y: usize| bins[y * SIDE + x];
+    let at = |bins: &[[u32; 4]], x: usize, y: usize| bins[y * SIDE_BINS + x];
     assert_eq!(at(&even, 9, 11), mixed(f(4, 5), f(5, 5), f(4, 6), f(5, 6)));
     assert_eq!(at(&even, 9, 10), mixed(f(4, 5), f(5, 5), f(4, 4), f(5, 4)));
     assert_eq!(at(&odd, 8, 10), mixed(f(4, 5), f(3, 5), f(4, 4), f(3, 4)));
@@ -63,8 +68,8 @@ fn an_empty_bin_takes_sixteenths_of_those_above() {
     assert_eq!(at(&even, 9, 31), mixed(f(4, 15), f(5, 15), f(11, 15), f(10, 15)));
     assert_eq!(at(&odd, 0, 0), mixed(f(0, 0), f(0, 15), f(15, 0), f(15, 15)));
     // Each of the filled children counts once, whatever it was made of, and halves are rounded up.
-    let mut bins = vec![None; BINS];
-    (bins[0], bins[1], bins[SIDE], bins[2]) = (Some([10; 4]), Some([11; 4]), Some([11; 4]), Some([30; 4]));
+    let mut bins = vec![None; ALL_BINS];
+    (bins[0], bins[1], bins[SIDE_BINS], bins[2]) = (Some([10; 4]), Some([11; 4]), Some([11; 4]), Some([30; 4]));
     let all = filled(&bins).unwrap();
     assert_eq!(at(&all, 20, 20), [21; 4], "(11 + 30) / 2");
 }

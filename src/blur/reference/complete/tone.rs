@@ -9,37 +9,22 @@
 //!
 //! Logarithms, weights and errors are whole numbers, so that the order of their sums does not matter.
 
-use crate::blur::limits::LIGHT_CANDIDATES;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::table::{lessons, scale};
+use crate::blur::limits::LIGHT_CANDIDATES;
 use crate::blur::params::{
-    self, ALLOWED, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, MOST_CHANGE, MOST_FEW,
-    MOST_SITES, MOST_STRIDE, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, WANTED_SITES, WHOLE,
+    ALLOWED, AROUND, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, LEAST_COLOUR, LOGARITHM,
+    MOST_CHANGE, MOST_FEW, MOST_SITES, MOST_STRIDE, REACH, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, STILL_STARTS,
+    TONE_STEPS, TURNED_STARTS, WANTED_SITES, WHOLE,
 };
 use crate::blur::reference::visible::{Colour, Frame, Surface};
 use crate::shaders::common::constants::MOST_HALF;
 
-/// Units of a natural logarithm.
-const LOGARITHM: f64 = params::LOGARITHM as f64;
-/// Added to colours before their logarithm: what is black has no tone.
-const LEAST_COLOUR: f64 = params::LEAST_COLOUR as f64;
-/// The largest channel that counts.
-const BRIGHTEST: f64 = MOST_HALF as f64;
-/// Steps of the cosine to the light that is found, of which each has its tone.
-const TONE_STEPS: usize = params::TONE_STEPS as usize;
 /// How tones are solved for in the search, and those under the light that is found.
 const SEARCHING: Weighing = Weighing { scale: CLEAR, times: 2 };
 const FINDING: Weighing = Weighing { scale: RESIDUAL, times: REPEATS as usize };
-/// Candidates of the first round under a light that stays, and those around each direction under one that turns.
-const STILL_STARTS: usize = params::STILL_STARTS as usize;
-const TURNED_STARTS: usize = params::TURNED_STARTS as usize;
-/// How far from each other directions of a light that turns are in the first round.
-const AROUND: f64 = params::AROUND as f64;
-/// The distance that each later round halves.
-const REACH: f64 = params::REACH as f64;
-
 /// A place that both frames show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
@@ -76,13 +61,18 @@ pub fn unit(normal: [f64; 3]) -> Option<[f64; 3]> {
     (length > 0.0 && length.is_finite()).then(|| normal.map(|c| c / length))
 }
 
+/// What is added to colours before their logarithm.
+fn added() -> f64 {
+    LEAST_COLOUR.into()
+}
+
 fn lit(channel: f64) -> f64 {
-    if channel > 0.0 { channel.min(BRIGHTEST) + LEAST_COLOUR } else { LEAST_COLOUR }
+    if channel > 0.0 { channel.min(MOST_HALF.into()) + added() } else { added() }
 }
 
 /// How a channel changes, in units, halves rounded up.
 pub fn change(from: f64, to: f64) -> i32 {
-    let logarithm = (lit(to).ln() - lit(from).ln()) * LOGARITHM;
+    let logarithm = (lit(to).ln() - lit(from).ln()) * f64::from(LOGARITHM);
     ((logarithm + 0.5).floor() as i32).clamp(-MOST_CHANGE, MOST_CHANGE)
 }
 
@@ -246,16 +236,17 @@ fn beside(light: [f64; 3], index: usize, count: usize, distance: f64) -> [f64; 3
 fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     if round > 0 {
         let directions = if round < COARSE_SEARCHES as usize { COARSE } else { FINE } as usize;
-        let distance = REACH / f64::from(1_u32 << round);
+        let distance = f64::from(REACH) / f64::from(1_u32 << round);
         let own = [index / directions, index % directions];
         return [0, 1].map(|side| beside(best[side], own[side], directions - 1, distance));
     }
-    if index < STILL_STARTS {
-        return [spread(index, STILL_STARTS); 2];
+    let [all, still, around] = [STARTS, STILL_STARTS, TURNED_STARTS].map(|count| count as usize);
+    if index < still {
+        return [spread(index, still); 2];
     }
-    let turned = index - STILL_STARTS;
-    let earlier = spread(turned / TURNED_STARTS, (STARTS as usize - STILL_STARTS) / TURNED_STARTS);
-    [earlier, beside(earlier, 1 + turned % TURNED_STARTS, TURNED_STARTS, AROUND)]
+    let turned = index - still;
+    let earlier = spread(turned / around, (all - still) / around);
+    [earlier, beside(earlier, 1 + turned % around, around, AROUND.into())]
 }
 
 /// The directions under which tones leave least unexplained. In the first round of 24, later of 32 steps, solved for twice;
@@ -271,7 +262,7 @@ pub fn search([all, few]: &[Vec<Site>; 2]) -> [[f64; 3]; 2] {
             let tones = solve(places, lights, steps, SEARCHING);
             let left = |site: &Site| site.weight * badness(residual(site, steps_at(site, lights, steps), &tones));
             let left: u32 = places.iter().map(left).sum();
-            if round == 0 && index >= STILL_STARTS { left + left / 8 } else { left }
+            if round == 0 && index >= STILL_STARTS as usize { left + left / 8 } else { left }
         };
         let index = (0..count as usize).min_by_key(|index| cost(*index)).unwrap_or(0);
         best = candidate(round, index, best);
@@ -291,22 +282,23 @@ impl Tones {
     /// The tones under lights: those common to all places; then of each object what its own depart from these by, solved
     /// for in the same way, so that an object of which little is seen has the common ones.
     fn under(sites: &[Site], lights: [[f64; 3]; 2], brightest: f64) -> Tones {
-        let tones = solve(sites, lights, TONE_STEPS, FINDING);
+        let steps = TONE_STEPS as usize;
+        let tones = solve(sites, lights, steps, FINDING);
         let (own, objects) = (BTreeMap::new(), BTreeMap::new());
         let mut found = Tones { lights, tones, own, unexplained: [0; 2], objects, brightest };
         let mut by_object: BTreeMap<u32, Vec<Site>> = BTreeMap::new();
         sites.iter().for_each(|site| by_object.entry(site.object).or_default().push(*site));
         for (object, sites) in by_object {
             let rest = |site: &Site| {
-                let [to, from] = steps_at(site, lights, TONE_STEPS);
+                let [to, from] = steps_at(site, lights, steps);
                 let change = [0, 1, 2].map(|i| site.change[i] - found.tones[to][i] + found.tones[from][i]);
                 Site { change, ..*site }
             };
             let rest: Vec<Site> = sites.iter().map(rest).collect();
-            let departing = solve(&rest, lights, TONE_STEPS, FINDING);
+            let departing = solve(&rest, lights, steps, FINDING);
             let mut sums = [0; 2];
             for (site, rest) in sites.iter().zip(&rest) {
-                let left = u64::from(badness(residual(rest, steps_at(rest, lights, TONE_STEPS), &departing)));
+                let left = u64::from(badness(residual(rest, steps_at(rest, lights, steps), &departing)));
                 let there = u64::from(badness(changed(site.change)));
                 sums = [sums[0] + left, sums[1] + 2 * there + u64::from(ALLOWED)];
                 found.unexplained = [found.unexplained[0] + left, found.unexplained[1] + there];
@@ -353,7 +345,7 @@ impl Tones {
         }
         let (to, from) = (self.tone(object, hidden, there), self.tone(object, 1 - hidden, here));
         let channel = |i: usize| {
-            let value = (known[i].max(0.0) + LEAST_COLOUR) * ((to[i] - from[i]) / LOGARITHM).exp() - LEAST_COLOUR;
+            let value = (known[i].max(0.0) + added()) * ((to[i] - from[i]) / f64::from(LOGARITHM)).exp() - added();
             value.clamp(0.0, self.brightest.max(known[i]))
         };
         Some([channel(0), channel(1), channel(2), known[3]])
