@@ -10,7 +10,6 @@ use super::prepare::Particle;
 use super::stochastic::Frame;
 use super::weights::Weights;
 use super::{half_side, pixels_per_slope, world};
-use crate::flame::params::{LEAST_NEIGHBOUR, ONE_COLOUR, OPAQUE};
 use crate::flame::settings::Shape;
 use crate::threads::map;
 
@@ -164,6 +163,15 @@ struct Seen {
     depth: f64,
 }
 
+// The numbers of the specification. Kernels have the nearest floats (`LEAST_NEIGHBOUR`, `ONE_COLOUR`, `OPAQUE`), and what
+// they lose by that is of what the reference measures.
+/// Below so many of a bin's optical depths, a neighbour's colour counts less and less.
+const SURE_NEIGHBOUR: f64 = 0.01;
+/// Of a bin whose colours vary by less than this share of their mean square, it is not sure that they vary.
+const SAME_COLOUR: f64 = 0.01;
+/// Transmittance below which nothing is seen any more.
+const UNSEEN: f64 = 1e-6;
+
 /// Lays bins behind each other. Over the optical depth x of a bin, h, colours are c + b (x - h / 2): b is the monotonised
 /// central difference of the means of the bin and its neighbours (van Leer 1977, eq. 66, on a grid of unequal cells). A bin
 /// whose colours vary less than b alone would make them is of a few sheets, not of a mixture that changes: b fades there.
@@ -173,7 +181,7 @@ fn composite(column: &[Bin], borders: &[f64]) -> Seen {
     let bin = |index: usize| column.get(index).copied().unwrap_or_default();
     for (index, ends) in borders.windows(2).enumerate() {
         let here = bin(index);
-        if here.optical <= 0.0 || left <= f64::from(OPAQUE) {
+        if here.optical <= 0.0 || left <= UNSEEN {
             continue;
         }
         let (nearer, farther) = (bin(index.wrapping_sub(1)), bin(index + 1));
@@ -205,13 +213,13 @@ fn leaning(h: f64) -> f64 {
 fn fade(colour: DVec3, square: DVec3, change: DVec3) -> f64 {
     let variance = (square - colour * colour).element_sum().max(0.0).powi(2);
     let own = (change.length_squared() / 24.0).powi(2);
-    let least = (f64::from(ONE_COLOUR) * square.element_sum()).powi(2);
+    let least = (SAME_COLOUR * square.element_sum()).powi(2);
     variance / (variance + own + least).max(1e-30)
 }
 
 /// The slope in the middle one of three bins, from their optical depths and their colours times those.
 fn slope([before, h, behind]: [f64; 3], sums: [DVec3; 3]) -> DVec3 {
-    let sure = |other: f64| other / (other + f64::from(LEAST_NEIGHBOUR) * h);
+    let sure = |other: f64| other / (other + SURE_NEIGHBOUR * h);
     let mean = |sum: DVec3, h: f64| if h > 0.0 { sum / h } else { DVec3::ZERO };
     let [nearer, colour, farther] = [mean(sums[0], before), mean(sums[1], h), mean(sums[2], behind)];
     DVec3::from_array(std::array::from_fn(|channel| {
