@@ -216,6 +216,7 @@ impl Bench {
         let params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);
         let tables = Tables::new(&self.desc.settings, &self.layout);
         let Bench { plan, passes, desc, layout, .. } = self;
+        plan.clear();
         Steps { plan, passes, desc, layout, moment: &moment }.fill(&frame, &params, &tables);
         let list = &self.passes.list;
         self.plan.steps.retain(|step| !given.omit.contains(&list[usize::from(step.pass.0)].name));
