@@ -156,3 +156,43 @@ fn a_second_place_is_found() {
     ];
     assert_eq!(found, expected);
 }
+
+/// The references read these from the shaders, and would follow where one is changed by mistake.
+#[test]
+fn the_numbers_of_the_methods_are_what_was_decided() {
+    use celfx::shaders::{blur::constants as blur, flame::constants as flame, smoke::constants as smoke};
+    let whole = [
+        // Of the refinement: rounds, and those after which tolerances grow; of the tables: bins along a side.
+        [blur::ROUNDS, blur::USUAL_ROUNDS, blur::SIDE, blur::BETWEEN, 16, 11, 32, u32::MAX],
+        // Of tones: steps of the cosine, a change that is seen, places.
+        [blur::TONE_STEPS, blur::CLEAR, blur::WANTED_SITES, blur::MOST_STRIDE, 48, 77, 16_384, 256],
+        [blur::MOST_SITES, blur::MOST_FEW, blur::FEW_WEIGHT, blur::WHOLE, 32_768, 8192, 8, 16],
+        // Of the search for the light: candidates, and steps of the cosine in its rounds.
+        [blur::STARTS, blur::STILL_STARTS, blur::TURNED_STARTS, blur::SEARCHES, 1024, 512, 8, 6],
+        [blur::COARSE_SEARCHES, blur::COARSE, blur::FINE, blur::FIRST_STEPS, 4, 9, 5, 24],
+        [blur::SEARCH_STEPS, blur::RESIDUAL, blur::REPEATS, blur::ALLOWED, 32, 13, 5, 4],
+        // Of the mask, and the keys of draws.
+        [flame::MASK_SIDE, flame::MASK_LEVELS, flame::COUNT_KEY, flame::PHASE_KEY, 64, 7, u32::MAX, u32::MAX],
+        [flame::SOBOL_KEY, flame::RENEWAL, smoke::BIRTH_VOXEL, smoke::BIRTH_PLACE, u32::MAX - 1, 0x9E37_79B9, 0, 1],
+    ];
+    for [a, b, c, d, expected @ ..] in whole {
+        assert_eq!([a, b, c, d], expected);
+    }
+    assert_eq!((blur::MOST_CHANGE, blur::EVEN, smoke::FIRST_AGE), (1024, 128, 4));
+    let real = [
+        (blur::LEAST_EDGE, 0.25),
+        (blur::LEAST_SURFACE, 1.0 / 64.0),
+        (blur::LEAST_SPEED_SQUARED, 1e-12),
+        (blur::LEAST_EXTENT, 1e-3),
+        (blur::UNIT, 262_144.0),
+        (blur::UNITS, 65_536.0),
+        (blur::LARGEST_SCALE, 16.0),
+        (blur::LOGARITHM, 256.0),
+        (blur::AROUND, 0.25),
+        (flame::LIGHT_STEPS, 65_535.0),
+        (flame::MOST_COUNT, 32_768.0),
+        (flame::NOISE_CELLS, 4.0),
+        (flame::LEAST_LOGARITHM, -24.0),
+    ];
+    real.into_iter().for_each(|(found, expected)| assert_eq!(found, expected));
+}

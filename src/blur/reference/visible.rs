@@ -2,12 +2,11 @@
 
 use super::distort::{Drawing, Fragment, interpolate};
 use super::raster::{Clip, Raster, Shape, raster, volume};
-use crate::blur::params::{LEAST_WEIGHT, SAME_DEPTH};
 
 /// Share by which the depth that a tap sees may differ from that of the surface looked for.
-const DEPTH_TOLERANCE: f64 = SAME_DEPTH as f64;
+const DEPTH_TOLERANCE: f64 = 0.003;
 /// Weight of the visible taps above which a colour is known.
-const KNOWN_WEIGHT: f64 = LEAST_WEIGHT as f64;
+const KNOWN_WEIGHT: f64 = 0.25;
 /// What a device may lose of a depth, as a share of it, besides what a moved corner changes.
 const DEPTH_ROUNDING: f64 = 1e-5;
 /// How far a device may have a place on screen from where it is, in pixels.

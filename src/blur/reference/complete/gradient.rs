@@ -1,8 +1,10 @@
 //! The paper's way (section 2.8, equation 13): a colour changes from frame to frame as those of its neighbours do.
 
 use super::inward;
-use crate::blur::params::GREY;
 use crate::blur::reference::visible::{Colour, Frame, Shaded};
+
+/// Saturation below which a colour has no hue; the kernels have the nearest float.
+const NO_HUE: f64 = 0.05;
 
 /// Hue, saturation, value of a colour that is not premultiplied: hue and saturation from 0 to 1, hue 0 where there is
 /// none, value the largest channel.
@@ -49,7 +51,7 @@ fn premultiplied([h, s, v, a]: [f64; 4]) -> Colour {
 /// What changes between two colours in HSV and alpha. Hue does not where either has none.
 fn change(to: Colour, from: Colour) -> [f64; 4] {
     let (to, from) = (hsva(to), hsva(from));
-    let hue = if to[1].min(from[1]) < f64::from(GREY) { 0.0 } else { hue_difference(to[0], from[0]) };
+    let hue = if to[1].min(from[1]) < NO_HUE { 0.0 } else { hue_difference(to[0], from[0]) };
     [hue, to[1] - from[1], to[2] - from[2], to[3] - from[3]]
 }
 

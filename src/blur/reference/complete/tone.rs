@@ -15,9 +15,9 @@ use std::f64::consts::TAU;
 use super::table::{lessons, scale};
 use crate::blur::limits::LIGHT_CANDIDATES;
 use crate::blur::params::{
-    ALLOWED, AROUND, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, LEAST_COLOUR, LOGARITHM,
-    MOST_CHANGE, MOST_FEW, MOST_SITES, MOST_STRIDE, REACH, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, STILL_STARTS,
-    TONE_STEPS, TURNED_STARTS, WANTED_SITES, WHOLE,
+    ALLOWED, AROUND, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, LOGARITHM, MOST_CHANGE,
+    MOST_FEW, MOST_SITES, MOST_STRIDE, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, STILL_STARTS, TONE_STEPS,
+    TURNED_STARTS, WANTED_SITES, WHOLE,
 };
 use crate::blur::reference::visible::{Colour, Frame, Surface};
 use crate::shaders::common::constants::MOST_HALF;
@@ -25,6 +25,11 @@ use crate::shaders::common::constants::MOST_HALF;
 /// How tones are solved for in the search, and those under the light that is found.
 const SEARCHING: Weighing = Weighing { scale: CLEAR, times: 2 };
 const FINDING: Weighing = Weighing { scale: RESIDUAL, times: REPEATS as usize };
+/// The distance that each round of the search after the first halves; the kernels have the nearest float.
+const LATER_REACH: f64 = 0.24;
+/// Added to colours before their logarithm, so that what is black has one; as [`LATER_REACH`].
+const ADDED: f64 = 0.01;
+
 /// A place that both frames show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
@@ -61,13 +66,8 @@ pub fn unit(normal: [f64; 3]) -> Option<[f64; 3]> {
     (length > 0.0 && length.is_finite()).then(|| normal.map(|c| c / length))
 }
 
-/// What is added to colours before their logarithm.
-fn added() -> f64 {
-    LEAST_COLOUR.into()
-}
-
 fn lit(channel: f64) -> f64 {
-    if channel > 0.0 { channel.min(MOST_HALF.into()) + added() } else { added() }
+    if channel > 0.0 { channel.min(MOST_HALF.into()) + ADDED } else { ADDED }
 }
 
 /// How a channel changes, in units, halves rounded up.
@@ -236,7 +236,7 @@ fn beside(light: [f64; 3], index: usize, count: usize, distance: f64) -> [f64; 3
 fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     if round > 0 {
         let directions = if round < COARSE_SEARCHES as usize { COARSE } else { FINE } as usize;
-        let distance = f64::from(REACH) / f64::from(1_u32 << round);
+        let distance = LATER_REACH / f64::from(1_u32 << round);
         let own = [index / directions, index % directions];
         return [0, 1].map(|side| beside(best[side], own[side], directions - 1, distance));
     }
@@ -345,7 +345,7 @@ impl Tones {
         }
         let (to, from) = (self.tone(object, hidden, there), self.tone(object, 1 - hidden, here));
         let channel = |i: usize| {
-            let value = (known[i].max(0.0) + added()) * ((to[i] - from[i]) / f64::from(LOGARITHM)).exp() - added();
+            let value = (known[i].max(0.0) + ADDED) * ((to[i] - from[i]) / f64::from(LOGARITHM)).exp() - ADDED;
             value.clamp(0.0, self.brightest.max(known[i]))
         };
         Some([channel(0), channel(1), channel(2), known[3]])
