@@ -7,6 +7,7 @@
 //! | `desc.rs` | what an effect is made for |
 //! | `settings.rs` | the look: one field a key of the shot's table |
 //! | `frame.rs` | what a host says of one frame |
+//! | `limits.rs` | how much there may be of everything, and how work is cut into dispatches |
 //! | `layout.rs` | its buffers and images, and how large they are |
 //! | `params.rs` | what its kernels are told |
 //! | `passes.rs` | its passes, each declared once |
@@ -22,7 +23,9 @@ use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use crate::error::{Error, Result};
+use crate::gpu::buffer::BufferDesc;
 use crate::gpu::executor::{Description, Executor};
+use crate::gpu::image::ImageDesc;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::Resources;
@@ -35,6 +38,8 @@ pub trait Kind: fmt::Debug + Sized {
     const NAME: &'static str;
     /// What it is made for, fixed until it is resized.
     type Desc: Clone + fmt::Debug;
+    /// Which buffers and images it has.
+    type Layout: Inventory<Desc = Self::Desc>;
     /// What a host says of one frame.
     type Frame<'a>;
     /// What will be known of a frame once it has been recorded.
@@ -49,11 +54,11 @@ pub trait Kind: fmt::Debug + Sized {
     /// The same for a picture of another size.
     fn resized(desc: &Self::Desc, size: [u32; 2]) -> Self::Desc;
 
-    /// Device memory, before alignment.
-    fn memory(&self, desc: &Self::Desc) -> Memory;
+    /// Its buffers and images.
+    fn layout(&self) -> &Self::Layout;
 
-    /// Its passes, and the buffers and images that they name. Called once.
-    fn describe(&mut self, desc: &Self::Desc) -> Description;
+    /// Takes its list of passes, once.
+    fn take_passes(&mut self) -> Vec<Pass>;
 
     /// Fills the cleared plan with a frame's steps. Allocates nothing.
     ///
@@ -66,6 +71,36 @@ pub trait Kind: fmt::Debug + Sized {
 
     /// Notes that a planned frame has been recorded.
     fn recorded(&mut self, desc: &Self::Desc, frame: &Self::Frame<'_>, recorded: Self::Recorded);
+}
+
+/// Which buffers and images an effect has, by their ids: own ones first, then those that the host hands over.
+pub trait Inventory {
+    /// What the effect is made for.
+    type Desc;
+    /// How many buffers the host hands over.
+    const HOST_BUFFERS: usize;
+    /// How many images the host hands over.
+    const HOST_IMAGES: usize;
+
+    /// The own buffers.
+    fn buffers(&self) -> Vec<BufferDesc>;
+
+    /// The own images.
+    fn images(&self, desc: &Self::Desc) -> Vec<ImageDesc>;
+
+    /// The memory of both, before alignment.
+    fn memory(&self, desc: &Self::Desc) -> Memory;
+}
+
+/// Passes of a kind, and what they name.
+pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
+    Description {
+        passes: kind.take_passes(),
+        buffers: kind.layout().buffers(),
+        host_buffers: K::Layout::HOST_BUFFERS,
+        images: kind.layout().images(desc),
+        host_images: K::Layout::HOST_IMAGES,
+    }
 }
 
 /// What a device allows.
@@ -118,7 +153,7 @@ impl<K: Kind> Effect<K> {
     /// A setting out of range, or something larger than `limit`.
     pub fn memory(desc: &K::Desc, limit: u64) -> Result<Memory> {
         let limits = DeviceLimits { storage_range: limit, image_side: u32::MAX };
-        Ok(K::new(desc, &limits)?.memory(desc))
+        Ok(K::new(desc, &limits)?.layout().memory(desc))
     }
 
     /// Creates pipelines, buffers and images; leaves nothing behind on error.
@@ -132,7 +167,7 @@ impl<K: Kind> Effect<K> {
         // SAFETY: the caller's.
         let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
         let mut kind = K::new(&desc, &DeviceLimits::new(&properties.limits))?;
-        let description = kind.describe(&desc);
+        let description = describe(&mut kind, &desc);
         let plan = Plan::for_passes(&description.passes);
         // SAFETY: the caller's.
         let executor = unsafe { Executor::new(host, allocator, description)? };

@@ -2,9 +2,12 @@
 #![cfg(feature = "cli")]
 
 use ash::vk;
+use celfx::effect::Inventory;
 use celfx::error::Error;
-use celfx::smoke::layout::{self, LOOP_BUDGET, LUMINANCE_ENTRIES, Layout, Pyramid, growth_rows};
+use celfx::smoke::layout::{self, Layout};
+use celfx::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
 use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
+use celfx::smoke::search::{Pyramid, growth_rows};
 use celfx::smoke::settings::{Emitter, Grow, Outline, Placement, Radius, Shadow, Tone};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 
@@ -88,7 +91,7 @@ fn memory_is_what_buffers_and_images_take() {
     for shadow in [Shadow::Exact, Shadow::Map] {
         let desc = Desc { point_light: true, ..desc([64, 64], [8; 3], Settings { shadow, ..many(100, 6) }) };
         let layout = Layout::new(&desc, RANGE).unwrap();
-        let buffers: u64 = layout.buffers().map(|buffer| buffer.size).sum();
+        let buffers: u64 = layout.buffers().iter().map(|buffer| buffer.size).sum();
         let images = layout.images(&desc);
         let pixels = images.iter().map(|i| u64::from(i.extent[0] * i.extent[1] * i.layers)).sum::<u64>();
         assert_eq!(Smoke::memory(&desc, RANGE).unwrap().total(), buffers + 4 * pixels);

@@ -7,6 +7,7 @@ mod allocations;
 use allocations::allocated;
 use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
+use celfx::effect::Inventory;
 use celfx::host::{HostImage, ImageState};
 use celfx::plan::{BufferId, Command, ImageId, Kernel, Pass, PassId, Plan, Resource, Usage};
 use celfx::shaders::smoke as glsl;
@@ -14,7 +15,8 @@ use celfx::smoke::layout::{self, Layout};
 use celfx::smoke::params::SmokeParams;
 use celfx::smoke::passes::Passes;
 use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
-use celfx::smoke::steps::{Moment, Steps, Tables};
+use celfx::smoke::steps::{Moment, Steps};
+use celfx::smoke::tables::Tables;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
 use celfx::view::{Camera, Light};
 
@@ -403,8 +405,8 @@ fn barriers_of_whole_frames_cover_every_dependency() {
     for desc in combinations() {
         let mut effect = Effect::new(desc);
         effect.fill(&effect.frame(), &effect.moment());
-        let images = effect.layout.images(&effect.desc).len() + 2;
-        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + 2, images);
+        let images = effect.layout.images(&effect.desc).len() + layout::HOST_IMAGES;
+        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + layout::HOST_BUFFERS, images);
         tracker.begin(&effect.plan, &effect.passes.list);
         // For each resource the last write: its step, stages and accesses; and all barriers so far, by step.
         let mut written: std::collections::HashMap<Resource, (usize, Usage)> = Default::default();

@@ -5,6 +5,7 @@ use ash::vk;
 
 use crate::blur::desc::Desc;
 use crate::blur::settings::Completion;
+use crate::effect::Inventory;
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
@@ -348,14 +349,18 @@ impl Layout {
         }
         Ok(())
     }
+}
 
-    /// Descriptions of the own buffers, in order.
-    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
-        self.sizes.descriptions(&NAMES, [PARAMS])
+impl Inventory for Layout {
+    type Desc = Desc;
+    const HOST_BUFFERS: usize = HOST_BUFFERS;
+    const HOST_IMAGES: usize = HOST_IMAGES;
+
+    fn buffers(&self) -> Vec<BufferDesc> {
+        self.sizes.descriptions(&NAMES, [PARAMS]).collect()
     }
 
-    /// Descriptions of the own images, in order.
-    pub fn images(&self, desc: &Desc) -> [ImageDesc; IMAGES as usize] {
+    fn images(&self, desc: &Desc) -> Vec<ImageDesc> {
         let seen = ImageDesc {
             name: "blur seen",
             extent: desc.size,
@@ -392,7 +397,7 @@ impl Layout {
         };
         // What no frame brings is never drawn.
         let outside = if desc.outer { desc.size } else { [1, 1] };
-        [
+        let all: [ImageDesc; IMAGES as usize] = [
             seen,
             seen,
             depth,
@@ -416,11 +421,11 @@ impl Layout {
             ghost,
             ImageDesc { name: "blur ghost depth", extent: ghost.extent, ..depth },
             ImageDesc { name: "blur background", ..frame },
-        ]
+        ];
+        all.into()
     }
 
-    /// Device memory, before alignment.
-    pub fn memory(&self, desc: &Desc) -> Memory {
+    fn memory(&self, desc: &Desc) -> Memory {
         let groups = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
         let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, TOON_BUFFER, groups[0], groups[1], groups[2]];
         let mut memory = self.sizes.memory(&kept);

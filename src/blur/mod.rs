@@ -30,10 +30,9 @@ pub use settings::Settings;
 
 use crate::effect::{DeviceLimits, Effect, Kind};
 use crate::error::Result;
-use crate::gpu::executor::Description;
 use crate::gpu::resources::Resources;
-use crate::host::{HostBuffer, Memory};
-use crate::plan::Plan;
+use crate::host::HostBuffer;
+use crate::plan::{Pass, Plan};
 use layout::Layout;
 use passes::Passes;
 use steps::Steps;
@@ -56,6 +55,7 @@ pub struct BlurKind {
 impl Kind for BlurKind {
     const NAME: &'static str = "blur";
     type Desc = Desc;
+    type Layout = Layout;
     type Frame<'a> = Frame<'a>;
     type Recorded = ();
 
@@ -73,18 +73,12 @@ impl Kind for BlurKind {
         Desc { size, ..desc.clone() }
     }
 
-    fn memory(&self, desc: &Desc) -> Memory {
-        self.layout.memory(desc)
+    fn layout(&self) -> &Layout {
+        &self.layout
     }
 
-    fn describe(&mut self, desc: &Desc) -> Description {
-        Description {
-            passes: std::mem::take(&mut self.passes.list),
-            buffers: self.layout.buffers().collect(),
-            host_buffers: layout::HOST_BUFFERS,
-            images: self.layout.images(desc).into(),
-            host_images: layout::HOST_IMAGES,
-        }
+    fn take_passes(&mut self) -> Vec<Pass> {
+        std::mem::take(&mut self.passes.list)
     }
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<()> {

@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::effect::Inventory;
 use crate::error::{Error, Result};
 use crate::flame::colour::Table;
 use crate::flame::desc::{Desc, SceneFormat};
@@ -200,14 +201,18 @@ impl Layout {
         };
         self.sizes.check(limit, &NAMES, advice)
     }
+}
 
-    /// Descriptions of the own buffers, in order.
-    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
-        self.sizes.descriptions(&NAMES, [PARAMS])
+impl Inventory for Layout {
+    type Desc = Desc;
+    const HOST_BUFFERS: usize = HOST_BUFFERS;
+    const HOST_IMAGES: usize = HOST_IMAGES;
+
+    fn buffers(&self) -> Vec<BufferDesc> {
+        self.sizes.descriptions(&NAMES, [PARAMS]).collect()
     }
 
-    /// Descriptions of the own images, in order.
-    pub fn images(&self, desc: &Desc) -> [ImageDesc; 4] {
+    fn images(&self, desc: &Desc) -> Vec<ImageDesc> {
         let levels = ImageDesc {
             name: "flame levels",
             extent: [MASK_SIDE * MASK_LEVELS, MASK_SIDE * desc.settings.variants],
@@ -229,11 +234,10 @@ impl Layout {
             ..levels
         };
         let (format, usage) = (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
-        [levels, kernel, drawn, ImageDesc { name: "flame drawn depth", format, usage, ..drawn }]
+        vec![levels, kernel, drawn, ImageDesc { name: "flame drawn depth", format, usage, ..drawn }]
     }
 
-    /// Device memory, before alignment.
-    pub fn memory(&self, desc: &Desc) -> Memory {
+    fn memory(&self, desc: &Desc) -> Memory {
         let kept = [POSITIONS, IDS, COLOURS, MASK, SUMS, TILE_REPETITIONS, SCENE];
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {

@@ -27,10 +27,8 @@ pub use spacing::mean_spacing;
 
 use crate::effect::{DeviceLimits, Effect, Kind};
 use crate::error::{Error, Result};
-use crate::gpu::executor::Description;
 use crate::gpu::resources::Resources;
-use crate::host::Memory;
-use crate::plan::Plan;
+use crate::plan::{Pass, Plan};
 use crate::view::Camera;
 use colour::Table;
 use layout::Layout;
@@ -73,6 +71,7 @@ pub struct State {
 impl Kind for FlameKind {
     const NAME: &'static str = "flame";
     type Desc = Desc;
+    type Layout = Layout;
     type Frame<'a> = Frame;
     type Recorded = State;
 
@@ -91,18 +90,12 @@ impl Kind for FlameKind {
         Desc { size, ..desc.clone() }
     }
 
-    fn memory(&self, desc: &Desc) -> Memory {
-        self.layout.memory(desc)
+    fn layout(&self) -> &Layout {
+        &self.layout
     }
 
-    fn describe(&mut self, desc: &Desc) -> Description {
-        Description {
-            passes: std::mem::take(&mut self.passes.list),
-            buffers: self.layout.buffers().collect(),
-            host_buffers: layout::HOST_BUFFERS,
-            images: self.layout.images(desc).into(),
-            host_images: layout::HOST_IMAGES,
-        }
+    fn take_passes(&mut self) -> Vec<Pass> {
+        std::mem::take(&mut self.passes.list)
     }
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {

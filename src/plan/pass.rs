@@ -316,11 +316,6 @@ impl Pass {
         self.writes(buffer.into(), 0)
     }
 
-    /// Clears a colour image.
-    pub fn clears(self, image: ImageId) -> Pass {
-        self.writes(image.into(), 0)
-    }
-
     /// Writes up to `count` values of the plan to a buffer.
     pub fn updates<T>(self, buffer: BufferId, count: usize) -> Pass {
         self.writes(buffer.into(), count * size_of::<T>())

@@ -1,40 +1,9 @@
 //! What a host says of one frame.
 
-use ash::vk;
-
 use crate::error::{Error, Result};
-use crate::host::{
-    Background, DepthFormat, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image,
-};
-use crate::smoke::Settings;
+use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image};
+use crate::smoke::desc::Desc;
 use crate::view::{Camera, FARTHEST, Light};
-
-/// What a smoke effect is made for. All of it is fixed until `resize`.
-#[derive(Clone, Debug)]
-pub struct Desc {
-    /// Pixels of the picture, each at least 1.
-    pub size: [u32; 2],
-    /// Format of the target images; any that can be a colour attachment.
-    pub target_format: vk::Format,
-    /// How the host's depth images hold depth, if they are to occlude the smoke.
-    pub depth: Option<DepthFormat>,
-    /// Whether frames may say what covers pixels in part; only with `depth`.
-    pub edges: bool,
-    /// The largest volume along each axis, in voxels.
-    pub dimensions: [u32; 3],
-    /// Whether volumes come with velocities.
-    pub velocity: bool,
-    /// Whether the light is a point light.
-    pub point_light: bool,
-    /// Same seed, same particles.
-    pub seed: u32,
-    /// The look.
-    pub settings: Settings,
-    /// Whether every buffer that is a layer is kept for reading after the frame.
-    pub layers: bool,
-    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
-    pub skipping: bool,
-}
 
 /// How a frame follows the one recorded before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

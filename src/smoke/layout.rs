@@ -1,32 +1,24 @@
 //! Which buffers and images the effect has, and how large they are. Pure.
 
 use ash::vk;
-use bytemuck::Zeroable;
 
+use crate::effect::Inventory;
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
-pub use crate::layout::LOOP_BUDGET;
-use crate::layout::{Sizes, buffers};
+use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
 use crate::shaders::smoke as glsl;
-use crate::smoke::frame::{Desc, Shape};
-use crate::smoke::params::{
-    BIRTH_BLOCK, BLOCK, BUCKETS, Control, Edge, FIELD_VOXELS, GROUP_WORDS, History, LIST_RUN, MAX_LEVELS,
-    MAX_LIGHT_LEVELS, Particle, PyramidLevel, Reach, SLOT_PIXELS, Search, SmokeParams, TILE, TILE_BLOCKS, Tone,
-    WORD_VOXELS,
+use crate::shaders::smoke::blocks::{Control, Edge, History, Particle, Reach, Search, SmokeParams, Tone};
+use crate::shaders::smoke::constants::{
+    BIRTH_BLOCK, BLOCK, BUCKETS, FIELD_VOXELS, GROUP_WORDS, LIST_RUN, MAX_LEVELS, SLOT_PIXELS, TILE, TILE_BLOCKS,
 };
+use crate::smoke::desc::Desc;
+use crate::smoke::frame::Shape;
+use crate::smoke::limits::{LUMINANCE_ENTRIES, ROW_SUM_BYTES};
+use crate::smoke::search::{Pyramid, growth_rows};
 use crate::smoke::settings::{Grow, Shadow};
-
-/// Pixels of a tile that an invocation of `luminance` shades, one after the other.
-const TILE_ROWS: u32 = TILE / glsl::luminance_exact::SHADER.local_size[1];
-/// Entries of light-space tiles that one dispatch works on for a pixel, which also walks the levels of tiles.
-pub const LUMINANCE_ENTRIES: u32 = LOOP_BUDGET / TILE_ROWS - MAX_LIGHT_LEVELS;
-/// Workgroups that every device can dispatch along an axis.
-const MOST_GROUPS: u64 = 65_535;
-/// Bytes of row sums in a batch of groups, unless a single group needs more.
-const ROW_SUM_BYTES: u64 = 64 << 20;
 
 buffers! {
     "smoke"
@@ -302,14 +294,18 @@ impl Layout {
         };
         self.sizes.check(limit, &NAMES, advice)
     }
+}
 
-    /// Descriptions of the own buffers, in order.
-    pub fn buffers(&self) -> impl Iterator<Item = BufferDesc> + use<> {
-        self.sizes.descriptions(&NAMES, [PARAMS])
+impl Inventory for Layout {
+    type Desc = Desc;
+    const HOST_BUFFERS: usize = HOST_BUFFERS;
+    const HOST_IMAGES: usize = HOST_IMAGES;
+
+    fn buffers(&self) -> Vec<BufferDesc> {
+        self.sizes.descriptions(&NAMES, [PARAMS]).collect()
     }
 
-    /// Descriptions of the own images, in order.
-    pub fn images(&self, desc: &Desc) -> [ImageDesc; 3] {
+    fn images(&self, desc: &Desc) -> Vec<ImageDesc> {
         let map = if desc.settings.shadow == Shadow::Map { desc.settings.shadow_map } else { 1 };
         let depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let seen = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
@@ -321,7 +317,7 @@ impl Layout {
             format: vk::Format::R32_UINT,
             usage: seen,
         };
-        [
+        vec![
             flat,
             ImageDesc { name: "smoke seen depth", format: vk::Format::D32_SFLOAT, usage: depth, ..flat },
             ImageDesc {
@@ -335,8 +331,7 @@ impl Layout {
         ]
     }
 
-    /// Device memory, before alignment.
-    pub fn memory(&self, desc: &Desc) -> Memory {
+    fn memory(&self, desc: &Desc) -> Memory {
         let kept =
             [DENSITY, VELOCITY, OCCUPANCY, BIRTH_COUNTS, HISTORY, PARTICLES, DYING, DYING_STEPS, SPHERES, GROUPS];
         let mut memory = self.sizes.memory(&kept);
@@ -347,72 +342,9 @@ impl Layout {
     }
 }
 
-/// The occupancy pyramid of a volume: level 0 is a bit a voxel, each further level joins 2 x 2 rows along y and z.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pyramid {
-    /// From the finest.
-    pub levels: [PyramidLevel; MAX_LEVELS as usize],
-    /// Number of levels; more than there is room for if the volume is too high or too deep.
-    pub count: u32,
-    /// Words of a row.
-    pub row_words: u32,
-    /// Words of all levels.
-    pub words: u64,
-}
-
-impl Pyramid {
-    /// For a volume of so many voxels.
-    pub fn new(dimensions: [u32; 3]) -> Pyramid {
-        let row_words = dimensions[0].div_ceil(WORD_VOXELS);
-        let mut pyramid =
-            Pyramid { levels: [PyramidLevel::zeroed(); MAX_LEVELS as usize], count: 0, row_words, words: 0 };
-        let (mut y, mut z) = (dimensions[1], dimensions[2]);
-        loop {
-            if let Some(level) = pyramid.levels.get_mut(pyramid.count as usize) {
-                *level = PyramidLevel { first_word: pyramid.words as u32, rows_y: y, rows_z: z, unused: 0 };
-            }
-            pyramid.count += 1;
-            pyramid.words += u64::from(row_words) * u64::from(y) * u64::from(z);
-            if y <= 1 && z <= 1 {
-                return pyramid;
-            }
-            (y, z) = (y.div_ceil(2), z.div_ceil(2));
-        }
-    }
-
-    /// Rows of level 0 in the square that the walk in Morton order covers.
-    pub fn leaves(&self) -> u32 {
-        1 << (2 * (self.count - 1))
-    }
-
-    /// Iterations of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
-    /// of a row, to both sides.
-    pub fn iterations(&self) -> u32 {
-        (LOOP_BUDGET / (2 * self.row_words + 6)).max(1)
-    }
-}
-
 /// Invocations of a workgroup along x.
 fn lanes(shader: &Shader) -> u64 {
     shader.local_size[0].into()
-}
-
-/// Whether the passes that make the chessboard distance field can be dispatched: a slice of the volume is a row of
-/// workgroups.
-pub fn field_fits(shape: &Shape) -> bool {
-    let [nx, ny, _] = shape.dimensions.map(u64::from);
-    (nx.div_ceil(FIELD_VOXELS.into()) * ny).div_ceil(lanes(&glsl::field_rows::SHADER)) <= MOST_GROUPS
-}
-
-/// Rows that the paper's loop may have to look at in a volume of this shape: the shells up to where the outside is
-/// certain to be nearest.
-pub fn growth_rows(shape: &Shape) -> u32 {
-    let side = |a: usize| f64::from(shape.voxel_size[a]);
-    let (smallest, largest) = (side(0).min(side(1)).min(side(2)), side(0).max(side(1)).max(side(2)));
-    let reach = (0..3).map(|a| (f64::from(shape.dimensions[a]) + 1.0) / 2.0 * side(a)).fold(f64::MAX, f64::min);
-    // The nearest outside voxel is at most this far (its other axes add at most a voxel each, also as Euclid counts).
-    let shells = ((reach + 2.0 * largest) / smallest).ceil() + 1.0;
-    ((shells + 1.0) * (4.0 * (shells + 1.0).powi(2) - 1.0) / 3.0).min(f64::from(u32::MAX)) as u32
 }
 
 #[cfg(test)]

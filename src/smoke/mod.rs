@@ -4,31 +4,34 @@
 //! depth (3.3), cut into tones (3.4) and outlined from depth (3.5). [`Effect::record`] records it all into the host's
 //! command buffer.
 
+pub mod desc;
 pub mod frame;
 pub mod layout;
+pub mod limits;
 pub mod params;
 pub mod passes;
 #[doc(hidden)]
 pub mod reference;
+pub mod search;
 pub mod settings;
 pub mod steps;
+pub mod tables;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
-pub use frame::{Desc, Frame, Sequence, Shape, VolumeInput};
+pub use desc::Desc;
+pub use frame::{Frame, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
 
 use crate::effect::{DeviceLimits, Effect, Kind};
-use crate::error::{Error, Result};
-use crate::gpu::executor::Description;
+use crate::error::Result;
 use crate::gpu::resources::Resources;
-use crate::host::Memory;
-use crate::plan::Plan;
+use crate::plan::{Pass, Plan};
 use crate::view::Light;
 use layout::Layout;
 use params::SmokeParams;
 use passes::Passes;
-use settings::Grow;
-use steps::{Moment, Steps, Tables, chosen_grow};
+use steps::{Moment, Steps};
+use tables::Tables;
 
 /// The smoke effect.
 pub type Smoke = Effect<SmokeKind>;
@@ -61,11 +64,12 @@ pub struct State {
 impl Kind for SmokeKind {
     const NAME: &'static str = "smoke";
     type Desc = Desc;
+    type Layout = Layout;
     type Frame<'a> = Frame;
     type Recorded = State;
 
     fn new(desc: &Desc, limits: &DeviceLimits) -> Result<SmokeKind> {
-        validate(desc)?;
+        desc.validate()?;
         limits.check_sides(desc.size)?;
         let layout = Layout::new(desc, limits.storage_range)?;
         let tables = Tables::new(&desc.settings, &layout);
@@ -77,24 +81,18 @@ impl Kind for SmokeKind {
         Desc { size, ..desc.clone() }
     }
 
-    fn memory(&self, desc: &Desc) -> Memory {
-        self.layout.memory(desc)
+    fn layout(&self) -> &Layout {
+        &self.layout
     }
 
-    fn describe(&mut self, desc: &Desc) -> Description {
-        Description {
-            passes: std::mem::take(&mut self.passes.list),
-            buffers: self.layout.buffers().collect(),
-            host_buffers: layout::HOST_BUFFERS,
-            images: self.layout.images(desc).into(),
-            host_images: layout::HOST_IMAGES,
-        }
+    fn take_passes(&mut self) -> Vec<Pass> {
+        std::mem::take(&mut self.passes.list)
     }
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, !self.state.begun)?;
         let (moment, state) = self.moment(desc, frame);
-        self.check_search(&desc.settings, &moment.shape)?;
+        search::check(&desc.settings, &moment.shape, self.layout.search_parts)?;
         let SmokeKind { layout, passes, tables, .. } = self;
         let params = SmokeParams::new(desc, layout, frame, &moment.shape, state.frames);
         Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, tables);
@@ -148,41 +146,4 @@ impl SmokeKind {
         let first = !self.state.begun;
         (Moment { shape: state.shape, restart, new_volume, first, still, same_shadow }, state)
     }
-
-    /// A search that was asked for by name must be able to serve this volume.
-    fn check_search(&self, settings: &Settings, shape: &Shape) -> Result<()> {
-        match chosen_grow(settings, shape) {
-            Grow::Field if !shape.is_cubic() => {
-                Err(Error::setting("smoke.grow", "field", "needs cubic voxels; \"chosen\" or \"pyramid\" serve all"))
-            }
-            Grow::Field if !layout::field_fits(shape) => Err(Error::setting(
-                "smoke.grow",
-                "field",
-                "needs smaller slices (x, y); \"chosen\" or \"pyramid\" serve all",
-            )),
-            Grow::Growth => {
-                let iterations = layout::Pyramid::new(shape.dimensions).iterations();
-                let needed = u64::from(layout::growth_rows(shape).div_ceil(iterations));
-                let limit = u64::from(self.layout.search_parts);
-                let advice = "its voxels are too flat for grow = \"growth\"; use \"chosen\"";
-                match needed > limit {
-                    true => Err(Error::Limit { what: "the search of radii (dispatches)", needed, limit, advice }),
-                    false => Ok(()),
-                }
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-fn validate(desc: &Desc) -> Result<()> {
-    desc.settings.validate()?;
-    if desc.size.contains(&0) {
-        return Err(Error::setting("size", format!("{:?}", desc.size), "at least 1 pixel a side"));
-    }
-    if desc.dimensions.contains(&0) || desc.dimensions.iter().any(|n| *n > 1 << 16) {
-        let dimensions = format!("{:?}", desc.dimensions);
-        return Err(Error::setting("volume", dimensions, "1 to 65536 voxels a side"));
-    }
-    Ok(())
 }

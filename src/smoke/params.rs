@@ -5,8 +5,10 @@ use glam::{DVec2, DVec3};
 
 pub use crate::shaders::smoke::blocks::*;
 pub use crate::shaders::smoke::constants::*;
-use crate::smoke::frame::{Desc, Frame, Shape};
-use crate::smoke::layout::{Layout, Pyramid};
+use crate::smoke::desc::Desc;
+use crate::smoke::frame::{Frame, Shape};
+use crate::smoke::layout::Layout;
+use crate::smoke::search::Pyramid;
 use crate::smoke::settings::{Emitter, Outline, Settings};
 use crate::view::{Camera, CameraRows, Light, LightSource};
 

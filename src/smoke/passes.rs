@@ -4,11 +4,11 @@ use ash::vk;
 
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
 use crate::shaders::smoke as glsl;
-use crate::smoke::frame::Desc;
+use crate::smoke::desc::Desc;
 use crate::smoke::layout::*;
 use crate::smoke::params::{Control, MAX_LEVELS, SmokeParams, Tone};
 use crate::smoke::settings::{Integrator, Operator, Shadow};
-use crate::smoke::steps::Tables;
+use crate::smoke::tables::Tables;
 
 passes! {
     (desc: &Desc, layout: &Layout, tables: &Tables), resource;

@@ -5,11 +5,15 @@ use std::mem::offset_of;
 use crate::host::Background;
 use crate::plan::{Command, PassId, Plan};
 use crate::shaders::smoke as glsl;
-use crate::smoke::frame::{Desc, Frame, Shape};
+use crate::smoke::desc::Desc;
+use crate::smoke::frame::{Frame, Shape};
 use crate::smoke::layout::*;
+use crate::smoke::limits::LUMINANCE_ENTRIES;
 use crate::smoke::params::*;
 use crate::smoke::passes::Passes;
-use crate::smoke::settings::{Grow, Radius, Settings, Shadow};
+use crate::smoke::search::{Pyramid, chosen_grow, growth_rows};
+use crate::smoke::settings::{Grow, Radius, Shadow};
+use crate::smoke::tables::Tables;
 
 /// What the effect knows of a frame when it chooses the steps.
 #[derive(Clone, Copy, Debug)]
@@ -26,50 +30,6 @@ pub struct Moment {
     pub still: Option<&'static str>,
     /// Why the shadows of the last frame serve, if they do.
     pub same_shadow: Option<&'static str>,
-}
-
-/// The way a radius is searched in a volume of this shape.
-pub fn chosen_grow(settings: &Settings, shape: &Shape) -> Grow {
-    let field_works = shape.is_cubic()
-        && settings.radius == Radius::Box
-        && shape.dimensions.iter().min() <= Some(&500)
-        && field_fits(shape);
-    match settings.grow {
-        Grow::Chosen if !field_works => Grow::Pyramid,
-        Grow::Chosen => cheapest_grow(settings.particles, shape),
-        other => other,
-    }
-}
-
-/// By what each way costs beyond the occupancy bits, which all need, when the volume is new in every frame. Fitted to
-/// milliseconds on two cores under lavapipe (`celfx bench smoke --only grow`, a plume in a cube of `side` voxels):
-///
-/// | side, particles | growth | field | pyramid |
-/// |---|---|---|---|
-/// | 16, 500 | 0.24 | 0.36 | 0.37 |
-/// | 16, 10,000 | 1.5 | 1.1 | 2.5 |
-/// | 48, 500 | 0.65 | 1.06 | 0.94 |
-/// | 48, 2,000 | 1.5 | 1.16 | 1.48 |
-/// | 64, 2,000 | | 2.2 | 2.0 |
-/// | 64, 10,000 | | 2.8 | 7.2 |
-/// | 128, 2,000 | | 14.6 | 6.0 |
-/// | 128, 10,000 | | 15.4 | 14.9 |
-/// | 128, 50,000 | | 18.5 | 58 |
-/// | 256, 10,000 | | 120 | 47 |
-/// | 256, 50,000 | | 122 | 127 |
-fn cheapest_grow(particles: u32, shape: &Shape) -> Grow {
-    let (particles, voxels) = (f64::from(particles), shape.voxels() as f64);
-    let field = 0.2 + 5.2e-6 * voxels + 8e-5 * particles;
-    let pyramid = 0.1 + (1.6e-4 + 7.2e-6 * voxels.cbrt()) * particles;
-    // The paper's loop costs the cube of the radius, so it is only for volumes where no radius is large.
-    let is_small =
-        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).iterations();
-    let growth = if is_small { 2e-4 * particles } else { f64::INFINITY };
-    match () {
-        _ if growth <= field.min(pyramid) => Grow::Growth,
-        _ if field <= pyramid => Grow::Field,
-        _ => Grow::Pyramid,
-    }
 }
 
 /// Fills a plan with the steps of a frame.
@@ -375,67 +335,4 @@ fn dispatch(member: usize) -> Command {
 /// A draw whose quads the device has counted.
 fn draw(member: usize) -> Command {
     Command::DrawIndirect { arguments: CONTROL, offset: member as u64 }
-}
-
-/// What never changes: the Gaussian's weights by distance, and the tones.
-#[derive(Clone, Debug)]
-pub struct Tables {
-    pub(super) weights: Vec<f32>,
-    pub(super) tones: Vec<Tone>,
-}
-
-impl Tables {
-    /// From settings.
-    pub fn new(settings: &Settings, layout: &Layout) -> Tables {
-        let sigma = f64::from(settings.sigma);
-        let weight = |distance: u32| match distance <= settings.window() {
-            true => (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp() as f32,
-            false => 0.0,
-        };
-        let weights = match settings.sigma > 0.0 {
-            true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
-            false => vec![1.0],
-        };
-        let tones = settings.tones.iter().map(|tone| Tone { colour: tone.colour, from: tone.from });
-        Tables { weights, tones: tones.collect() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn chosen(dimensions: [u32; 3], voxel_size: [f32; 3], particles: u32) -> Grow {
-        let settings = Settings { particles, ..Settings::default() };
-        chosen_grow(&settings, &Shape { dimensions, voxel_size, origin: [0.0; 3] })
-    }
-
-    /// The best of those measured, or one at most 1.2 times as slow.
-    #[test]
-    fn the_cheapest_search_is_chosen() {
-        for (side, particles, best) in [
-            (16, 500, Grow::Growth),
-            (16, 10_000, Grow::Field),
-            (48, 2000, Grow::Field),
-            (64, 1000, Grow::Pyramid),
-            (64, 10_000, Grow::Field),
-            (128, 2000, Grow::Pyramid),
-            (128, 50_000, Grow::Field),
-            (256, 10_000, Grow::Pyramid),
-            (256, 1_000_000, Grow::Field),
-        ] {
-            assert_eq!(chosen([side; 3], [0.1; 3], particles), best, "{side}, {particles}");
-        }
-        assert_eq!(chosen([15, 20, 15], [0.12; 3], 500), Grow::Growth, "the paper's volume");
-    }
-
-    #[test]
-    fn only_searches_that_work_are_chosen() {
-        assert_eq!(chosen([15, 20, 15], [0.1, 0.1, 0.25], 500), Grow::Pyramid, "not cubic");
-        assert_eq!(chosen([501; 3], [0.1; 3], 1_000_000), Grow::Pyramid, "a field of bytes ends at 255");
-        // Rows so long that the loop budget cuts the search: the buffers are not made for so many parts.
-        let long = Shape { dimensions: [4096, 16, 16], voxel_size: [0.1; 3], origin: [0.0; 3] };
-        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).iterations());
-        assert_ne!(chosen(long.dimensions, long.voxel_size, 10), Grow::Growth);
-    }
 }

@@ -12,6 +12,7 @@ use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
     TopologyInput, Trajectories, View,
 };
+use celfx::effect::Inventory;
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::plan::{Command, DescriptorKind, Kernel, PassId, Plan, Resource, Topology, Usage};
@@ -411,7 +412,7 @@ fn sizes_follow_from_counts_and_the_device() {
     let layout = Layout::new(&small, RANGE).expect("a layout");
     assert_eq!((layout.triangles, layout.vertices), (5000, 1000 + 3100));
     let memory = Blur::memory(&small, RANGE).expect("a size");
-    let buffers: u64 = layout.buffers().map(|buffer| buffer.size).sum();
+    let buffers: u64 = layout.buffers().iter().map(|buffer| buffer.size).sum();
     let pixels: u64 = layout.images(&small).iter().map(|i| u64::from(i.extent[0] * i.extent[1])).sum();
     assert!(memory.total() >= buffers + 4 * pixels && memory.history >= 26 * 12_000);
 }

@@ -2,6 +2,7 @@
 //! written instead. Made of the engine's public pieces, as the effect itself is.
 
 use ash::vk;
+use celfx::effect::Inventory;
 use celfx::error::Result;
 use celfx::gpu::buffer::{Buffer, BufferDesc};
 use celfx::gpu::image::{Image, ImageDesc};
@@ -16,7 +17,8 @@ use celfx::plan::{BufferId, Plan};
 use celfx::smoke::layout::{self, Layout};
 use celfx::smoke::params::SmokeParams;
 use celfx::smoke::passes::Passes;
-use celfx::smoke::steps::{Moment, Steps, Tables};
+use celfx::smoke::steps::{Moment, Steps};
+use celfx::smoke::tables::Tables;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Shape, VolumeInput};
 use celfx::view::{Camera, Light};
 use gpu_allocator::MemoryLocation;

@@ -3,7 +3,7 @@
 use ash::vk;
 use celfx::blur::BlurKind;
 use celfx::blur::settings::{Completion, Refine, Space};
-use celfx::effect::{DeviceLimits, Kind};
+use celfx::effect::{DeviceLimits, Kind, describe};
 use celfx::flame::settings::{Colour, Mode, Sampling, Shape};
 use celfx::flame::{self, FlameKind, SceneFormat};
 use celfx::gpu::executor::Description;
@@ -65,7 +65,7 @@ fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: 
 /// What an effect is made of.
 fn described<K: Kind>(desc: &K::Desc) -> Variant {
     let limits = DeviceLimits { storage_range: RANGE, image_side: 4096 };
-    K::new(desc, &limits).expect("it can be made").describe(desc)
+    describe(&mut K::new(desc, &limits).expect("it can be made"), desc)
 }
 
 fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], completion: Completion) -> Variant {

@@ -31,28 +31,33 @@ impl Entry {
     }
 }
 
-/// The tables of these effects, and what each effect's buffers are called.
-fn tables(effects: &Effects) -> impl Iterator<Item = (&'static [Entry], fn(BufferId) -> EffectBuffer)> {
-    type Table = (bool, &'static [Entry], fn(BufferId) -> EffectBuffer);
+/// An effect's table, and what its buffers are called.
+type Table = (&'static [Entry], fn(BufferId) -> EffectBuffer);
+
+/// The tables of those effects that are there: smoke, flame, blur.
+fn tables(are_there: [bool; 3]) -> impl Iterator<Item = Table> {
     let all: [Table; 3] = [
-        (effects.smoke.is_some(), smoke::LAYERS, EffectBuffer::Smoke),
-        (effects.flame.is_some(), flame::LAYERS, EffectBuffer::Flame),
-        (effects.blur.is_some(), blur::LAYERS, EffectBuffer::Blur),
+        (smoke::LAYERS, EffectBuffer::Smoke),
+        (flame::LAYERS, EffectBuffer::Flame),
+        (blur::LAYERS, EffectBuffer::Blur),
     ];
-    all.into_iter().filter(|(is_there, ..)| *is_there).map(|(_, entries, buffer)| (entries, buffer))
+    all.into_iter().zip(are_there).filter(|(_, is_there)| *is_there).map(|(table, _)| table)
+}
+
+fn tables_of(effects: &Effects) -> impl Iterator<Item = Table> + use<> {
+    tables([effects.smoke.is_some(), effects.flame.is_some(), effects.blur.is_some()])
 }
 
 /// The layers of a shot with these effects.
 pub(super) fn names(has_smoke: bool, has_flame: bool, has_blur: bool) -> Vec<LayerName> {
-    let all = [(has_smoke, smoke::LAYERS), (has_flame, flame::LAYERS), (has_blur, blur::LAYERS)];
-    let entries = all.into_iter().filter(|(is_there, _)| *is_there).flat_map(|(_, entries)| entries);
+    let entries = tables([has_smoke, has_flame, has_blur]).flat_map(|(entries, _)| entries);
     entries.map(|entry| (entry.name, entry.is_array)).collect()
 }
 
 /// The buffers that layers are made of, each once.
 pub(super) fn buffers(effects: &Effects) -> Vec<EffectBuffer> {
     let mut buffers = Vec::new();
-    for (entries, name) in tables(effects) {
+    for (entries, name) in tables_of(effects) {
         for buffer in entries.iter().flat_map(|entry| entry.buffers).map(|id| name(*id)) {
             if !buffers.contains(&buffer) {
                 buffers.push(buffer);
@@ -114,7 +119,7 @@ pub(super) fn decode(
         return Vec::new();
     }
     let pixels = size[0] as usize * size[1] as usize;
-    let layers = tables(effects).flat_map(|(entries, name)| {
+    let layers = tables_of(effects).flat_map(|(entries, name)| {
         let own = |entry: &'static Entry| entry.buffers.iter().map(|id| (*id, name(*id)));
         let of = |(id, buffer)| Some((id, bytes[all.iter().position(|other| *other == buffer)?]));
         let buffers = entries.iter().flat_map(own).filter_map(of).collect();

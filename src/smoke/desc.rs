@@ -1,0 +1,49 @@
+//! What the effect is made for.
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::host::DepthFormat;
+use crate::smoke::settings::Settings;
+
+/// What a smoke effect is made for. All of it is fixed until `resize`.
+#[derive(Clone, Debug)]
+pub struct Desc {
+    /// Pixels of the picture, each at least 1.
+    pub size: [u32; 2],
+    /// Format of the target images; any that can be a colour attachment.
+    pub target_format: vk::Format,
+    /// How the host's depth images hold depth, if they are to occlude the smoke.
+    pub depth: Option<DepthFormat>,
+    /// Whether frames may say what covers pixels in part; only with `depth`.
+    pub edges: bool,
+    /// The largest volume along each axis, in voxels.
+    pub dimensions: [u32; 3],
+    /// Whether volumes come with velocities.
+    pub velocity: bool,
+    /// Whether the light is a point light.
+    pub point_light: bool,
+    /// Same seed, same particles.
+    pub seed: u32,
+    /// The look.
+    pub settings: Settings,
+    /// Whether every buffer that is a layer is kept for reading after the frame.
+    pub layers: bool,
+    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
+    pub skipping: bool,
+}
+
+impl Desc {
+    /// Checks every value that does not depend on the device.
+    pub(super) fn validate(&self) -> Result<()> {
+        self.settings.validate()?;
+        if self.size.contains(&0) {
+            return Err(Error::setting("size", format!("{:?}", self.size), "at least 1 pixel a side"));
+        }
+        if self.dimensions.contains(&0) || self.dimensions.iter().any(|n| *n > 1 << 16) {
+            let dimensions = format!("{:?}", self.dimensions);
+            return Err(Error::setting("volume", dimensions, "1 to 65536 voxels a side"));
+        }
+        Ok(())
+    }
+}

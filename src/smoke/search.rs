@@ -1,0 +1,182 @@
+//! How radii are searched: the occupancy pyramid, which ways serve a volume, and which of them is taken.
+
+use bytemuck::Zeroable;
+
+use crate::error::{Error, Result};
+use crate::layout::{LOOP_BUDGET, MOST_GROUPS};
+use crate::shaders::smoke as glsl;
+use crate::shaders::smoke::blocks::PyramidLevel;
+use crate::shaders::smoke::constants::{FIELD_VOXELS, MAX_LEVELS, WORD_VOXELS};
+use crate::smoke::frame::Shape;
+use crate::smoke::settings::{Grow, Radius, Settings};
+
+/// The occupancy pyramid of a volume: level 0 is a bit a voxel, each further level joins 2 x 2 rows along y and z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pyramid {
+    /// From the finest.
+    pub levels: [PyramidLevel; MAX_LEVELS as usize],
+    /// Number of levels; more than there is room for if the volume is too high or too deep.
+    pub count: u32,
+    /// Words of a row.
+    pub row_words: u32,
+    /// Words of all levels.
+    pub words: u64,
+}
+
+impl Pyramid {
+    /// For a volume of so many voxels.
+    pub fn new(dimensions: [u32; 3]) -> Pyramid {
+        let row_words = dimensions[0].div_ceil(WORD_VOXELS);
+        let mut pyramid =
+            Pyramid { levels: [PyramidLevel::zeroed(); MAX_LEVELS as usize], count: 0, row_words, words: 0 };
+        let (mut y, mut z) = (dimensions[1], dimensions[2]);
+        loop {
+            if let Some(level) = pyramid.levels.get_mut(pyramid.count as usize) {
+                *level = PyramidLevel { first_word: pyramid.words as u32, rows_y: y, rows_z: z, unused: 0 };
+            }
+            pyramid.count += 1;
+            pyramid.words += u64::from(row_words) * u64::from(y) * u64::from(z);
+            if y <= 1 && z <= 1 {
+                return pyramid;
+            }
+            (y, z) = (y.div_ceil(2), z.div_ceil(2));
+        }
+    }
+
+    /// Rows of level 0 in the square that the walk in Morton order covers.
+    pub fn leaves(&self) -> u32 {
+        1 << (2 * (self.count - 1))
+    }
+
+    /// Iterations of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
+    /// of a row, to both sides.
+    pub fn iterations(&self) -> u32 {
+        (LOOP_BUDGET / (2 * self.row_words + 6)).max(1)
+    }
+}
+
+/// Whether the passes that make the chessboard distance field can be dispatched: a slice of the volume is a row of
+/// workgroups.
+pub fn field_fits(shape: &Shape) -> bool {
+    let [nx, ny, _] = shape.dimensions.map(u64::from);
+    (nx.div_ceil(FIELD_VOXELS.into()) * ny).div_ceil(glsl::field_rows::SHADER.local_size[0].into()) <= MOST_GROUPS
+}
+
+/// Rows that the paper's loop may have to look at in a volume of this shape: the shells up to where the outside is
+/// certain to be nearest.
+pub fn growth_rows(shape: &Shape) -> u32 {
+    let side = |a: usize| f64::from(shape.voxel_size[a]);
+    let (smallest, largest) = (side(0).min(side(1)).min(side(2)), side(0).max(side(1)).max(side(2)));
+    let reach = (0..3).map(|a| (f64::from(shape.dimensions[a]) + 1.0) / 2.0 * side(a)).fold(f64::MAX, f64::min);
+    // The nearest outside voxel is at most this far (its other axes add at most a voxel each, also as Euclid counts).
+    let shells = ((reach + 2.0 * largest) / smallest).ceil() + 1.0;
+    ((shells + 1.0) * (4.0 * (shells + 1.0).powi(2) - 1.0) / 3.0).min(f64::from(u32::MAX)) as u32
+}
+
+/// The way a radius is searched in a volume of this shape.
+pub fn chosen_grow(settings: &Settings, shape: &Shape) -> Grow {
+    let field_works = shape.is_cubic()
+        && settings.radius == Radius::Box
+        && shape.dimensions.iter().min() <= Some(&500)
+        && field_fits(shape);
+    match settings.grow {
+        Grow::Chosen if !field_works => Grow::Pyramid,
+        Grow::Chosen => cheapest_grow(settings.particles, shape),
+        other => other,
+    }
+}
+
+/// By what each way costs beyond the occupancy bits, which all need, when the volume is new in every frame. Fitted to
+/// milliseconds on two cores under lavapipe (`celfx bench smoke --only grow`, a plume in a cube of `side` voxels):
+///
+/// | side, particles | growth | field | pyramid |
+/// |---|---|---|---|
+/// | 16, 500 | 0.24 | 0.36 | 0.37 |
+/// | 16, 10,000 | 1.5 | 1.1 | 2.5 |
+/// | 48, 500 | 0.65 | 1.06 | 0.94 |
+/// | 48, 2,000 | 1.5 | 1.16 | 1.48 |
+/// | 64, 2,000 | | 2.2 | 2.0 |
+/// | 64, 10,000 | | 2.8 | 7.2 |
+/// | 128, 2,000 | | 14.6 | 6.0 |
+/// | 128, 10,000 | | 15.4 | 14.9 |
+/// | 128, 50,000 | | 18.5 | 58 |
+/// | 256, 10,000 | | 120 | 47 |
+/// | 256, 50,000 | | 122 | 127 |
+fn cheapest_grow(particles: u32, shape: &Shape) -> Grow {
+    let (particles, voxels) = (f64::from(particles), shape.voxels() as f64);
+    let field = 0.2 + 5.2e-6 * voxels + 8e-5 * particles;
+    let pyramid = 0.1 + (1.6e-4 + 7.2e-6 * voxels.cbrt()) * particles;
+    // The paper's loop costs the cube of the radius, so it is only for volumes where no radius is large.
+    let is_small =
+        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).iterations();
+    let growth = if is_small { 2e-4 * particles } else { f64::INFINITY };
+    match () {
+        _ if growth <= field.min(pyramid) => Grow::Growth,
+        _ if field <= pyramid => Grow::Field,
+        _ => Grow::Pyramid,
+    }
+}
+
+/// A search that was asked for by name must be able to serve this volume, in at most so many dispatches.
+pub fn check(settings: &Settings, shape: &Shape, parts: u32) -> Result<()> {
+    match chosen_grow(settings, shape) {
+        Grow::Field if !shape.is_cubic() => {
+            Err(Error::setting("smoke.grow", "field", "needs cubic voxels; \"chosen\" or \"pyramid\" serve all"))
+        }
+        Grow::Field if !field_fits(shape) => Err(Error::setting(
+            "smoke.grow",
+            "field",
+            "needs smaller slices (x, y); \"chosen\" or \"pyramid\" serve all",
+        )),
+        Grow::Growth => {
+            let iterations = Pyramid::new(shape.dimensions).iterations();
+            let needed = u64::from(growth_rows(shape).div_ceil(iterations));
+            let limit = u64::from(parts);
+            let advice = "its voxels are too flat for grow = \"growth\"; use \"chosen\"";
+            match needed > limit {
+                true => Err(Error::Limit { what: "the search of radii (dispatches)", needed, limit, advice }),
+                false => Ok(()),
+            }
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chosen(dimensions: [u32; 3], voxel_size: [f32; 3], particles: u32) -> Grow {
+        let settings = Settings { particles, ..Settings::default() };
+        chosen_grow(&settings, &Shape { dimensions, voxel_size, origin: [0.0; 3] })
+    }
+
+    /// The best of those measured, or one at most 1.2 times as slow.
+    #[test]
+    fn the_cheapest_search_is_chosen() {
+        for (side, particles, best) in [
+            (16, 500, Grow::Growth),
+            (16, 10_000, Grow::Field),
+            (48, 2000, Grow::Field),
+            (64, 1000, Grow::Pyramid),
+            (64, 10_000, Grow::Field),
+            (128, 2000, Grow::Pyramid),
+            (128, 50_000, Grow::Field),
+            (256, 10_000, Grow::Pyramid),
+            (256, 1_000_000, Grow::Field),
+        ] {
+            assert_eq!(chosen([side; 3], [0.1; 3], particles), best, "{side}, {particles}");
+        }
+        assert_eq!(chosen([15, 20, 15], [0.12; 3], 500), Grow::Growth, "the paper's volume");
+    }
+
+    #[test]
+    fn only_searches_that_work_are_chosen() {
+        assert_eq!(chosen([15, 20, 15], [0.1, 0.1, 0.25], 500), Grow::Pyramid, "not cubic");
+        assert_eq!(chosen([501; 3], [0.1; 3], 1_000_000), Grow::Pyramid, "a field of bytes ends at 255");
+        // Rows so long that the loop budget cuts the search: the buffers are not made for so many parts.
+        let long = Shape { dimensions: [4096, 16, 16], voxel_size: [0.1; 3], origin: [0.0; 3] };
+        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).iterations());
+        assert_ne!(chosen(long.dimensions, long.voxel_size, 10), Grow::Growth);
+    }
+}
