@@ -22,8 +22,9 @@ use std::fmt;
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
+pub use crate::gpu::capabilities::DeviceLimits;
 use crate::gpu::executor::{Description, Executor};
 use crate::gpu::image::ImageDesc;
 use crate::gpu::profiler::{Mode, Timing};
@@ -103,37 +104,6 @@ pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
     }
 }
 
-/// What a device allows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DeviceLimits {
-    /// Bytes of a storage buffer that a shader can bind: `maxStorageBufferRange`.
-    pub storage_range: u64,
-    /// Pixels along a side of an image that can be rendered to.
-    pub image_side: u32,
-}
-
-impl DeviceLimits {
-    /// Those of a device.
-    pub fn new(limits: &vk::PhysicalDeviceLimits) -> DeviceLimits {
-        let framebuffer = limits.max_framebuffer_width.min(limits.max_framebuffer_height);
-        let image_side = framebuffer.min(limits.max_image_dimension2_d);
-        DeviceLimits { storage_range: u64::from(limits.max_storage_buffer_range), image_side }
-    }
-
-    /// Refuses a picture with a side that the device cannot render to.
-    pub(crate) fn check_sides(&self, size: [u32; 2]) -> Result<()> {
-        match size.into_iter().find(|side| *side > self.image_side) {
-            Some(side) => Err(Error::Limit {
-                what: "a side of the picture",
-                needed: side.into(),
-                limit: self.image_side.into(),
-                advice: "render a smaller picture",
-            }),
-            None => Ok(()),
-        }
-    }
-}
-
 /// An effect on a device: pipelines, and the buffers and images of one picture size.
 ///
 /// Its state lives on the device and moves on with each recorded frame, so every recorded command buffer must be
@@ -165,8 +135,7 @@ impl<K: Kind> Effect<K> {
     /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on, and `allocator` is its.
     pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: K::Desc) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
-        let mut kind = K::new(&desc, &DeviceLimits::new(&properties.limits))?;
+        let mut kind = K::new(&desc, &unsafe { DeviceLimits::of(host) })?;
         let description = describe(&mut kind, &desc);
         let plan = Plan::for_passes(&description.passes);
         // SAFETY: the caller's.

@@ -16,6 +16,7 @@ use ash::vk;
 use crate::blur::{self as blur_effect, Blur};
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame};
+use crate::gpu::capabilities::{DeviceLimits, own_memory};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::profiler::{Profiler, Timing};
@@ -185,9 +186,8 @@ impl Offline {
                 self.parts.flame = Some(Flame::new(&host, allocator, desc)?);
             }
             if let Some(desc) = blur {
-                let limits = host.instance.get_physical_device_properties(host.physical_device).limits;
-                let limit = u64::from(limits.max_storage_buffer_range);
-                let (memory, wanted) = (input::device_memory(&host), desc.frames_resident);
+                let limit = DeviceLimits::of(&host).storage_range;
+                let (memory, wanted) = (own_memory(&host), desc.frames_resident);
                 let frames_resident = input::resident(wanted, desc.points, memory, limit);
                 self.parts.blur = Some(Blur::new(&host, allocator, blur_effect::Desc { frames_resident, ..desc })?);
             }

@@ -3,15 +3,15 @@
 
 #[path = "common/allocations.rs"]
 mod allocations;
+#[path = "plan/kinds.rs"]
+mod kinds;
 
-use allocations::allocated;
 use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
-use celfx::effect::Inventory;
 use celfx::host::{HostImage, ImageState};
 use celfx::plan::{BufferId, Command, ImageId, Kernel, Pass, PassId, Plan, Resource, Usage};
 use celfx::shaders::smoke as glsl;
-use celfx::smoke::layout::{self, Layout};
+use celfx::smoke::layout::Layout;
 use celfx::smoke::params::SmokeParams;
 use celfx::smoke::passes::Passes;
 use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
@@ -331,129 +331,6 @@ fn combinations() -> Vec<Desc> {
         }
     }
     all
-}
-
-#[test]
-fn every_binding_of_every_pass_is_bound_to_something_that_is_there() {
-    for desc in combinations() {
-        let effect = Effect::new(desc);
-        let images = effect.layout.images(&effect.desc).len() as u16;
-        for pass in &effect.passes.list {
-            let unbound: Vec<_> = pass.unbound().map(|binding| binding.name).collect();
-            assert_eq!(unbound, [""; 0], "{}, {:?}", pass.name, effect.desc.settings);
-            for (binding, resource) in &pass.bindings {
-                let own = match resource {
-                    Resource::Buffer(id) => id.0 < layout::BUFFERS,
-                    Resource::Image(id) => id.0 < images,
-                };
-                assert!(own, "{}: {} is bound to {resource:?}", pass.name, binding.name);
-                assert!(pass.uses.iter().any(|(used, _)| used == resource), "{}: {}", pass.name, binding.name);
-            }
-            let (mut bindings, count) =
-                (pass.bindings.iter().map(|b| b.0.number).collect::<Vec<_>>(), pass.bindings.len());
-            bindings.sort_unstable();
-            bindings.dedup();
-            assert_eq!(bindings.len(), count, "{}: two resources at one binding", pass.name);
-        }
-    }
-}
-
-#[test]
-fn every_step_is_what_its_pass_can_do_and_fits() {
-    for desc in combinations() {
-        let mut effect = Effect::new(desc);
-        effect.fill(&effect.frame(), &effect.moment());
-        for step in &effect.plan.steps {
-            let pass = &effect.passes.list[usize::from(step.pass.0)];
-            let pushed: u32 = pass.shaders().into_iter().flatten().map(|shader| shader.push_size).max().unwrap_or(0);
-            assert_eq!(step.constants_len as u32, pushed, "{}: push constants", pass.name);
-            let fits = match (&pass.kernel, step.command) {
-                (Kernel::Compute(_), Command::Dispatch { threads }) => threads.iter().all(|n| *n > 0),
-                (Kernel::Compute(_), Command::DispatchIndirect { arguments, offset }) => {
-                    offset + 12 <= effect.layout.size(arguments)
-                }
-                (Kernel::Raster(_), Command::DrawIndirect { arguments, offset }) => {
-                    offset + 16 <= effect.layout.size(arguments)
-                }
-                (Kernel::Transfer, Command::Update { buffer, bytes, .. }) => {
-                    // vkCmdUpdateBuffer takes multiples of 4 up to 64 KiB.
-                    bytes as u64 <= effect.layout.size(buffer) && bytes <= 65_536 && bytes % 4 == 0
-                }
-                (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= effect.layout.size(to),
-                (Kernel::Transfer, Command::Fill { .. } | Command::Clear { .. } | Command::CopyImage { .. }) => true,
-                _ => false,
-            };
-            assert!(fits, "{}: {:?}", pass.name, step.command);
-            // What a transfer touches, its pass has declared.
-            let touched: Vec<Resource> = match step.command {
-                Command::Fill { buffer, .. } | Command::Update { buffer, .. } => vec![buffer.into()],
-                Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
-                Command::Clear { image, .. } => vec![image.into()],
-                Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],
-                _ => vec![],
-            };
-            for resource in touched {
-                assert!(pass.uses.iter().any(|(used, _)| *used == resource), "{}: {resource:?}", pass.name);
-            }
-        }
-    }
-}
-
-/// A shader's write that a later step of another pass reads without a barrier between them.
-#[test]
-fn barriers_of_whole_frames_cover_every_dependency() {
-    for desc in combinations() {
-        let mut effect = Effect::new(desc);
-        effect.fill(&effect.frame(), &effect.moment());
-        let images = effect.layout.images(&effect.desc).len() + layout::HOST_IMAGES;
-        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + layout::HOST_BUFFERS, images);
-        tracker.begin(&effect.plan, &effect.passes.list);
-        // For each resource the last write: its step, stages and accesses; and all barriers so far, by step.
-        let mut written: std::collections::HashMap<Resource, (usize, Usage)> = Default::default();
-        let mut barriers: Vec<Barrier> = Vec::new();
-        for (index, step) in effect.plan.steps.iter().enumerate() {
-            let pass = &effect.passes.list[usize::from(step.pass.0)];
-            barriers.push(tracker.before(step, pass));
-            let indirect = step.arguments().map(|id| (Resource::Buffer(id), Usage::INDIRECT));
-            for (resource, usage) in pass.uses.iter().copied().chain(indirect) {
-                let Some((since, write)) = written.get(&resource) else { continue };
-                let covered = barriers[since + 1..].iter().any(|barrier| {
-                    barrier.src_stage.contains(write.stage)
-                        && barrier.src_access.contains(write.writes)
-                        && barrier.dst_stage.contains(usage.stage)
-                        && barrier.dst_access.contains(usage.access())
-                });
-                assert!(covered, "{} at step {index} does not wait for the write of {resource:?}", pass.name);
-            }
-            for (resource, usage) in pass.uses.iter().filter(|(_, usage)| !usage.writes.is_empty()) {
-                written.insert(*resource, (index, *usage));
-            }
-        }
-    }
-}
-
-#[test]
-fn planning_allocates_nothing() {
-    let count = allocated();
-    drop(std::hint::black_box(vec![1_u8; 100]));
-    assert!(allocated() > count, "allocations are not counted");
-    for desc in combinations() {
-        let mut effect = Effect::new(desc);
-        let (frame, mut moment) = (effect.frame(), effect.moment());
-        for first in [true, false] {
-            moment.first = first;
-            let before = allocated();
-            effect.fill(&frame, &moment);
-            assert_eq!(allocated() - before, 0, "{:?}", effect.desc.settings);
-        }
-        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + 2, 5);
-        let before = allocated();
-        tracker.begin(&effect.plan, &effect.passes.list);
-        for step in &effect.plan.steps {
-            std::hint::black_box(tracker.before(step, &effect.passes.list[usize::from(step.pass.0)]));
-        }
-        assert_eq!(allocated() - before, 0, "barriers");
-    }
 }
 
 /// Every device can dispatch 65,535 workgroups along an axis, and many no more.

@@ -10,6 +10,7 @@ use ash::vk;
 
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
+use crate::gpu::capabilities::DeviceLimits;
 use crate::gpu::headless::{Headless, Messages};
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::kernel::Pipelines;
@@ -109,8 +110,7 @@ impl Rig {
     pub(super) fn largest_buffer(&self) -> u64 {
         let host = self.headless.host();
         // SAFETY: the device's own handles.
-        let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
-        u64::from(properties.limits.max_storage_buffer_range)
+        unsafe { DeviceLimits::of(&host) }.storage_range
     }
 
     /// Makes the effect of such an input that is measured step by step, and uploads the input.

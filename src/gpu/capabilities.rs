@@ -1,8 +1,9 @@
-//! Asks a physical device what it supports.
+//! Asks a physical device what it supports, and how much.
 
 use ash::vk;
 
-use crate::host::{Capabilities, Features, Limits, requirements};
+use crate::error::{Error, Result};
+use crate::host::{Capabilities, Features, Host, Limits, requirements};
 
 /// Names everything that a physical device lacks to run celfx, one entry each; empty: nothing.
 ///
@@ -55,4 +56,53 @@ pub unsafe fn capabilities(instance: &ash::Instance, physical_device: vk::Physic
             formats,
         }
     }
+}
+
+/// How much a device allows of what effects ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceLimits {
+    /// Bytes of a storage buffer that a shader can bind: `maxStorageBufferRange`.
+    pub storage_range: u64,
+    /// Pixels along a side of an image that can be rendered to.
+    pub image_side: u32,
+}
+
+impl DeviceLimits {
+    /// Those of a device.
+    ///
+    /// # Safety
+    /// `host` holds valid handles.
+    pub unsafe fn of(host: &Host) -> DeviceLimits {
+        // SAFETY: the caller's.
+        let limits = unsafe { host.instance.get_physical_device_properties(host.physical_device) }.limits;
+        let framebuffer = limits.max_framebuffer_width.min(limits.max_framebuffer_height);
+        let image_side = framebuffer.min(limits.max_image_dimension2_d);
+        DeviceLimits { storage_range: u64::from(limits.max_storage_buffer_range), image_side }
+    }
+
+    /// Refuses a picture with a side that the device cannot render to.
+    pub(crate) fn check_sides(&self, size: [u32; 2]) -> Result<()> {
+        match size.into_iter().find(|side| *side > self.image_side) {
+            Some(side) => Err(Error::Limit {
+                what: "a side of the picture",
+                needed: side.into(),
+                limit: self.image_side.into(),
+                advice: "render a smaller picture",
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The largest heap of a device's own memory, in bytes.
+///
+/// # Safety
+/// `host` holds valid handles.
+#[cfg(feature = "cli")]
+pub(crate) unsafe fn own_memory(host: &Host) -> u64 {
+    // SAFETY: the caller's.
+    let memory = unsafe { host.instance.get_physical_device_memory_properties(host.physical_device) };
+    let heaps = memory.memory_heaps_as_slice().iter();
+    let own = heaps.filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL));
+    own.map(|heap| heap.size).max().unwrap_or(0)
 }

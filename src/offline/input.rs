@@ -1,6 +1,5 @@
 //! What carries a frame's input to the device. Each is waited for before the next.
 
-use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use super::blur::{BlurFrame, FRAMES_BESIDE};
@@ -245,15 +244,6 @@ pub(crate) fn resident(wanted: u32, points: u32, memory: u64, limit: u64) -> u32
     let fits = u32::try_from(fits).unwrap_or(u32::MAX);
     let window = 2 * FRAMES_BESIDE + 2;
     window.min(fits).min(wanted).max(4)
-}
-
-/// The largest heap of a device's own memory, in bytes.
-pub(crate) fn device_memory(host: &Host) -> u64 {
-    // SAFETY: the host's handles are valid.
-    let memory = unsafe { host.instance.get_physical_device_memory_properties(host.physical_device) };
-    let heaps = memory.memory_heaps_as_slice().iter();
-    let own = heaps.filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL));
-    own.map(|heap| heap.size).max().unwrap_or(0)
 }
 
 /// A range that is never empty, which a buffer's must not be; an upload has at least 16 bytes.

@@ -1,12 +1,9 @@
 //! Plans, barriers and sizes of the blur, without a device.
 
-use std::collections::HashMap;
-
 use ash::vk;
-use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::layout::{self, Layout};
 use celfx::blur::passes::Passes;
-use celfx::blur::settings::{Completion, Ghosts, Lines, Refine, Space};
+use celfx::blur::settings::Completion;
 use celfx::blur::steps::Steps;
 use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
@@ -15,10 +12,8 @@ use celfx::blur::{
 use celfx::effect::Inventory;
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
-use celfx::plan::{Command, DescriptorKind, Kernel, PassId, Plan, Resource, Topology, Usage};
+use celfx::plan::{Command, PassId, Plan};
 use celfx::view::{Camera, Light, LightSource};
-
-use crate::common::allocations::allocated;
 
 const RANGE: u64 = 128 << 20;
 const VIEW: View = View {
@@ -147,37 +142,6 @@ impl Effect {
     }
 }
 
-/// Descriptions that reach every pass, and frames of both kinds.
-fn every(mut check: impl FnMut(&mut Effect, &Frame)) {
-    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
-    for (space, refine, strength, layers, completion) in [
-        (Space::Homogeneous, Refine::Error, 1.0, true, Completion::Surface),
-        (Space::Screen, Refine::Length, 2.5, false, Completion::Gradient),
-        (Space::Homogeneous, Refine::Error, 0.3, false, Completion::None),
-    ] {
-        let mut settings = Settings { space, refine, strength, completion, ..Settings::default() };
-        if layers {
-            settings.lines = Lines { count: 3, length: 0.4, ..Lines::default() };
-            settings.ghosts = Ghosts { count: 2, step: 0.2, ..Ghosts::default() };
-        }
-        let mut effect = Effect::new(Desc { layers, ..desc(settings) });
-        for trajectories in [Trajectories::Poses(&knots), Trajectories::Pieces(buffer())] {
-            for seams in [0, 77] {
-                let mut frame = frame(&effect.desc.clone(), trajectories, seams);
-                effect.fill(&frame);
-                check(&mut effect, &frame);
-                // Without images.
-                (frame.images, frame.toon) = (None, Some(TOON));
-                effect.fill(&frame);
-                check(&mut effect, &frame);
-                frame.interval = None;
-                effect.fill(&frame);
-                check(&mut effect, &frame);
-            }
-        }
-    }
-}
-
 #[test]
 fn the_steps_of_a_frame_in_order() {
     let mut effect = Effect::new(desc(Settings::default()));
@@ -295,106 +259,6 @@ fn poses_go_around() {
         .collect();
     // Frames 50 and 51 stand in places 24 and 25, 52 to 54 in the first ones.
     assert_eq!(copies, [(0, 24 * 12_000, 2 * 12_000), (24_000, 0, 3 * 12_000)]);
-}
-
-#[test]
-fn every_binding_is_bound_and_every_step_fits() {
-    every(|effect, _| {
-        let images = effect.layout.images(&effect.desc).len() as u16;
-        for pass in &effect.passes.list {
-            assert_eq!(pass.unbound().count(), 0, "{}", pass.name);
-            for (binding, resource) in &pass.bindings {
-                let own = match resource {
-                    Resource::Buffer(id) => id.0 < layout::BUFFERS,
-                    Resource::Image(id) => id.0 < images,
-                };
-                assert!(own, "{}: {} is bound to {resource:?}", pass.name, binding.name);
-            }
-            let storage =
-                pass.bindings.iter().filter(|(binding, _)| binding.kind == DescriptorKind::StorageBuffer).count();
-            assert!(storage <= 12, "{}: {storage} storage buffers", pass.name);
-        }
-        for (id, pass) in effect.passes.list.iter().enumerate() {
-            let steps = effect.plan.steps.iter().filter(|step| usize::from(step.pass.0) == id).count();
-            assert!(steps <= pass.most_steps, "{}: {steps} steps, {} declared", pass.name, pass.most_steps);
-        }
-        let bytes: usize = effect.passes.list.iter().map(|pass| pass.most_bytes).sum();
-        assert!(effect.plan.data.len() <= bytes);
-        for step in &effect.plan.steps {
-            let pass = &effect.passes.list[usize::from(step.pass.0)];
-            let pushed: u32 = pass.shaders().into_iter().flatten().map(|shader| shader.push_size).max().unwrap_or(0);
-            assert_eq!(step.constants_len as u32, pushed, "{}: push constants", pass.name);
-            let size = |id| effect.layout.size(id);
-            let fits = match (&pass.kernel, step.command) {
-                (Kernel::Compute(shader), Command::Dispatch { threads }) => {
-                    (0..3).all(|axis| (1..=65_535).contains(&threads[axis].div_ceil(shader.local_size[axis])))
-                }
-                (Kernel::Compute(_), Command::DispatchIndirect { arguments, offset }) => offset + 12 <= size(arguments),
-                (Kernel::Raster(_), Command::DrawIndirect { arguments, offset }) => offset + 16 <= size(arguments),
-                (Kernel::Raster(raster), Command::Draw { vertices }) => match raster.topology {
-                    Topology::Triangles => vertices % 3 == 0,
-                    Topology::Quads => vertices == 4,
-                },
-                (Kernel::Transfer, Command::Update { buffer, bytes, .. }) => {
-                    bytes as u64 <= size(buffer) && bytes <= 65_536 && bytes % 4 == 0
-                }
-                (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= size(to),
-                (Kernel::Transfer, Command::CopyRange { to, bytes, .. }) => to.1 + bytes <= size(to.0),
-                (Kernel::Transfer, Command::Fill { buffer, .. }) => size(buffer) % 4 == 0,
-                (Kernel::Transfer, Command::CopyImage { .. }) => true,
-                _ => false,
-            };
-            assert!(fits, "{}: {:?}", pass.name, step.command);
-            let touched: Vec<Resource> = match step.command {
-                Command::Update { buffer, .. } | Command::Fill { buffer, .. } => vec![buffer.into()],
-                Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
-                Command::CopyRange { from, to, .. } => vec![from.0.into(), to.0.into()],
-                Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],
-                _ => vec![],
-            };
-            for resource in touched {
-                assert!(pass.uses.iter().any(|(used, _)| *used == resource), "{}: {resource:?}", pass.name);
-            }
-        }
-    });
-}
-
-#[test]
-fn barriers_cover_every_dependency() {
-    every(|effect, _| {
-        let images = effect.layout.images(&effect.desc).len() + layout::HOST_IMAGES;
-        let mut tracker = Tracker::new(usize::from(layout::BUFFERS) + layout::HOST_BUFFERS, images);
-        tracker.begin(&effect.plan, &effect.passes.list);
-        let mut written: HashMap<Resource, (usize, Usage)> = HashMap::new();
-        let mut barriers: Vec<Barrier> = Vec::new();
-        for (index, step) in effect.plan.steps.iter().enumerate() {
-            let pass = &effect.passes.list[usize::from(step.pass.0)];
-            barriers.push(tracker.before(step, pass));
-            let indirect = step.arguments().map(|id| (Resource::Buffer(id), Usage::INDIRECT));
-            for (resource, usage) in pass.uses.iter().copied().chain(indirect) {
-                let Some((since, write)) = written.get(&resource) else { continue };
-                let covered = barriers[since + 1..].iter().any(|barrier| {
-                    barrier.src_stage.contains(write.stage)
-                        && barrier.src_access.contains(write.writes)
-                        && barrier.dst_stage.contains(usage.stage)
-                        && barrier.dst_access.contains(usage.access())
-                });
-                assert!(covered, "{} at step {index} does not wait for the write of {resource:?}", pass.name);
-            }
-            for (resource, usage) in pass.uses.iter().filter(|(_, usage)| !usage.writes.is_empty()) {
-                written.insert(*resource, (index, *usage));
-            }
-        }
-    });
-}
-
-#[test]
-fn planning_allocates_nothing() {
-    every(|effect, frame| {
-        let before = allocated();
-        effect.fill(frame);
-        assert_eq!(allocated() - before, 0);
-    });
 }
 
 #[test]

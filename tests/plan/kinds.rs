@@ -1,0 +1,359 @@
+//! Plans of every kind of effect, with every input that a frame may bring: each binding is bound, each step fits, is one of
+//! those that its pass declares, and touches what its pass says.
+
+use ash::vk;
+use celfx::barrier::{Barrier, Tracker};
+use celfx::blur::{self, BlurKind};
+use celfx::effect::{DeviceLimits, Kind, describe};
+use celfx::flame::{self, FlameKind, ParticleInput, SceneDepth, SceneFormat};
+use celfx::gpu::executor::Description;
+use celfx::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, ImageState, requirements};
+use celfx::plan::{Command, DescriptorKind, Kernel, Plan, Resource, Topology, Usage};
+use celfx::smoke::{self, SmokeKind, VolumeInput};
+use celfx::view::{Camera, Light};
+
+use crate::allocations::allocated;
+
+const SIZE: [u32; 2] = [200, 150];
+const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: false };
+const LIMITS: DeviceLimits = DeviceLimits { storage_range: 128 << 20, image_side: 16_384 };
+
+pub fn buffer() -> HostBuffer {
+    let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+    HostBuffer { buffer: vk::Buffer::null(), offset: 0, size: u64::MAX, stage, access }
+}
+
+pub fn image(format: vk::Format) -> HostImage {
+    let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
+    let (image, view) = (vk::Image::null(), vk::ImageView::null());
+    HostImage { image, view, format, extent: SIZE, state_in: state, state_out: state }
+}
+
+fn depth() -> HostDepth {
+    HostDepth { image: image(DEPTH.format), terms: HostDepth::perspective(0.1, 100.0, false) }
+}
+
+fn backgrounds() -> [Background; 3] {
+    [Background::Keep, Background::Clear([0.5; 4]), Background::Copy(image(FORMAT))]
+}
+
+/// Plans the frames one after the other, as they follow each other, and checks each.
+fn check<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) {
+    let mut kind = K::new(desc, &LIMITS).expect("it can be made");
+    let description = describe(&mut kind, desc);
+    let mut plan = Plan::for_passes(&description.passes);
+    bound(&description);
+    for frame in frames {
+        plan.clear();
+        let before = allocated();
+        let recorded = kind.plan(desc, frame, &mut plan).expect("a frame");
+        assert_eq!(allocated() - before, 0, "planning allocates: {desc:?}");
+        kind.recorded(desc, frame, recorded);
+        assert!(plan.skipped.iter().all(|(_, reason)| !reason.is_empty()));
+        declared(&plan, &description);
+        plan.steps.iter().for_each(|step| fits(step, &description));
+        covered(&plan, &description);
+    }
+}
+
+fn bound(description: &Description) {
+    let count = allocated();
+    drop(std::hint::black_box(vec![1_u8; 100]));
+    assert!(allocated() > count, "allocations are not counted");
+    for pass in &description.passes {
+        assert_eq!(pass.unbound().map(|binding| binding.name).collect::<Vec<_>>(), [""; 0], "{}", pass.name);
+        for (binding, resource) in &pass.bindings {
+            let own = match resource {
+                Resource::Buffer(id) => usize::from(id.0) < description.buffers.len(),
+                Resource::Image(id) => usize::from(id.0) < description.images.len(),
+            };
+            assert!(own, "{}: {} is bound to {resource:?}", pass.name, binding.name);
+            assert!(pass.uses.iter().any(|(used, _)| used == resource), "{}: {}", pass.name, binding.name);
+        }
+        let mut numbers: Vec<_> = pass.bindings.iter().map(|(binding, _)| binding.number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        assert_eq!(numbers.len(), pass.bindings.len(), "{}: two resources at one binding", pass.name);
+        // What every device has for a stage (`requirements`).
+        let is_storage = |kind| kind == DescriptorKind::StorageBuffer;
+        let storage = pass.bindings.iter().filter(|(binding, _)| is_storage(binding.kind)).count() as u32;
+        let most = requirements().limits.max_per_stage_descriptor_storage_buffers;
+        assert!(storage <= most, "{}: {storage} storage buffers", pass.name);
+    }
+}
+
+fn declared(plan: &Plan, description: &Description) {
+    for (id, pass) in description.passes.iter().enumerate() {
+        let steps = plan.steps.iter().filter(|step| usize::from(step.pass.0) == id).count();
+        assert!(steps <= pass.most_steps, "{}: {steps} steps, {} declared", pass.name, pass.most_steps);
+    }
+    let bytes: usize = description.passes.iter().map(|pass| pass.most_bytes).sum();
+    assert!(plan.data.len() <= bytes, "{} bytes, {bytes} declared", plan.data.len());
+}
+
+fn fits(step: &celfx::plan::Step, description: &Description) {
+    let pass = &description.passes[usize::from(step.pass.0)];
+    let pushed = pass.shaders().into_iter().flatten().map(|shader| shader.push_size).max().unwrap_or(0);
+    assert_eq!(step.constants_len as u32, pushed, "{}: push constants", pass.name);
+    let size = |id: celfx::plan::BufferId| description.buffers.get(usize::from(id.0)).map_or(u64::MAX, |b| b.size);
+    let fits = match (&pass.kernel, step.command) {
+        // Every device can dispatch 65,535 workgroups along an axis, and many no more.
+        (Kernel::Compute(shader), Command::Dispatch { threads }) => {
+            (0..3).all(|axis| (1..=65_535).contains(&threads[axis].div_ceil(shader.local_size[axis])))
+        }
+        (Kernel::Compute(_), Command::DispatchIndirect { arguments, offset }) => offset + 12 <= size(arguments),
+        (Kernel::Raster(_), Command::DrawIndirect { arguments, offset }) => offset + 16 <= size(arguments),
+        (Kernel::Raster(raster), Command::Draw { vertices }) => match raster.topology {
+            Topology::Triangles => vertices % 3 == 0,
+            Topology::Quads => vertices == 4,
+        },
+        // vkCmdUpdateBuffer takes multiples of 4 up to 64 KiB.
+        (Kernel::Transfer, Command::Update { buffer, bytes, .. }) => {
+            bytes as u64 <= size(buffer) && bytes <= 65_536 && bytes % 4 == 0
+        }
+        (Kernel::Transfer, Command::CopyBuffer { to, bytes, .. }) => bytes <= size(to),
+        (Kernel::Transfer, Command::CopyRange { to, bytes, .. }) => to.1 + bytes <= size(to.0),
+        (Kernel::Transfer, Command::CopyDepth { to, extent: [width, height], .. }) => {
+            4 * u64::from(width) * u64::from(height) <= size(to)
+        }
+        (Kernel::Transfer, Command::Fill { .. } | Command::Clear { .. } | Command::CopyImage { .. }) => true,
+        _ => false,
+    };
+    assert!(fits, "{}: {:?}", pass.name, step.command);
+    let touched: Vec<Resource> = match step.command {
+        Command::Fill { buffer, .. } | Command::Update { buffer, .. } => vec![buffer.into()],
+        Command::CopyBuffer { from, to, .. } => vec![from.into(), to.into()],
+        Command::CopyRange { from, to, .. } => vec![from.0.into(), to.0.into()],
+        Command::CopyImage { from, to, .. } => vec![from.into(), to.into()],
+        Command::CopyDepth { from, to, .. } => vec![from.into(), to.into()],
+        Command::Clear { image, .. } => vec![image.into()],
+        _ => vec![],
+    };
+    for resource in touched {
+        assert!(pass.uses.iter().any(|(used, _)| *used == resource), "{}: {resource:?}", pass.name);
+    }
+}
+
+/// What a step uses waits for the last write of it.
+fn covered(plan: &Plan, description: &Description) {
+    let buffers = description.buffers.len() + description.host_buffers;
+    let images = description.images.len() + description.host_images;
+    let mut tracker = Tracker::new(buffers, images);
+    let before = allocated();
+    tracker.begin(plan, &description.passes);
+    for step in &plan.steps {
+        std::hint::black_box(tracker.before(step, &description.passes[usize::from(step.pass.0)]));
+    }
+    assert_eq!(allocated() - before, 0, "barriers allocate");
+    tracker.begin(plan, &description.passes);
+    let mut written: std::collections::HashMap<Resource, (usize, Usage)> = Default::default();
+    let mut barriers: Vec<Barrier> = Vec::new();
+    for (index, step) in plan.steps.iter().enumerate() {
+        let pass = &description.passes[usize::from(step.pass.0)];
+        barriers.push(tracker.before(step, pass));
+        let indirect = step.arguments().map(|id| (Resource::Buffer(id), Usage::INDIRECT));
+        for (resource, usage) in pass.uses.iter().copied().chain(indirect) {
+            let Some((since, write)) = written.get(&resource) else { continue };
+            let is_covered = barriers[since + 1..].iter().any(|barrier| {
+                barrier.src_stage.contains(write.stage)
+                    && barrier.src_access.contains(write.writes)
+                    && barrier.dst_stage.contains(usage.stage)
+                    && barrier.dst_access.contains(usage.access())
+            });
+            assert!(is_covered, "{} at step {index} does not wait for the write of {resource:?}", pass.name);
+        }
+        for (resource, usage) in pass.uses.iter().filter(|(_, usage)| !usage.writes.is_empty()) {
+            written.insert(*resource, (index, *usage));
+        }
+    }
+}
+
+#[test]
+fn smoke_with_everything_that_a_frame_may_bring() {
+    use smoke::settings::{Grow, Shadow};
+    for desc in super::combinations() {
+        let shadows = desc.settings.shadow == Shadow::Exact && desc.settings.grow == Grow::Chosen;
+        for has_depth in if shadows { &[false, true][..] } else { &[true][..] } {
+            let (size, target_format, depth_format) = (SIZE, FORMAT, has_depth.then_some(DEPTH));
+            let desc = smoke::Desc { size, target_format, depth: depth_format, edges: *has_depth, ..desc.clone() };
+            let volume = VolumeInput {
+                dimensions: desc.dimensions,
+                voxel_size: [0.1; 3],
+                origin: [0.0; 3],
+                density: buffer(),
+                velocity: desc.velocity.then(buffer),
+            };
+            let mut light = Light::default();
+            if desc.point_light {
+                light.source = celfx::view::LightSource::Position(glam::DVec3::splat(9.0));
+            }
+            let first = smoke::Frame {
+                sequence: smoke::Sequence::Restart,
+                dt: 0.04,
+                camera: Camera::default(),
+                light,
+                volume: Some(volume),
+                target: Some(image(FORMAT)),
+                background: Background::Keep,
+                depth: has_depth.then(depth),
+                edges: has_depth.then(buffer),
+            };
+            let next = smoke::Frame { sequence: smoke::Sequence::Advance, volume: None, edges: None, ..first };
+            let mut frames = vec![first, next, smoke::Frame { target: None, ..next }];
+            frames.extend(backgrounds().map(|background| smoke::Frame { background, ..next }));
+            frames.push(smoke::Frame { sequence: smoke::Sequence::Hold, ..first });
+            check::<SmokeKind>(&desc, &frames);
+        }
+    }
+}
+
+#[test]
+fn flame_with_everything_that_a_frame_may_bring() {
+    use flame::settings::{Method, Mode, Shape};
+    let scenes = [
+        (None, None),
+        (Some(SceneFormat::Buffer), Some(SceneDepth::Buffer(buffer()))),
+        (Some(SceneFormat::Image(DEPTH)), Some(SceneDepth::Image(depth()))),
+    ];
+    for (mode, method, adaptive, particles) in [
+        (Mode::Stochastic, Method::Tiles, 0.0, 500),
+        (Mode::Stochastic, Method::Tiles, 0.1, 500),
+        // So many that their lists are worked on in parts.
+        (Mode::Stochastic, Method::Tiles, 0.0, 200_000),
+        (Mode::Stochastic, Method::Raster, 0.0, 500),
+        (Mode::Expected, Method::Tiles, 0.0, 500),
+        (Mode::Expected, Method::Tiles, 0.0, 20_000),
+    ] {
+        for (shape, layers) in [(Shape::Ball, true), (Shape::Cube, false)] {
+            for (format, scene) in scenes {
+                let spread = Some(0.1);
+                let settings =
+                    flame::Settings { mode, method, adaptive, shape, spread, light: 0.5, ..Default::default() };
+                let hottest = settings.hottest;
+                let desc = flame::Desc {
+                    size: SIZE,
+                    target_format: FORMAT,
+                    scene: format,
+                    particles,
+                    hottest,
+                    seed: 1,
+                    settings,
+                    layers,
+                    skipping: true,
+                };
+                let input =
+                    ParticleInput { count: particles, hottest, position_temperature: buffer(), ids: Some(buffer()) };
+                let first = flame::Frame {
+                    camera: Camera::default(),
+                    particles: Some(input),
+                    number: 3,
+                    accumulate: false,
+                    target: image(FORMAT),
+                    background: Background::Keep,
+                    scene,
+                };
+                let next = flame::Frame { particles: None, accumulate: adaptive == 0.0, ..first };
+                let none = flame::Frame { particles: Some(ParticleInput { count: 0, ids: None, ..input }), ..first };
+                let mut frames = vec![first, next, none, first];
+                frames.extend(backgrounds().map(|background| flame::Frame { background, ..first }));
+                check::<FlameKind>(&desc, &frames);
+            }
+        }
+    }
+}
+
+#[test]
+fn blur_with_everything_that_a_frame_may_bring() {
+    use blur::settings::{Completion, Ghosts, Lines, Refine, Space};
+    let knots = [blur::Knot { view: blur::View { frame: 1, camera: Camera::default() }, weights: [[0.0; 4]; 12] }; 26];
+    let camera = Camera { eye: glam::DVec3::new(0.0, 1.0, 4.0), ..Camera::default() };
+    let view = |frame| blur::View { frame, camera };
+    let toon = Some(blur::ToonInput { view: view(2), light: Light::default() });
+    for completion in [Completion::Surface, Completion::Gradient, Completion::None] {
+        for (has_depth, layers, strength) in [(true, true, 1.0), (false, false, 2.5), (true, false, 0.0)] {
+            let mut settings = blur::Settings { completion, strength, ..Default::default() };
+            if layers {
+                settings.lines = Lines { count: 3, length: 0.4, ..Lines::default() };
+                settings.ghosts = Ghosts { count: 2, step: 0.2, ..Ghosts::default() };
+            } else {
+                (settings.space, settings.refine) = (Space::Screen, Refine::Length);
+            }
+            let desc = blur::Desc {
+                size: SIZE,
+                target_format: FORMAT,
+                points: 1000,
+                triangles: 1900,
+                neighbours: 5800,
+                objects: 3,
+                groups: 1100,
+                group_triangles: 5700,
+                outer: true,
+                toon: true,
+                depth: has_depth.then_some(DEPTH),
+                most_triangles: 100_000,
+                segments: blur::Desc::segments_of(&settings),
+                frames_resident: 26,
+                seed: 0,
+                settings,
+                layers,
+                skipping: true,
+            };
+            let groups = blur::GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() };
+            let mesh = blur::TopologyInput {
+                triangles: buffer(),
+                neighbour_starts: buffer(),
+                neighbours: buffer(),
+                groups: Some(groups),
+                colours: Some(buffer()),
+            };
+            let segments: Vec<_> =
+                (0..desc.segments).map(|s| blur::motion::Segment { begin: -(s as f32), end: 1.0 - s as f32 }).collect();
+            let interval = blur::IntervalInput {
+                counts: blur::Counts { clusters: 3, hull: 100, seams: 7, farthest: 500.0, ..Default::default() },
+                segments: &segments,
+                views: [view(0), view(1), view(2), view(3)],
+                trajectories: blur::Trajectories::Pieces(buffer()),
+                motion: buffer(),
+                labels: buffer(),
+                clusters: buffer(),
+                hull: buffer(),
+                seams: buffer(),
+                fronts: buffer(),
+            };
+            let host = blur::DepthInput { host: depth(), view: view(2) };
+            let first = blur::Frame {
+                mesh: Some(mesh),
+                poses: Some(blur::PoseInput { first: 0, count: 26, positions: buffer() }),
+                interval: Some(interval),
+                images: Some([image(FORMAT); 2]),
+                toon: None,
+                outer: [Some(image(FORMAT)); 2],
+                target: image(FORMAT),
+                depth: has_depth.then_some(host),
+                background: Background::Keep,
+            };
+            let given = blur::Frame { mesh: None, poses: None, ..first };
+            let drawn = blur::Frame { images: None, toon, outer: [None; 2], ..given };
+            let posed = blur::IntervalInput {
+                trajectories: blur::Trajectories::Poses(&knots),
+                counts: blur::Counts { seams: 0, ..interval.counts },
+                ..interval
+            };
+            let mut frames = vec![first, given, drawn, drawn];
+            frames.extend([given, drawn].map(|frame| blur::Frame { interval: Some(posed), ..frame }));
+            // Poses that go around.
+            let poses = Some(blur::PoseInput { first: 16, count: 20, positions: buffer() });
+            let still = blur::View { frame: 20, camera };
+            let toon = Some(blur::ToonInput { view: still, light: Light::default() });
+            let depth = has_depth.then_some(blur::DepthInput { view: still, ..host });
+            let around = blur::Frame { poses, interval: None, toon, depth, ..drawn };
+            for background in backgrounds() {
+                frames.extend([given, drawn].map(|frame| blur::Frame { background, ..frame }));
+                frames.extend([given, drawn].map(|frame| blur::Frame { background, interval: None, ..frame }));
+            }
+            frames.push(around);
+            check::<BlurKind>(&desc, &frames);
+        }
+    }
+}
