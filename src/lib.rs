@@ -9,10 +9,12 @@ pub mod flame;
 pub mod gpu;
 pub mod host;
 mod layout;
+#[doc(hidden)]
+pub mod noise;
 pub mod plan;
 pub mod profile;
 #[doc(hidden)]
-pub mod reference;
+pub mod random;
 pub mod shaders;
 pub mod smoke;
 mod threads;
@@ -22,6 +24,8 @@ pub mod view;
 pub mod bench;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "cli")]
+pub mod data;
 #[cfg(feature = "cli")]
 pub mod io;
 #[cfg(feature = "cli")]

@@ -14,6 +14,8 @@ use std::time::Duration;
 use ash::vk;
 
 use crate::blur::{self as blur_effect, Blur};
+use crate::data::Particles;
+use crate::data::Volume;
 use crate::error::{Error, Result};
 use crate::flame::{self, Flame};
 use crate::gpu::capabilities::{DeviceLimits, own_memory};
@@ -23,8 +25,6 @@ use crate::gpu::profiler::{Profiler, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
 use crate::host::{Background, HostImage, ImageState};
-use crate::io::particles::Particles;
-use crate::io::volume::Volume;
 use crate::profile::FrameTimes;
 use crate::smoke::{self, Sequence, Smoke};
 use crate::view::{Camera, Light};

@@ -1,14 +1,16 @@
 //! Work on several threads, as many as the system gives: where it has no more, it is done here.
 
-use std::thread::{self, Builder, ScopedJoinHandle};
+use std::thread::{self, Builder};
 
 /// A part of the work.
+#[cfg(any(test, feature = "reference"))]
 enum Part<'scope, R> {
-    Running(ScopedJoinHandle<'scope, R>),
+    Running(thread::ScopedJoinHandle<'scope, R>),
     Done(R),
 }
 
 /// What `work` makes of each part, in their order; on a thread for each, so there should be few. A panic stays one.
+#[cfg(any(test, feature = "reference"))]
 pub(crate) fn map<T: Clone + Send, R: Send>(
     parts: impl IntoIterator<Item = T>,
     work: impl Fn(T) -> R + Sync,

@@ -25,7 +25,8 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use celfx::io::volume::{Volume, write_npz};
+use celfx::data::Volume;
+use celfx::io::volume::write_npz;
 use celfx::io::{image, picture};
 use run::{Folder, celfx, has_device};
 

@@ -11,7 +11,7 @@ pub mod mesh;
 pub mod motion;
 pub mod params;
 pub mod passes;
-#[doc(hidden)]
+#[cfg(any(test, feature = "reference"))]
 pub mod reference;
 pub mod settings;
 pub mod shells;

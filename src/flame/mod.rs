@@ -11,9 +11,10 @@ pub mod desc;
 pub mod frame;
 pub mod layout;
 pub mod limits;
+mod mask;
 pub mod params;
 pub mod passes;
-#[doc(hidden)]
+#[cfg(any(test, feature = "reference"))]
 pub mod reference;
 pub mod settings;
 mod spacing;
@@ -32,9 +33,9 @@ use crate::plan::{Pass, Plan};
 use crate::view::Camera;
 use colour::Table;
 use layout::Layout;
+use mask::Mask;
 use params::{FlameParams, Given};
 use passes::Passes;
-use reference::mask::Mask;
 use settings::{Colour, MOST_REPETITIONS};
 use steps::{Moment, Steps};
 

@@ -6,11 +6,15 @@ use crate::flame::colour::Table;
 use crate::flame::desc::Desc;
 use crate::flame::frame::Frame;
 use crate::flame::layout::Layout;
-use crate::flame::reference::draws::sobol_bits;
-use crate::flame::settings::{Mode, Shape};
+use crate::flame::settings::{MOST_REPETITIONS, Mode, Shape};
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
 use crate::view::CameraRows;
+
+/// Bits of an index into the Sobol sequence for so many repetitions, 1 to 20.
+pub fn sobol_bits(repetitions: u32) -> u32 {
+    repetitions.max(1).next_power_of_two().trailing_zeros().clamp(1, MOST_REPETITIONS.trailing_zeros())
+}
 
 impl Control {
     /// What a frame starts with.
@@ -109,5 +113,16 @@ impl FlameParams {
             table_shift: [red, green, blue, 0.0],
             cell_levels,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_hold_the_repetitions() {
+        let given = [0, 1, 2, 3, 4, 20, 64, 65, 1 << 20, u32::MAX >> 1];
+        assert_eq!(given.map(sobol_bits), [1, 1, 1, 2, 2, 5, 6, 7, 20, 20]);
     }
 }

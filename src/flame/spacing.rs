@@ -114,7 +114,7 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     fn random(n: u32) -> Vec<[f32; 3]> {
         (0..n).map(|i| std::array::from_fn(|axis| unit(hash(5, i, 0, axis as u32)) * [1.0, 2.0, 0.1][axis])).collect()

@@ -5,20 +5,10 @@ use std::path::Path;
 use super::ReadError;
 use super::array::{Archive, Array, Kind, Number};
 use super::sequence::{Input, Sequence, Source};
+use crate::data::{ParticleExtent, Particles};
 use crate::flame::settings::HOTTEST;
 use crate::simulate::flame;
 use crate::view::FARTHEST;
-
-/// Particles in memory, a row each.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Particles {
-    /// World positions in metres, finite.
-    pub position: Vec<[f32; 3]>,
-    /// Temperatures in kelvin, above 0 and finite.
-    pub temperature: Vec<f32>,
-    /// What keeps a particle's random draws over frames; none: its row.
-    pub id: Option<Vec<u32>>,
-}
 
 /// Most particles of a file that is read: a small file can unpack to any size.
 pub const MAX_PARTICLES: u64 = 1 << 28;
@@ -107,16 +97,7 @@ fn ids(archive: &mut Archive, path: &Path, count: u64) -> Result<Option<Vec<u32>
     }
 }
 
-/// What bounds the particles of a sequence.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extent {
-    /// Most particles of a frame.
-    pub most: u32,
-    /// Highest temperature in kelvin, or a bound above it; at least 1.
-    pub hottest: f32,
-}
-
-impl Extent {
+impl ParticleExtent {
     /// An error if the particles that were read from `path` are not within the extent: then the file is no longer the one
     /// that was looked at.
     pub fn check(&self, particles: &Particles, path: &Path) -> Result<(), ReadError> {
@@ -164,8 +145,8 @@ pub type ParticleSequence = Sequence<Particles>;
 impl ParticleSequence {
     /// The extent of these frames' particles, from the headers and temperatures of all files, so that a missing or unfit
     /// one is found before work begins.
-    pub fn extent(&self, frames: impl IntoIterator<Item = u32>) -> Result<Extent, ReadError> {
-        let mut extent = Extent { most: 0, hottest: 1.0 };
+    pub fn extent(&self, frames: impl IntoIterator<Item = u32>) -> Result<ParticleExtent, ReadError> {
+        let mut extent = ParticleExtent { most: 0, hottest: 1.0 };
         for source in self.sources(frames) {
             let path = match source? {
                 Source::File(path) => path,
@@ -262,7 +243,7 @@ mod tests {
         write(&path, 0, 0.0);
         assert_eq!(read(&path).unwrap(), Particles::default());
         let sequence = ParticleSequence::new("p.npz", &folder.0, (), false, 24.0).unwrap();
-        assert_eq!(sequence.extent(1..=9).unwrap(), Extent { most: 0, hottest: 1.0 });
+        assert_eq!(sequence.extent(1..=9).unwrap(), ParticleExtent { most: 0, hottest: 1.0 });
     }
 
     #[test]
@@ -329,8 +310,8 @@ mod tests {
         }
         let open = |name: &str, hold| ParticleSequence::new(name, &folder.0, (), hold, 24.0).unwrap();
         let mut hold = open("p.####.npz", true);
-        assert_eq!(hold.extent(1..=3).unwrap(), Extent { most: 5, hottest: 1200.0 });
-        assert_eq!(hold.extent(1..=9).unwrap(), Extent { most: 5, hottest: 2500.0 });
+        assert_eq!(hold.extent(1..=3).unwrap(), ParticleExtent { most: 5, hottest: 1200.0 });
+        assert_eq!(hold.extent(1..=9).unwrap(), ParticleExtent { most: 5, hottest: 2500.0 });
         assert!(Arc::ptr_eq(&hold.frame(2).unwrap(), &hold.frame(3).unwrap()));
         let mut is_same = |f| Arc::ptr_eq(&hold.frame(f - 1).unwrap(), &hold.frame(f).unwrap());
         assert_eq!([2, 3, 4, 5].map(&mut is_same), [false, true, false, true]);

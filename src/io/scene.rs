@@ -31,45 +31,13 @@ use self::cache::Cache;
 use self::rig::Rig;
 use super::ReadError;
 use super::pattern::{Pattern, PatternError};
+use crate::data::Topology;
 use crate::simulate::mesh::{Builtin, Model};
 use crate::threads::map;
 use crate::view::{Camera, FARTHEST};
 
 /// Most vertices of a scene that is read.
 pub const MAX_VERTICES: usize = 1 << 26;
-
-/// What of an animated mesh does not change.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Topology {
-    /// Vertices of each triangle, in either direction: files differ, and mirrors turn them over.
-    pub triangles: Vec<[u32; 3]>,
-    /// Object of each vertex: its number in `objects`. In glTF each node that has a mesh is one.
-    pub object: Vec<u32>,
-    /// Names of the objects.
-    pub objects: Vec<String>,
-    /// Linear RGB of each vertex, not negative.
-    pub colour: Vec<[f32; 3]>,
-    /// Normal of each vertex at rest, in its object's own space, as the file has it; (0, 0, 0) where it has none.
-    pub normal: Vec<[f32; 3]>,
-    /// Whether an object has triangles that are meant to be seen from both sides.
-    pub double_sided: Vec<bool>,
-    /// Whether triangles of vertices without normals are flat, as glTF has it. Otherwise they are smooth, but for sharp
-    /// edges (see [`shading_groups`]).
-    pub faceted: bool,
-}
-
-impl Topology {
-    /// Whether a triangle has one normal, its own.
-    pub fn is_flat(&self, triangle: usize) -> bool {
-        self.faceted && self.triangles[triangle].iter().all(|&corner| self.normal[corner as usize] == [0.0; 3])
-    }
-
-    /// The same vertices without the triangles of one object, so that what it hides can be seen.
-    pub fn without(&self, object: u32) -> Topology {
-        let stays = |corners: &&[u32; 3]| self.object[corners[0] as usize] != object;
-        Topology { triangles: self.triangles.iter().filter(stays).copied().collect(), ..self.clone() }
-    }
-}
 
 /// What of a file was passed over.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -9,23 +9,9 @@ use npyz::npz::NpzWriter;
 use super::array::{Archive, Array, Kind, check_count};
 use super::sequence::{Input, Sequence, Source};
 use super::{ReadError, WriteError, write_atomic};
+use crate::data::Volume;
 use crate::simulate::smoke;
 use crate::view::FARTHEST;
-
-/// A density volume in memory: x runs fastest, then y, then z.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Volume {
-    /// Voxels along x, y, z.
-    pub dimensions: [u32; 3],
-    /// Sides of a voxel in metres.
-    pub voxel_size: [f32; 3],
-    /// World position of the corner of voxel (0, 0, 0).
-    pub origin: [f32; 3],
-    /// One density per voxel.
-    pub density: Vec<f32>,
-    /// One velocity (m/s; x, y, z) per voxel.
-    pub velocity: Option<Vec<[f32; 3]>>,
-}
 
 /// Most voxels of a volume that is read: a small file can unpack to any size.
 pub const MAX_VOXELS: u64 = 1 << 30;

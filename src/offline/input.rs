@@ -4,12 +4,12 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::blur::{BlurFrame, FRAMES_BESIDE};
 use crate::blur::{self, GroupInput, IntervalInput, PoseInput, TopologyInput, Trajectories};
+use crate::data::Particles;
+use crate::data::Volume;
 use crate::error::Result;
 use crate::flame::ParticleInput;
 use crate::gpu::transfer::Upload;
 use crate::host::{Host, HostBuffer};
-use crate::io::particles::Particles;
-use crate::io::volume::Volume;
 use crate::smoke::VolumeInput;
 
 /// Uploads volumes.

@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use crate::io::particles::{Extent, Particles};
-use crate::reference::random::{hash, unit};
+use crate::data::{ParticleExtent, Particles};
+use crate::random::{hash, unit};
 
 /// Particles that the program makes itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +85,8 @@ impl Builtin {
     }
 
     /// What bounds the particles of every frame.
-    pub fn extent(self) -> Extent {
-        Extent { most: PARTICLES, hottest: HOT as f32 }
+    pub fn extent(self) -> ParticleExtent {
+        ParticleExtent { most: PARTICLES, hottest: HOT as f32 }
     }
 }
 

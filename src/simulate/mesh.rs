@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DQuat, DVec3};
 
 use self::shapes::Shape;
-use crate::io::scene::Topology;
+use crate::data::Topology;
 use crate::view::Camera;
 
 /// Meshes that the program makes itself. All stand on y = 0 or above it, about the origin.

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec4};
 
-use crate::io::volume::Volume;
+use crate::data::Volume;
 
 /// A volume that the program makes itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

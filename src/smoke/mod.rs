@@ -10,7 +10,7 @@ pub mod layout;
 pub mod limits;
 pub mod params;
 pub mod passes;
-#[doc(hidden)]
+#[cfg(any(test, feature = "reference"))]
 pub mod reference;
 pub mod search;
 pub mod settings;

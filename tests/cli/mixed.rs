@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use celfx::data::Volume;
 use celfx::io::image::read_exr;
 use celfx::io::picture;
-use celfx::io::volume::{Volume, write_npz};
+use celfx::io::volume::write_npz;
 
 use super::blur::write_cache;
 use super::run::{self, Folder, has_device};

@@ -4,8 +4,9 @@ use std::fs;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+use celfx::data::Volume;
 use celfx::io::image;
-use celfx::io::volume::{Volume, write_npz};
+use celfx::io::volume::write_npz;
 
 use super::run::{self, Folder, celfx, has_device};
 use super::{SMALL, fails, succeeds};

@@ -2,8 +2,9 @@
 
 use std::fs;
 
+use celfx::data::Volume;
 use celfx::io::picture;
-use celfx::io::volume::{Volume, write_npz};
+use celfx::io::volume::write_npz;
 
 use super::run::{Folder, celfx, has_device};
 use super::{fails, succeeds};

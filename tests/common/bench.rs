@@ -2,6 +2,7 @@
 //! written instead. Made of the engine's public pieces, as the effect itself is.
 
 use ash::vk;
+use celfx::data::Volume;
 use celfx::effect::Inventory;
 use celfx::error::Result;
 use celfx::gpu::buffer::{Buffer, BufferDesc};
@@ -11,7 +12,6 @@ use celfx::gpu::profiler::Timing;
 use celfx::gpu::recorder::{Recorder, Recording};
 use celfx::gpu::resources::Resources;
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
-use celfx::io::volume::Volume;
 use celfx::offline::TARGET_FORMAT;
 use celfx::plan::{BufferId, Plan};
 use celfx::smoke::layout::{self, Layout};

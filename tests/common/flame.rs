@@ -1,8 +1,8 @@
 //! The flame effect under validation, and everything that it makes read back.
 
+use celfx::data::Particles;
 use celfx::flame::params::{MASK_SIDE, Particle};
 use celfx::flame::{Desc, Settings, layout};
-use celfx::io::particles::Particles;
 use celfx::offline::{EffectBuffer, Offline, Scene, TARGET_FORMAT};
 use celfx::plan::BufferId;
 use celfx::view::Camera;

@@ -1,6 +1,6 @@
 //! The whole effect under validation, and everything that it makes read back.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::plan::BufferId;
 use celfx::smoke::params::Particle;

@@ -1,8 +1,8 @@
 //! Volumes, cameras and descriptions that several tests use.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::offline::TARGET_FORMAT;
-use celfx::reference::random::{hash, unit};
+use celfx::random::{hash, unit};
 use celfx::smoke::reference::Grid;
 use celfx::smoke::{Desc, Settings};
 use celfx::view::{Camera, Light, LightSource};

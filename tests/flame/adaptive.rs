@@ -1,11 +1,11 @@
 //! Tiles repeat until each of their pixels is known well enough: no sooner, no longer, and with the same repetitions as
 //! without.
 
+use celfx::data::Particles;
 use celfx::flame::params;
 use celfx::flame::reference::sums::Sums;
 use celfx::flame::settings::Sampling;
 use celfx::flame::{Desc, Settings};
-use celfx::io::particles::Particles;
 
 use crate::common::flame::{FlameRig, ball, desc, particles};
 use crate::common::scenes::camera;

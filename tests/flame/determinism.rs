@@ -2,9 +2,9 @@
 
 use std::process::Command;
 
+use celfx::data::Particles;
 use celfx::flame::settings::{Sampling, Shape};
 use celfx::flame::{Desc, SceneFormat, Settings};
-use celfx::io::particles::Particles;
 use celfx::offline::Scene;
 
 use crate::common::flame::{FlameRig, ball, desc, particles, scene};

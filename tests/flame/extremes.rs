@@ -1,8 +1,8 @@
 //! What is at the ends of what is allowed: everything stays finite, and agrees with the reference or with what can only be.
 
+use celfx::data::Particles;
 use celfx::flame::settings::{Colour, Mode, Sampling};
 use celfx::flame::{Desc, Settings};
-use celfx::io::particles::Particles;
 use celfx::view::{Camera, FARTHEST, NARROWEST, WIDEST};
 use glam::DVec3;
 

@@ -1,12 +1,12 @@
 //! A frame's repetitions on the device and in the reference: integer sums, bit for bit.
 
+use celfx::data::Particles;
 use celfx::flame::layout;
 use celfx::flame::params::{self, Control, TILE};
 use celfx::flame::reference::mask::Mask;
 use celfx::flame::reference::prepare::{self, Particle, Prepared};
 use celfx::flame::reference::stochastic::{Frame, Rounding, render};
 use celfx::flame::reference::sums::Sums;
-use celfx::io::particles::Particles;
 use celfx::offline::{EffectBuffer, Scene};
 use celfx::view::Camera;
 

@@ -1,8 +1,8 @@
 //! The paper's way, by render passes, against the tiles: the same winners.
 
+use celfx::data::Particles;
 use celfx::flame::settings::{Method, Sampling, Shape};
 use celfx::flame::{Desc, SceneFormat, Settings};
-use celfx::io::particles::Particles;
 use celfx::offline::Scene;
 use celfx::view::Camera;
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! What a frame does not need is left out, the reason is named, and the background stays as it was.
 
+use celfx::data::Particles;
 use celfx::flame::{Desc, SceneFormat, Settings};
-use celfx::io::particles::Particles;
 use celfx::offline::Scene;
 use celfx::view::Camera;
 use glam::DVec3;

@@ -1,9 +1,9 @@
 //! Repetitions against the reference, which makes the same decisions in f64: integer sums bit for bit, except where
 //! rounding decides. Such samples are counted, and so are those that differ.
 
+use celfx::data::Particles;
 use celfx::flame::settings::{Sampling, Shape};
 use celfx::flame::{Desc, SceneFormat, Settings};
-use celfx::io::particles::Particles;
 use celfx::view::Camera;
 use glam::DVec3;
 

@@ -1,5 +1,6 @@
 //! Scenes that several tests render, and what they compare images by.
 
+use celfx::data::Particles;
 use celfx::flame::layout;
 use celfx::flame::params::Control;
 use celfx::flame::reference::expected::Bins;
@@ -8,7 +9,6 @@ use celfx::flame::reference::prepare;
 use celfx::flame::reference::stochastic::Frame;
 use celfx::flame::settings::Mode;
 use celfx::flame::{Desc, Settings};
-use celfx::io::particles::Particles;
 use celfx::offline::{EffectBuffer, Scene};
 use celfx::view::Camera;
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! The same bits whatever the order of particles and whatever was rendered before.
 
+use celfx::data::Particles;
 use celfx::flame::Settings;
 use celfx::flame::settings::Shape;
-use celfx::io::particles::Particles;
 use celfx::view::Camera;
 use glam::DVec3;
 

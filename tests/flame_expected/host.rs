@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use ash::vk;
+use celfx::data::Particles;
 use celfx::error::Error;
 use celfx::flame::{Background, Desc, Flame, Frame, ParticleInput, Settings};
 use celfx::gpu::buffer::{Buffer, BufferDesc};
@@ -10,7 +11,6 @@ use celfx::gpu::headless::Commands;
 use celfx::gpu::image::{Image, ImageDesc};
 use celfx::gpu::profiler::Timing;
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
-use celfx::io::particles::Particles;
 use gpu_allocator::MemoryLocation;
 
 use crate::cases::{Case, plain};

@@ -1,6 +1,6 @@
 //! Pictures, cameras, volumes and counts at the ends of what is allowed: everything stays finite and agrees.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::smoke::settings::{Emitter, Shadow};
 use celfx::smoke::{Desc, Sequence, Settings, layout};
 use celfx::view::{Camera, FARTHEST, Light, LightSource, NARROWEST, WIDEST};

@@ -1,6 +1,6 @@
 //! The masked Gaussian against the reference, on images that are hard for separable forms.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::reference::gaussian::masked_separable;
 use celfx::smoke::{Settings, layout};

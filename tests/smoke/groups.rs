@@ -1,7 +1,7 @@
 //! Depth groups and lists against the reference.
 
+use celfx::data::Volume;
 use celfx::io::shot::Shot;
-use celfx::io::volume::Volume;
 use celfx::simulate::smoke::Builtin;
 use celfx::smoke::params::Control;
 use celfx::smoke::reference::groups::Groups;

@@ -1,12 +1,12 @@
 //! What a host does with the effect: frames in flight, other sizes, wrong input.
 
 use ash::vk;
+use celfx::data::Volume;
 use celfx::error::Error;
 use celfx::gpu::buffer::{Buffer, BufferDesc};
 use celfx::gpu::image::{Image, ImageDesc};
 use celfx::gpu::profiler::Timing;
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
-use celfx::io::volume::Volume;
 use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, VolumeInput};
 use gpu_allocator::MemoryLocation;

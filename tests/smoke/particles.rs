@@ -1,6 +1,6 @@
 //! Births, motion, deaths and fades against the reference.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::smoke::params::{DEAD, FULL_SIZE};
 use celfx::smoke::reference::birth::{birth, candidates};
 use celfx::smoke::reference::particles::Particles;

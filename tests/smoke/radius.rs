@@ -1,6 +1,6 @@
 //! The radius of each search against brute force over every voxel.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::smoke::layout;
 use celfx::smoke::params::{FULL_SIZE, Particle};
 use celfx::smoke::reference::grow;

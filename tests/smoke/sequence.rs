@@ -1,6 +1,6 @@
 //! Frames in sequences: skipping changes nothing, a frame alone is the sequence's, and the same seed gives the same bits.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::smoke::settings::Shadow;
 use celfx::smoke::{Desc, Sequence, Settings};
 use celfx::view::{Camera, Light};

@@ -1,6 +1,6 @@
 //! What pixels see: depth, group and luminance.
 
-use celfx::io::volume::Volume;
+use celfx::data::Volume;
 use celfx::smoke::reference::render::{self, Hit};
 use celfx::smoke::settings::Shadow;
 use celfx::smoke::{Settings, layout};

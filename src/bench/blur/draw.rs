@@ -4,7 +4,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::blur::motion::Projection;
-use crate::io::scene::Topology;
+use crate::data::Topology;
 use crate::view::Camera;
 
 /// Where the light comes from.

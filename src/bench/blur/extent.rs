@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::layout::LOOP_BUDGET;
 use crate::plan::{BufferId, Command, Kernel, Pass, PassId, Plan, Resource};
-use crate::reference::random::hash;
+use crate::random::hash;
 use crate::shaders::blur as glsl;
 
 const PASS: &str = "extent";

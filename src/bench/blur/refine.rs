@@ -15,7 +15,7 @@ use crate::blur::reference::path::Path;
 use crate::blur::settings::Refine;
 use crate::error::Result;
 use crate::plan::Plan;
-use crate::reference::random::{hash, unit};
+use crate::random::{hash, unit};
 use crate::simulate::mesh::Builtin;
 use bytemuck::Zeroable;
 

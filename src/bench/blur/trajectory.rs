@@ -15,7 +15,7 @@ use crate::blur::reference::{path, spline};
 use crate::blur::{Desc, Knot, Settings};
 use crate::error::Result;
 use crate::plan::Plan;
-use crate::reference::random::hash;
+use crate::random::hash;
 
 const PASS: &str = "trajectory";
 /// Frames before frame i and after frame i + 1.

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::bench::rig::{EffectId, FORMAT, Rig, Shot};
+use crate::data::Particles;
 use crate::error::Result;
 use crate::flame::layout::PICTURE;
 use crate::flame::{Desc, Settings, mean_spacing};
-use crate::io::particles::Particles;
-use crate::reference::random::{hash, unit};
+use crate::random::{hash, unit};
 use crate::simulate::flame::Builtin;
 use crate::smoke::Sequence;
 use crate::view::{Camera, Light};

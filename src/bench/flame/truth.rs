@@ -11,7 +11,7 @@ use crate::flame::reference::expected::{Bins, render_at};
 use crate::flame::reference::mask::Mask;
 use crate::flame::reference::prepare::{Prepared, mask_level, prepare};
 use crate::flame::reference::stochastic::Frame;
-use crate::reference::random::hash;
+use crate::random::hash;
 
 /// Depth bins; their error is a fourth of that of half as many.
 const BINS: usize = 512;

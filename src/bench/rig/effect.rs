@@ -6,12 +6,12 @@ use gpu_allocator::vulkan::Allocator;
 use super::Shot;
 use super::take::TakeUpload;
 use crate::blur::Blur;
+use crate::data::Particles;
+use crate::data::Volume;
 use crate::error::Result;
 use crate::flame::{self, Flame, ParticleInput};
 use crate::gpu::profiler::Timing;
 use crate::host::{Background, Host, HostImage};
-use crate::io::particles::Particles;
-use crate::io::volume::Volume;
 use crate::offline::{AnyEffect, ParticleUpload, VolumeUpload};
 use crate::smoke::{self, Smoke, VolumeInput};
 

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use crate::bench::rig::{EffectId, FORMAT, Rig, Shot};
+use crate::data::Volume;
 use crate::error::Result;
-use crate::io::volume::Volume;
 use crate::simulate::smoke::Builtin;
 use crate::smoke::layout::{GROUPS, SPHERES};
 use crate::smoke::reference::render;

@@ -7,7 +7,7 @@ use super::trace::Traces;
 use super::{Cluster, direction, hull, ldf};
 use crate::blur::mesh::Mesh;
 use crate::blur::settings::{self, MOST_TEETH, Settings};
-use crate::reference::random::pcg;
+use crate::random::pcg;
 
 /// Units of a direction: 2^20 a unit vector's length.
 const DIRECTION_UNIT: f64 = 1_048_576.0;

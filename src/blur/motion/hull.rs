@@ -196,7 +196,7 @@ fn outside(points: &[[f32; 2]], margin: f64) -> Vec<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     fn random(n: u32) -> Vec<[f32; 2]> {
         (0..n).map(|i| [0, 1].map(|axis| unit(hash(3, i, 0, axis)) - 0.5)).collect()

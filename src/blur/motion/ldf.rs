@@ -132,7 +132,7 @@ fn rotate(matrix: &mut Matrix, vectors: &mut Matrix, p: usize, q: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::hash;
+    use crate::random::hash;
 
     fn mover(point: u32, place: [i64; 4]) -> Mover {
         Mover { point, direction: [1, 0], place }

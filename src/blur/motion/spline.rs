@@ -172,7 +172,7 @@ mod tests {
 
     use super::*;
     use crate::blur::reference::spline::curve;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     /// Value at `t` of the spline through `values`, as the product finds it.
     fn at(times: &[f64], values: &[f64], t: f64) -> [f64; 2] {

@@ -4,7 +4,7 @@ use super::*;
 use crate::blur::mesh::MeshInput;
 use crate::blur::reference::{extent, path, spline};
 use crate::blur::settings::{self, Space, Trajectory};
-use crate::reference::random::{hash, unit};
+use crate::random::{hash, unit};
 
 const SIZE: [u32; 2] = [1920, 1080];
 

@@ -3,7 +3,7 @@
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Cluster, Interval};
 use crate::blur::params::{LEAST_EXTENT, LEAST_SPEED_SQUARED, UNIT};
-use crate::reference::random::{hash, unit};
+use crate::random::{hash, unit};
 
 /// What is known of a vertex of the distorted mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,17 +8,18 @@ use std::sync::mpsc::SyncSender;
 use super::Failure;
 use super::origin::Origins;
 use crate::cli::{Common, interrupt, memory};
+use crate::data::{ParticleExtent, Particles, Volume};
 use crate::flame::settings::{Colour, Settings};
 use crate::flame::{self, mean_spacing};
 use crate::io::ReadError;
 use crate::io::image::Picture;
-use crate::io::particles::{self, ParticleSequence, Particles};
+use crate::io::particles::ParticleSequence;
 use crate::io::pattern::Pattern;
 use crate::io::picture;
 use crate::io::scene::AnimatedMesh;
 use crate::io::sequence::{Input, Sequence};
 use crate::io::shot::Shot;
-use crate::io::volume::{self, Volume, VolumeSequence};
+use crate::io::volume::{self, VolumeSequence};
 use crate::offline::{BlurError, BlurFrame, BlurInput, Effects, TARGET_FORMAT};
 use crate::smoke;
 use crate::view::LightSource;
@@ -36,7 +37,7 @@ pub(super) struct Inputs {
     fire: Option<Fire>,
     /// What the effects were made for, which every frame's input must be within.
     volume: Option<volume::Extent>,
-    particle: Option<particles::Extent>,
+    particle: Option<ParticleExtent>,
 }
 
 /// What of a fire follows from its whole shot, so that a frame alone looks as it does in the sequence.
@@ -167,7 +168,7 @@ impl Inputs {
             (&self.particles, &shot.flame, self.fire)
         {
             let extent = particles.extent(interrupt::until(missing.iter().copied()))?;
-            let extent = particles::Extent { hottest: hottest.unwrap_or(extent.hottest), ..extent };
+            let extent = ParticleExtent { hottest: hottest.unwrap_or(extent.hottest), ..extent };
             self.particle = Some(extent);
             effects.flame = Some(flame::Desc {
                 size: shot.size,

@@ -1,8 +1,8 @@
 //! What a render particle draws: a pure function of seed, particle, sample, repetition and flicker.
 
-use crate::flame::params::{PHASE_KEY, RENEWAL, SOBOL_KEY};
-use crate::flame::settings::{MOST_REPETITIONS, Sampling, Settings, Shape};
-use crate::reference::random::{hash, pcg, unit};
+use crate::flame::params::{PHASE_KEY, RENEWAL, SOBOL_KEY, sobol_bits};
+use crate::flame::settings::{Sampling, Settings, Shape};
+use crate::random::{hash, pcg, unit};
 
 /// What all draws of a frame depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,11 +23,6 @@ pub struct Draw {
     pub offset: [f64; 3],
     /// Upper half: variant of the mask; lower half: quantile of alphas.
     pub mask: u32,
-}
-
-/// Bits of an index into the Sobol sequence for so many repetitions, 1 to 20.
-pub fn sobol_bits(repetitions: u32) -> u32 {
-    repetitions.max(1).next_power_of_two().trailing_zeros().clamp(1, MOST_REPETITIONS.trailing_zeros())
 }
 
 impl Draws {
@@ -136,12 +131,6 @@ mod tests {
         assert_eq!(sobol(5).map(share), [0.625, 0.125, 0.875]);
         assert_eq!(sobol(6).map(share), [0.375, 0.375, 0.625]);
         assert_eq!(sobol(7).map(share), [0.875, 0.875, 0.125]);
-    }
-
-    #[test]
-    fn bits_hold_the_repetitions() {
-        let given = [0, 1, 2, 3, 4, 20, 64, 65, 1 << 20, u32::MAX >> 1];
-        assert_eq!(given.map(sobol_bits), [1, 1, 1, 2, 2, 5, 6, 7, 20, 20]);
     }
 
     #[test]

@@ -310,7 +310,7 @@ mod tests {
     use crate::flame::reference::prepare::{self, Prepared};
     use crate::flame::reference::stochastic::{self, Rounding};
     use crate::flame::settings::{Colour, Settings};
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
     use crate::view::Camera;
 
     #[derive(Clone)]

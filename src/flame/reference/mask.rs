@@ -1,18 +1,7 @@
-//! Alpha of the sprites: a cone times noise, and the prefiltered levels in which nothing is averaged.
+//! Look-ups in the mask, and the prefiltered levels in which nothing is averaged.
 
-use crate::flame::params::{MASK_LEVELS, MASK_SIDE, NOISE_CELLS};
-use crate::reference::noise::perlin;
-use crate::reference::random::{hash, unit};
-
-/// Texels of a mask along a side.
-pub const SIDE: usize = MASK_SIDE as usize;
-
-/// Alpha at the texels of every variant.
-#[derive(Clone, Debug)]
-pub struct Mask {
-    variants: usize,
-    texels: Vec<f64>,
-}
+pub use crate::flame::mask::{Mask, SIDE};
+use crate::flame::params::MASK_LEVELS;
 
 /// A bilinear look-up.
 #[derive(Clone, Copy, Debug)]
@@ -26,43 +15,20 @@ pub struct Look {
 }
 
 impl Mask {
-    /// The masks that belong to a seed.
-    pub fn new(seed: u32, variants: u32) -> Mask {
-        let texel = |i: usize| {
-            let (variant, x, y) = (i / (SIDE * SIDE), i % SIDE, i / SIDE % SIDE);
-            let draw = |dimension| hash(seed, variant as u32, 0, dimension);
-            let whole = |dimension| f64::from(draw(dimension) >> 24);
-            let [s, t] = [x, y].map(|c| (c as f64 + 0.5) / SIDE as f64);
-            let (u, v) = (2.0 * s - 1.0, 2.0 * t - 1.0);
-            // Off the lattice planes, on which noise is 0 at the corners of cells. A single number, as shaders have it.
-            let z = f64::from((draw(2) >> 24) as f32 + (0.25 + 0.5 * unit(draw(3))));
-            let cells = f64::from(NOISE_CELLS);
-            let bumps = 0.5 + 0.5 * perlin([cells * s + whole(0), cells * t + whole(1), z]);
-            ((1.0 - (u * u + v * v).sqrt()).max(0.0) * bumps).clamp(0.0, 1.0)
-        };
-        let variants = variants as usize;
-        Mask { variants, texels: (0..variants * SIDE * SIDE).map(texel).collect() }
-    }
-
     /// A mask of given alphas: 64 x 64 a variant, rows from the top, as the layer `flame.mask` has them.
     pub fn from_texels(texels: Vec<f64>) -> Mask {
         assert!(!texels.is_empty() && texels.len().is_multiple_of(SIDE * SIDE), "64 x 64 texels a variant");
-        Mask { variants: texels.len() / (SIDE * SIDE), texels }
+        Mask { texels }
     }
 
     /// How many there are.
     pub fn variants(&self) -> usize {
-        self.variants
+        self.texels.len() / (SIDE * SIDE)
     }
 
     /// Alphas: variant, row, column.
     pub fn texels(&self) -> &[f64] {
         &self.texels
-    }
-
-    /// The largest alpha of any texel.
-    pub fn largest(&self) -> f64 {
-        self.texels.iter().copied().fold(0.0, f64::max)
     }
 
     /// Alpha at (x, y) in texels from the corner of the first texel: bilinear, constant outside of the texels' centres.
@@ -97,7 +63,7 @@ impl Mask {
     pub fn sorted(&self, level: u32) -> Vec<f64> {
         let (side, width) = (SIDE >> level, 1_usize << level);
         let mut values = Vec::with_capacity(self.texels.len());
-        for block in 0..self.variants * side * side {
+        for block in 0..self.variants() * side * side {
             let (variant, row, column) = (block / (side * side), block / side % side, block % side);
             let start = values.len();
             for (y, x) in (row * width..).take(width).flat_map(|y| (column * width..).take(width).map(move |x| (y, x)))

@@ -4,7 +4,7 @@ use super::mask;
 use crate::flame::colour;
 use crate::flame::params::{COUNT_KEY, LIGHT_STEPS, MOST_COUNT};
 use crate::flame::settings::{Colour, Settings};
-use crate::reference::random::{hash, unit};
+use crate::random::{hash, unit};
 use crate::view::{Camera, FARTHEST};
 
 /// A particle in a frame. Tests may put a device's numbers into it.

@@ -344,7 +344,7 @@ mod tests {
     use super::*;
     use crate::flame::reference::prepare::{self, Prepared};
     use crate::flame::settings::{Colour, Sampling, Shape};
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     /// Looks along -z from the origin, 90 degrees.
     fn camera() -> Camera {

@@ -3,8 +3,9 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use super::MAX_VERTICES;
 use super::weld::Welder;
-use super::{MAX_VERTICES, Topology};
+use crate::data::Topology;
 use crate::io::ReadError;
 use crate::io::array::{Archive, Array, Header, Kind, in_c_order};
 use crate::view::{BRIGHTEST, FARTHEST};

@@ -14,7 +14,8 @@ use super::instances;
 use super::json::{KeyKind, Mesh, Mode, Primitive, TargetPath};
 use super::rig::{Influences, Local, Node, Part, Rig, Skin};
 use super::track::{Interpolation, Property, Track};
-use super::{Animation, Contents, MAX_VERTICES, Note, Topology};
+use super::{Animation, Contents, MAX_VERTICES, Note};
+use crate::data::Topology;
 use crate::io::{ReadError, file};
 
 /// What a file holds.

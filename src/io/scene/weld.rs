@@ -5,7 +5,7 @@ use std::hash::Hash;
 
 use glam::Vec3;
 
-use super::Topology;
+use crate::data::Topology;
 
 /// Without normals in the file, an edge sharper than this many degrees is hard (see [`shading_groups`]).
 pub const CREASE: f32 = 40.0;

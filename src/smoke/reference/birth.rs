@@ -1,7 +1,7 @@
 //! Births: where a particle appears. f32 in a fixed order of operations, so that the GPU gives the same bits.
 
 use super::grid::Grid;
-use crate::reference::random::{hash, unit};
+use crate::random::{hash, unit};
 use crate::shaders::smoke::constants::{BIRTH_PLACE, BIRTH_VOXEL};
 use crate::smoke::settings::Emitter;
 

@@ -115,7 +115,7 @@ pub fn masked_naive(width: usize, height: usize, luminance: &[f64], id: &[u32], 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     const W: usize = 37;
     const H: usize = 29;

@@ -144,7 +144,7 @@ mod tests {
         // All three are multiples of 2^-40, so that i128 holds everything exactly.
         let fixed = |v: f32| (f64::from(v) * (1_u64 << 40) as f64) as i128;
         for i in 0..20_000_u32 {
-            let random = |d| crate::reference::random::unit(crate::reference::random::hash(1, i, 0, d));
+            let random = |d| crate::random::unit(crate::random::hash(1, i, 0, d));
             let (origin, h) = (random(0) * 8.0 - 4.0, 0.01 + random(1) * 0.1);
             // On the face as f32 arithmetic has it: the hard case.
             let x = origin + (random(2) * 200.0).floor() * h;

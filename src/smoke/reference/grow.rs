@@ -66,7 +66,7 @@ pub fn chessboard_field(grid: &Grid, threshold: f32) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     fn grid(dimensions: [u32; 3], voxel_size: [f32; 3], density: &[f32]) -> Grid<'_> {
         Grid { dimensions, voxel_size, origin: [-1.0, 2.0, 0.5], density, velocity: None }

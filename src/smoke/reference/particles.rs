@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::grid::Grid;
 use super::{birth, grow};
-use crate::reference::random::hash;
+use crate::random::hash;
 use crate::shaders::smoke::constants::FIRST_AGE;
 use crate::smoke::settings::{Integrator, Settings};
 

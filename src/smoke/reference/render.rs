@@ -154,7 +154,7 @@ pub fn id(hits: &[Option<Hit>], groups: &[u32]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     fn camera() -> Camera {
         Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, near: 0.5, far: 50.0, ..Camera::default() }

@@ -63,7 +63,7 @@ fn casters_on(scene: &Scene, own: usize, source: LightSource, softness: f64) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
     use crate::smoke::reference::render::raycast;
 
     fn camera() -> Camera {

@@ -155,7 +155,7 @@ fn four_samples_a_pixel_lie_at_the_centres_of_its_quarters() {
 #[test]
 fn what_rounding_can_change_is_flagged() {
     // Corners moved by up to 1/256 pixel, as a device's grid does.
-    let random = |n: u32| f64::from(crate::reference::random::unit(crate::reference::random::hash(9, n, 0, 0)));
+    let random = |n: u32| f64::from(crate::random::unit(crate::random::hash(9, n, 0, 0)));
     let corner = |n: u32| [random(n) * 40.0, random(n + 1) * 40.0, 1.0 + random(n + 2)];
     let corners: Vec<[[f64; 3]; 3]> = (0..60).map(|i| [0, 3, 6].map(|k| corner(9 * i + k))).collect();
     let rounded =

@@ -6,7 +6,7 @@ use crate::blur::motion::{Motion, Pose, Window};
 use crate::blur::reference::extent::extents;
 use crate::blur::reference::watertight::border;
 use crate::blur::settings::Clusters;
-use crate::reference::random::{hash, unit};
+use crate::random::{hash, unit};
 use crate::view::Camera;
 
 const SIZE: [u32; 2] = [1920, 1080];

@@ -1,7 +1,7 @@
 use glam::{DQuat, DVec3};
 
 use super::*;
-use crate::reference::random::{hash, unit as random};
+use crate::random::{hash, unit as random};
 
 const LIGHT: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 

@@ -46,7 +46,7 @@ fn gradient(h: i64, p: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::random::{hash, unit};
+    use crate::random::{hash, unit};
 
     fn point(i: u32) -> [f64; 3] {
         std::array::from_fn(|axis| f64::from(unit(hash(1, i, 0, axis as u32))) * 256.0)

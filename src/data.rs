@@ -1,0 +1,69 @@
+//! What effects are fed with, in memory: volumes, particles, meshes. Files and simulations make these.
+
+/// A density volume in memory: x runs fastest, then y, then z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Volume {
+    /// Voxels along x, y, z.
+    pub dimensions: [u32; 3],
+    /// Sides of a voxel in metres.
+    pub voxel_size: [f32; 3],
+    /// World position of the corner of voxel (0, 0, 0).
+    pub origin: [f32; 3],
+    /// One density per voxel.
+    pub density: Vec<f32>,
+    /// One velocity (m/s; x, y, z) per voxel.
+    pub velocity: Option<Vec<[f32; 3]>>,
+}
+
+/// Particles in memory, a row each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Particles {
+    /// World positions in metres, finite.
+    pub position: Vec<[f32; 3]>,
+    /// Temperatures in kelvin, above 0 and finite.
+    pub temperature: Vec<f32>,
+    /// What keeps a particle's random draws over frames; none: its row.
+    pub id: Option<Vec<u32>>,
+}
+
+/// What bounds the particles of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleExtent {
+    /// Most particles of a frame.
+    pub most: u32,
+    /// Highest temperature in kelvin, or a bound above it; at least 1.
+    pub hottest: f32,
+}
+
+/// What of an animated mesh does not change.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Topology {
+    /// Vertices of each triangle, in either direction: files differ, and mirrors turn them over.
+    pub triangles: Vec<[u32; 3]>,
+    /// Object of each vertex: its number in `objects`. In glTF each node that has a mesh is one.
+    pub object: Vec<u32>,
+    /// Names of the objects.
+    pub objects: Vec<String>,
+    /// Linear RGB of each vertex, not negative.
+    pub colour: Vec<[f32; 3]>,
+    /// Normal of each vertex at rest, in its object's own space, as the file has it; (0, 0, 0) where it has none.
+    pub normal: Vec<[f32; 3]>,
+    /// Whether an object has triangles that are meant to be seen from both sides.
+    pub double_sided: Vec<bool>,
+    /// Whether triangles of vertices without normals are flat, as glTF has it. Otherwise they are smooth, but for sharp
+    /// edges (the reader finds them).
+    pub faceted: bool,
+}
+
+impl Topology {
+    /// Whether a triangle has one normal, its own.
+    pub fn is_flat(&self, triangle: usize) -> bool {
+        self.faceted && self.triangles[triangle].iter().all(|&corner| self.normal[corner as usize] == [0.0; 3])
+    }
+
+    /// The same vertices without the triangles of one object, so that what it hides can be seen.
+    pub fn without(&self, object: u32) -> Topology {
+        let stays = |corners: &&[u32; 3]| self.object[corners[0] as usize] != object;
+        Topology { triangles: self.triangles.iter().filter(stays).copied().collect(), ..self.clone() }
+    }
+}
