@@ -101,6 +101,7 @@ pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
         host_buffers: K::Layout::HOST_BUFFERS,
         images: kind.layout().images(desc),
         host_images: K::Layout::HOST_IMAGES,
+        memory: kind.layout().memory(desc),
     }
 }
 
@@ -112,7 +113,6 @@ pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
 pub struct Effect<K: Kind> {
     desc: K::Desc,
     kind: K,
-    plan: Plan,
     executor: Executor,
 }
 
@@ -137,10 +137,9 @@ impl<K: Kind> Effect<K> {
         // SAFETY: the caller's.
         let mut kind = K::new(&desc, &unsafe { DeviceLimits::of(host) })?;
         let description = describe(&mut kind, &desc);
-        let plan = Plan::for_passes(&description.passes);
         // SAFETY: the caller's.
         let executor = unsafe { Executor::new(host, allocator, description)? };
-        Ok(Effect { desc, kind, plan, executor })
+        Ok(Effect { desc, kind, executor })
     }
 
     /// Changes the size of the picture. The next frame must bring all that a first one does. On error the effect is as it
@@ -195,28 +194,26 @@ impl<K: Kind> Effect<K> {
         frame: &K::Frame<'_>,
         timing: &mut Timing,
     ) -> Result<()> {
-        let Effect { desc, kind, plan, executor } = self;
+        let Effect { desc, kind, executor } = self;
+        let plan = executor.plan_mut();
         plan.clear();
         let recorded = kind.plan(desc, frame, plan)?;
         kind.upload(desc, frame, executor.resources_mut());
         // SAFETY: the caller's.
-        unsafe { executor.record(host, stream, plan, timing)? };
+        unsafe { executor.record(host, stream, timing)? };
         kind.recorded(desc, frame, recorded);
         Ok(())
     }
 
-    /// Records steps of a recorded frame's plan once more, to measure them alone. They read what that frame left; none of
-    /// them may touch the host's images or buffers, or what later frames go on from.
-    ///
-    /// # Errors
-    /// A step does not fit the effect's buffers.
-    ///
-    /// # Safety
-    /// As for [`Self::record`].
+    /// What it is on the device.
     #[cfg(feature = "cli")]
-    pub(crate) unsafe fn replay(&mut self, host: &Host, commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
-        // SAFETY: the caller's.
-        unsafe { self.executor.replay(host, commands, plan) }
+    pub(crate) fn executor(&self) -> &Executor {
+        &self.executor
+    }
+
+    #[cfg(feature = "cli")]
+    pub(crate) fn executor_mut(&mut self) -> &mut Executor {
+        &mut self.executor
     }
 
     /// Whether steps overlap (default) or are isolated by full barriers, for comparing kernels.
@@ -231,7 +228,7 @@ impl<K: Kind> Effect<K> {
 
     /// The list of the frame recorded last; empty after one that was refused. No frame has more steps than it has room for.
     pub fn plan(&self) -> &Plan {
-        &self.plan
+        self.executor.plan()
     }
 
     /// The declared passes, which the plan's steps refer to.
@@ -241,7 +238,7 @@ impl<K: Kind> Effect<K> {
 
     /// What the frame recorded last left out: each pass's name, and why.
     pub fn skipped(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
-        self.plan.skipped.iter().map(|(pass, reason)| (self.passes()[usize::from(pass.0)].name, *reason))
+        self.executor.skipped()
     }
 
     /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in the effect's

@@ -27,8 +27,12 @@ pub mod cli;
 #[cfg(feature = "cli")]
 pub mod data;
 #[cfg(feature = "cli")]
+mod interrupt;
+#[cfg(feature = "cli")]
 pub mod io;
 #[cfg(feature = "cli")]
 pub mod offline;
+#[cfg(feature = "cli")]
+pub mod program;
 #[cfg(feature = "cli")]
 pub mod simulate;

@@ -2,38 +2,36 @@
 //!
 //! One frame at a time: upload, record, submit, wait. After a wait that did not end nothing is reused or destroyed.
 
-pub mod blur;
 mod depth;
-mod effect;
-mod frames;
-mod input;
+mod effects;
+pub mod motion;
+pub(crate) mod picture;
+mod player;
 mod slices;
 
 use std::time::Duration;
 
 use ash::vk;
 
-use crate::blur::{self as blur_effect, Blur};
-use crate::data::Particles;
-use crate::data::Volume;
+use crate::data::{Particles, Volume};
+use crate::effect::{Effect, Kind};
 use crate::error::{Error, Result};
-use crate::flame::{self, Flame};
-use crate::gpu::capabilities::{DeviceLimits, own_memory};
 use crate::gpu::headless::Headless;
-use crate::gpu::image::{Image, ImageDesc};
+use crate::gpu::image::Image;
 use crate::gpu::profiler::{Profiler, Timing};
 use crate::gpu::recorder::Stream;
-use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_picture, record_readback};
+use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_readback};
 use crate::host::{Background, HostImage, ImageState};
 use crate::profile::FrameTimes;
-use crate::smoke::{self, Sequence, Smoke};
+use crate::smoke::Sequence;
 use crate::view::{Camera, Light};
-pub use blur::{BlurError, BlurFrame, BlurInput};
+pub use depth::PlacedDepth;
 use depth::SharedDepth;
-pub(crate) use effect::AnyEffect;
-pub use effect::{EffectBuffer, Effects};
-use input::BlurUpload;
-pub(crate) use input::{ParticleUpload, VolumeUpload};
+pub use effects::Effects;
+pub use motion::{BlurError, BlurFrame, BlurInput};
+use picture::{host_image, image_desc, pixel_bytes, put};
+pub use player::{Depth, Describe, EffectBuffer, Feed, Left, Place, Sharing};
+pub(crate) use player::{Player, make};
 use slices::{Pace, Slicer};
 
 /// Format of the target.
@@ -55,11 +53,11 @@ pub struct Scene<'a> {
     /// Its particles; none if they are those of the last rendered frame. Those of other frames are not looked at.
     pub particles: Option<&'a Particles>,
     /// View depth of what hides the fire, in metres a pixel, rows from the top, infinity where nothing is. Given exactly
-    /// if the flame was made for [`flame::SceneFormat::Buffer`] and there is no smoke.
+    /// if the flame was made for a buffer of depths ([`crate::flame::SceneFormat`]) and there is no smoke.
     pub depth: Option<&'a [f32]>,
     /// What its blur is made from.
     pub blur: Option<BlurScene<'a>>,
-    /// Whether the flame adds its repetitions to those of the frame before ([`flame::Frame::accumulate`]).
+    /// Whether the flame adds its repetitions to those of the frame before ([`crate::flame::Frame::accumulate`]).
     pub accumulate: bool,
     /// Whether it is rendered, or only moves the smoke's particles on.
     pub rendered: bool,
@@ -98,20 +96,14 @@ pub struct Offline {
 /// What must be destroyed by hand.
 #[derive(Default)]
 struct Parts {
-    smoke: Option<Smoke>,
-    flame: Option<Flame>,
-    blur: Option<Blur>,
+    /// By the effect's name, in the order in which they are drawn.
+    players: Vec<(&'static str, Box<dyn Player>)>,
     target: Option<Image>,
     backdrop: Option<Image>,
-    /// That of a mesh, and of smoke and fire around it.
+    /// That of what is solid, and of all that it hides.
     depth: Option<SharedDepth>,
-    /// Backdrops and scene depths: each is waited for before the next.
+    /// Of backdrops: each is waited for before the next.
     upload: Upload,
-    volume: VolumeUpload,
-    particles: ParticleUpload,
-    blur_input: BlurUpload,
-    /// Pictures of the frames that are blurred, each in the place of its number modulo theirs, and which these are.
-    shown: [Option<(u32, Image)>; 4],
     /// The picture, then the layers.
     frame: Download,
     /// Single buffers.
@@ -119,34 +111,11 @@ struct Parts {
     profiler: Option<Profiler>,
 }
 
-/// A frame of each effect.
-struct Frames<'a> {
-    smoke: Option<smoke::Frame>,
-    flame: Option<flame::Frame>,
-    blur: Option<blur_effect::Frame<'a>>,
-}
-
 impl Parts {
-    fn effects(&self) -> impl Iterator<Item = &dyn AnyEffect> {
-        let smoke = self.smoke.iter().map(|smoke| smoke as &dyn AnyEffect);
-        let flame = self.flame.iter().map(|flame| flame as &dyn AnyEffect);
-        smoke.chain(flame).chain(self.blur.iter().map(|blur| blur as &dyn AnyEffect))
-    }
-
-    fn effects_mut(&mut self) -> impl Iterator<Item = &mut dyn AnyEffect> {
-        let smoke = self.smoke.iter_mut().map(|smoke| smoke as &mut dyn AnyEffect);
-        let flame = self.flame.iter_mut().map(|flame| flame as &mut dyn AnyEffect);
-        smoke.chain(flame).chain(self.blur.iter_mut().map(|blur| blur as &mut dyn AnyEffect))
-    }
-
     /// Handle, offset and size of an effect's buffer; null if there is no such effect.
     fn buffer(&self, buffer: EffectBuffer) -> (vk::Buffer, u64, u64) {
-        let found = match buffer {
-            EffectBuffer::Smoke(id) => self.smoke.as_ref().map(|smoke| smoke.buffer(id)),
-            EffectBuffer::Flame(id) => self.flame.as_ref().map(|flame| flame.buffer(id)),
-            EffectBuffer::Blur(id) => self.blur.as_ref().map(|blur| blur.buffer(id)),
-        };
-        found.unwrap_or_default()
+        let player = self.players.iter().find(|(name, _)| *name == buffer.effect);
+        player.map(|(_, player)| player.executor().buffer(buffer.id)).unwrap_or_default()
     }
 }
 
@@ -154,7 +123,7 @@ impl Offline {
     /// Makes the effects on `device`. Each `target_format` is [`TARGET_FORMAT`].
     ///
     /// # Errors
-    /// No effect, or effects of different sizes; as [`Smoke::new`], [`Flame::new`] and [`Blur::new`]. The device is lost with it.
+    /// No effect, or effects of different sizes; as [`Effect::new`]. The device is lost with it.
     pub fn new(device: Headless, effects: impl Into<Effects>) -> Result<Offline> {
         let effects = effects.into();
         let mut offline = Offline {
@@ -173,30 +142,19 @@ impl Offline {
     }
 
     fn create(&mut self, mut effects: Effects) -> Result<()> {
-        let is_shared = depth::join(&mut effects);
-        let Effects { smoke, flame, blur } = effects;
+        let is_shared = effects.share_depth();
         let queue_family = self.device.queue_family();
         let (host, allocator) = self.device.parts();
+        let Parts { players, target, depth, profiler, .. } = &mut self.parts;
         // SAFETY: the device is this host's own and outlives what is made here.
         unsafe {
-            if let Some(desc) = smoke {
-                self.parts.smoke = Some(Smoke::new(&host, allocator, desc)?);
-            }
-            if let Some(desc) = flame {
-                self.parts.flame = Some(Flame::new(&host, allocator, desc)?);
-            }
-            if let Some(desc) = blur {
-                let limit = DeviceLimits::of(&host).storage_range;
-                let (memory, wanted) = (own_memory(&host), desc.frames_resident);
-                let frames_resident = input::resident(wanted, desc.points, memory, limit);
-                self.parts.blur = Some(Blur::new(&host, allocator, blur_effect::Desc { frames_resident, ..desc })?);
-            }
-            let steps: usize = self.parts.effects().map(|effect| effect.plan().steps.capacity()).sum();
-            self.parts.profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
+            effects.make(&host, allocator, |name, player| players.push((name, player)))?;
+            let steps: usize = players.iter().map(|(_, player)| player.executor().plan().steps.capacity()).sum();
+            *profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
             if is_shared {
-                self.parts.depth = Some(SharedDepth::new(&host, allocator, self.size)?);
+                *depth = Some(SharedDepth::new(&host, allocator, self.size)?);
             }
-            self.parts.target = Some(Image::new(&host, allocator, &image_desc("target", self.size))?);
+            *target = Some(Image::new(&host, allocator, &image_desc("target", self.size))?);
         }
         self.make_download()
     }
@@ -222,7 +180,8 @@ impl Offline {
     pub fn set_backdrop(&mut self, pixels: &[[f32; 4]]) -> Result<()> {
         self.check_free()?;
         let image = self.parts.backdrop.take();
-        self.parts.backdrop = Some(self.put("background", image, pixels)?);
+        let upload = &mut self.parts.upload;
+        self.parts.backdrop = Some(put(&mut self.device, upload, "background", image, self.size, pixels)?);
         self.background = None;
         Ok(())
     }
@@ -253,15 +212,15 @@ impl Offline {
     /// Renders a frame and waits for it.
     ///
     /// # Errors
-    /// As [`Smoke::record`], [`Flame::record`] and [`Blur::record`]; a lost device; a device that does not answer; an
+    /// As [`Effect::record`]; a lost device; a device that does not answer; an
     /// interruption.
     pub fn frame(&mut self, scene: &Scene) -> Result<()> {
         self.check_free()?;
         self.times = None;
         self.is_read &= !scene.rendered;
-        let frames = self.frames(scene)?;
+        let places = self.upload(scene)?;
         let name = format!("frame {}", scene.number);
-        let done = self.run(scene, &frames, &name);
+        let done = self.run(scene, &places, &name);
         let profiler = self.parts.profiler.as_mut().filter(|_| self.timed);
         let host = self.device.host();
         if let Err(error) = done {
@@ -273,18 +232,46 @@ impl Offline {
         // SAFETY: the frame has been waited for.
         self.times = profiler.and_then(|profiler| unsafe { profiler.collect(&host, 0) });
         self.is_read |= scene.rendered;
-        if let Some(frame) = &frames.blur {
-            self.parts.blur_input.recorded(frame.mesh.is_some(), frame.poses);
-        }
+        self.parts.players.iter_mut().for_each(|(_, player)| player.finished());
         Ok(())
     }
 
+    /// Uploads what the frame brings, and says where each effect is drawn, if it is.
+    fn upload(&mut self, scene: &Scene) -> Result<Vec<Option<Place>>> {
+        let mut places = Vec::new();
+        let (mut left, mut is_first) = (player::Left::default(), true);
+        for index in 0..self.parts.players.len() {
+            if !scene.rendered && !self.parts.players[index].1.moves() {
+                places.push(None);
+                continue;
+            }
+            // The first effect's background covers what the frame before left, whose copy has been waited for; the
+            // others keep what it has made.
+            let target = self.target(if is_first { ImageState::default() } else { COPIED_FROM });
+            let place = Place {
+                target: target.filter(|_| scene.rendered),
+                background: if is_first { self.background() } else { Background::Keep },
+                depth: self.parts.depth.as_ref().map(|depth| depth.placed(is_first)),
+                left,
+            };
+            let (_, player) = &mut self.parts.players[index];
+            player.upload(&mut self.device, scene, &place)?;
+            player.leave(&mut left);
+            is_first = false;
+            places.push(Some(place));
+        }
+        let drawn = self.parts.players.iter().zip(&places);
+        let mut drawn = drawn.filter_map(|((_, player), place)| Some((player, place.as_ref()?)));
+        drawn.try_for_each(|(player, place)| player.check(scene, place))?;
+        Ok(places)
+    }
+
     /// Records and submits a frame, and what is read back after it.
-    fn run(&mut self, scene: &Scene, frames: &Frames, name: &str) -> Result<()> {
+    fn run(&mut self, scene: &Scene, places: &[Option<Place>], name: &str) -> Result<()> {
         let mut layers = self.layer_copies();
         layers.retain(|copy| copy.from.2 > 0);
         let target = self.target(ImageState::default()).filter(|_| scene.rendered);
-        let Parts { smoke, flame, blur, depth, profiler, frame: download, .. } = &mut self.parts;
+        let Parts { players, depth, profiler, frame: download, .. } = &mut self.parts;
         let (host, submitter) = self.device.recording();
         let mut slicer = Slicer::new(submitter, &mut self.pace, name)?;
         let stream = &mut slicer;
@@ -296,14 +283,10 @@ impl Offline {
                 timing = Timing::Profiler(profiler);
             }
             depth.iter().filter(|_| scene.rendered).for_each(|depth| depth.clear(&host, stream.current()));
-            if let (Some(blur), Some(frame)) = (blur, &frames.blur) {
-                blur.record_into(&host, stream, frame, &mut timing)?;
-            }
-            if let (Some(smoke), Some(frame)) = (smoke, &frames.smoke) {
-                smoke.record_into(&host, stream, frame, &mut timing)?;
-            }
-            if let (Some(flame), Some(frame)) = (flame, &frames.flame) {
-                flame.record_into(&host, stream, frame, &mut timing)?;
+            for ((_, player), place) in players.iter_mut().zip(places) {
+                if let Some(place) = place {
+                    player.record(&host, stream, scene, place, &mut timing)?;
+                }
             }
             if let (Some(target), Some(download)) = (target, download.buffer()) {
                 let images = [Copy { from: (target.image, target.extent), to: 0 }];
@@ -311,36 +294,6 @@ impl Offline {
             }
         }
         slicer.finish()
-    }
-
-    /// A picture of the target's size in an image that is there, or in a new one.
-    fn put(&mut self, name: &'static str, image: Option<Image>, pixels: &[[f32; 4]]) -> Result<Image> {
-        let size = self.size;
-        let bytes: &[u8] = bytemuck::cast_slice(pixels);
-        let is_whole = bytes.len() as u64 == pixel_bytes(size);
-        let (host, allocator) = self.device.parts();
-        // SAFETY: the device is this host's own, and every submission has been waited for.
-        unsafe {
-            let mut image = match image {
-                Some(image) => image,
-                None => Image::new(&host, allocator, &image_desc(name, size))?,
-            };
-            let wrong = || Error::HostResource { name, why: format!("{} pixels, {size:?} expected", pixels.len()) };
-            let upload =
-                if is_whole { self.parts.upload.write(&host, allocator, "upload", bytes) } else { Err(wrong()) };
-            let done = upload.and_then(|from| {
-                self.device.one_time(name, |host, commands| {
-                    // Buffer and image are alive until the wait is over, and nothing else uses them.
-                    record_picture(host, commands, &from, image.handle, size);
-                    Ok(())
-                })
-            });
-            if done.is_err() && !self.device.is_stuck() {
-                let (host, allocator) = self.device.parts();
-                image.destroy(&host, allocator);
-            }
-            done.map(|()| image)
-        }
     }
 
     fn background(&self) -> Background {
@@ -430,22 +383,18 @@ impl Offline {
 
     /// Device memory that the effects take, in bytes before alignment.
     pub fn memory(&self) -> u64 {
-        self.parts.effects().map(|effect| effect.memory().total()).sum()
+        self.parts.players.iter().map(|(_, player)| player.executor().memory().total()).sum()
     }
 
-    /// The smoke, if there is one.
-    pub fn smoke(&mut self) -> Option<&mut Smoke> {
-        self.parts.smoke.as_mut()
+    /// An effect of a kind, if there is one.
+    pub fn effect<K: Kind + 'static>(&mut self) -> Option<&mut Effect<K>> {
+        self.parts.players.iter_mut().find_map(|(_, player)| player.effect_mut().downcast_mut())
     }
 
-    /// The flame, if there is one.
-    pub fn flame(&mut self) -> Option<&mut Flame> {
-        self.parts.flame.as_mut()
-    }
-
-    /// The blur, if there is one.
-    pub fn blur(&mut self) -> Option<&mut Blur> {
-        self.parts.blur.as_mut()
+    /// What an effect left out of the frame recorded last: each pass's name, and why.
+    pub fn skipped(&self, effect: &str) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
+        let player = self.parts.players.iter().find(|(name, _)| *name == effect);
+        player.into_iter().flat_map(|(_, player)| player.executor().skipped())
     }
 
     /// The device.
@@ -460,12 +409,7 @@ impl Offline {
     }
 
     fn image(&self, image: &Option<Image>, state_in: ImageState) -> Option<HostImage> {
-        image.as_ref().map(|image| self.host_image(image, state_in))
-    }
-
-    fn host_image(&self, image: &Image, state_in: ImageState) -> HostImage {
-        let (extent, state_out) = (self.size, COPIED_FROM);
-        HostImage { image: image.handle, view: image.view, format: TARGET_FORMAT, extent, state_in, state_out }
+        image.as_ref().map(|image| host_image(image, self.size, state_in))
     }
 }
 
@@ -477,41 +421,13 @@ impl Drop for Offline {
         let (host, allocator) = self.device.parts();
         // SAFETY: every submission has been waited for, or its device is lost; nothing is used afterwards.
         unsafe {
-            self.parts.effects_mut().for_each(|effect| effect.destroy(&host, allocator));
-            let Parts {
-                target,
-                backdrop,
-                depth,
-                shown,
-                upload,
-                volume,
-                particles,
-                blur_input,
-                frame,
-                buffer,
-                profiler,
-                ..
-            } = &mut self.parts;
-            let shown = shown.iter_mut().flatten().map(|(_, image)| image);
-            target.iter_mut().chain(backdrop).chain(shown).for_each(|image| image.destroy(&host, allocator));
+            let Parts { players, target, backdrop, depth, upload, frame, buffer, profiler } = &mut self.parts;
+            players.iter_mut().for_each(|(_, player)| player.destroy(&host, allocator));
+            target.iter_mut().chain(backdrop).for_each(|image| image.destroy(&host, allocator));
             depth.iter_mut().for_each(|depth| depth.destroy(&host, allocator));
-            blur_input.destroy(&host, allocator);
             upload.destroy(&host, allocator);
-            volume.destroy(&host, allocator);
-            particles.destroy(&host, allocator);
             [frame, buffer].into_iter().for_each(|buffer| buffer.destroy(&host, allocator));
             profiler.iter_mut().for_each(|profiler| profiler.destroy(&host));
         }
     }
-}
-
-fn image_desc(name: &'static str, extent: [u32; 2]) -> ImageDesc {
-    // A backdrop is only copied, but every image has a view, and a view needs a usage of its own.
-    let usage =
-        vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
-    ImageDesc { name, extent, layers: 1, array_view: false, format: TARGET_FORMAT, usage }
-}
-
-fn pixel_bytes(size: [u32; 2]) -> u64 {
-    u64::from(size[0]) * u64::from(size[1]) * size_of::<[f32; 4]>() as u64
 }

@@ -6,7 +6,8 @@ mod common;
 
 use std::path::Path;
 
-use celfx::bench::{Request, Watch, What, run};
+use celfx::bench::{Request, Watch, run};
+use celfx::program::benchmarks;
 
 struct Silent;
 
@@ -28,24 +29,19 @@ impl Watch for Impatient {
     }
 }
 
-fn request(what: What, only: &str) -> Request {
-    Request { what, quick: true, only: Some(only.into()), device: common::options() }
+fn request(effect: Option<&str>, only: &str) -> Request {
+    Request { what: benchmarks(effect), quick: true, only: Some(only.into()), device: common::options() }
 }
 
 /// Rows of `bench.json` after a benchmark under validation; a message of it is an error.
-fn rows(what: What, only: &str, folder: &Path) -> Vec<serde_json::Value> {
-    let table = run(&request(what, only), folder, &Silent).expect("a benchmark that succeeds");
+fn rows(effect: &str, only: &str, folder: &Path) -> Vec<serde_json::Value> {
+    let table = run(&request(Some(effect), only), folder, &Silent).expect("a benchmark that succeeds");
     let json = std::fs::read_to_string(folder.join("bench.json")).expect("bench.json");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     for limit in ["copy_gb_s", "fma_gflop_s"] {
         assert!(json["limits"][limit].as_f64().is_some_and(|value| value > 0.0), "{limit}: {json}");
     }
     assert!(json["device"].as_str().is_some_and(|name| table.contains(name)), "{table}");
-    let effect = match what {
-        What::Flame => "flame",
-        What::Blur => "blur",
-        _ => "smoke",
-    };
     for plot in ["svg", "png"].map(|kind| format!("{effect}.{kind}")) {
         assert!(std::fs::metadata(folder.join(&plot)).is_ok_and(|file| file.len() > 1000), "{plot}");
     }
@@ -60,7 +56,7 @@ fn one_workload_of_each_pass() {
     let folder = std::env::temp_dir().join(format!("celfx-bench-{}", std::process::id()));
 
     // All ways to search a radius agree with the brute force to rounding.
-    let grow = rows(What::Smoke, "15x15x20", &folder);
+    let grow = rows("smoke", "15x15x20", &folder);
     let names: Vec<&str> = grow.iter().filter_map(|row| row["variant"].as_str()).collect();
     assert_eq!(names, ["growth", "field", "pyramid", "chosen"]);
     for row in &grow {
@@ -71,7 +67,7 @@ fn one_workload_of_each_pass() {
     }
 
     // The exact forms of the masked Gaussian are exact, the wrong one and the one without mask are not.
-    for row in rows(What::Smoke, "/512x512 sigma 4", &folder) {
+    for row in rows("smoke", "/512x512 sigma 4", &folder) {
         let error = row["error_max"].as_f64().expect("an error");
         match row["variant"].as_str().expect("a name") {
             "direct" | "per_id_image" | "per_id_tiles" => assert!(error < 2e-6, "{row}"),
@@ -81,7 +77,7 @@ fn one_workload_of_each_pass() {
     }
 
     // Exact shadows differ from those in f64 at borders only; a shadow map blurs them.
-    for row in rows(What::Smoke, "shadow/exact/paper", &folder) {
+    for row in rows("smoke", "shadow/exact/paper", &folder) {
         assert!(row["error_p99"].as_f64().is_some_and(|error| error == 0.0), "{row}");
     }
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
@@ -95,7 +91,7 @@ fn fire_by_repetitions_by_its_limit_and_by_blending() {
     let folder = std::env::temp_dir().join(format!("celfx-bench-flame-{}", std::process::id()));
     let field = |row: &serde_json::Value, name: &str| row[name].as_f64().expect("a number");
 
-    let repetitions = rows(What::Flame, "R=16/thin", &folder);
+    let repetitions = rows("flame", "R=16/thin", &folder);
     let names: Vec<&str> = repetitions.iter().filter_map(|row| row["variant"].as_str()).collect();
     assert_eq!(names, ["raster R=16", "tiles R=16", "tiles sobol R=16"]);
     for row in &repetitions {
@@ -110,12 +106,12 @@ fn fire_by_repetitions_by_its_limit_and_by_blending() {
     let error = |row: &serde_json::Value| field(row, "error_rms");
     assert!((error(&repetitions[0]) - error(&repetitions[1])).abs() < 1e-4);
 
-    let expected = rows(What::Flame, "expected 32/thin", &folder);
+    let expected = rows("flame", "expected 32/thin", &folder);
     assert!(error(&expected[0]) < 0.5 * error(&repetitions[1]), "{}", expected[0]);
-    for row in rows(What::Flame, "ed/thin", &folder) {
+    for row in rows("flame", "ed/thin", &folder) {
         assert!((error(&expected[0])..0.2).contains(&error(&row)), "blending is biased: {row}");
     }
-    let frame = rows(What::Flame, "frame/R=10/paper", &folder);
+    let frame = rows("flame", "frame/R=10/paper", &folder);
     assert_eq!((frame.len(), &frame[0]["pass"]), (1, &"frame".into()));
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }
@@ -129,14 +125,14 @@ fn hulls_windows_and_fine_triangles() {
     let field = |row: &serde_json::Value, name: &str| row[name].as_f64().expect("a number");
 
     // The hull has the bits of brute force.
-    let extent = rows(What::Blur, "extent/hull/", &folder);
+    let extent = rows("blur", "extent/hull/", &folder);
     assert_eq!((extent.len(), &extent[0]["workload"]), (2, &"10000".into()));
     assert!(extent.iter().all(|row| field(row, "error_max") == 0.0 && field(row, "items") >= 10_000.0), "{extent:?}");
 
-    let refine = rows(What::Blur, "1/fox-like", &folder);
+    let refine = rows("blur", "1/fox-like", &folder);
     assert_eq!((refine.len(), &refine[0]["variant"], &refine[0]["pass"]), (1, &"error 1".into(), &"refine".into()));
     assert!(field(&refine[0], "error_p99") < 1.5 && field(&refine[0], "items") > 1000.0, "{}", refine[0]);
-    let frame = rows(What::Blur, "frame/default/paper", &folder);
+    let frame = rows("blur", "frame/default/paper", &folder);
     assert_eq!((frame.len(), &frame[0]["effect"]), (1, &"blur".into()));
     assert!(field(&frame[0], "error_rms") < 0.1 && field(&frame[0], "cpu_ms") > 0.0, "{}", frame[0]);
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
@@ -148,7 +144,7 @@ fn an_interruption_writes_nothing() {
         return;
     }
     let folder = std::env::temp_dir().join(format!("celfx-bench-interrupted-{}", std::process::id()));
-    let ended = run(&request(What::All, ""), &folder, &Impatient);
+    let ended = run(&request(None, ""), &folder, &Impatient);
     assert!(matches!(ended, Err(celfx::bench::BenchError::Interrupted)), "{ended:?}");
     assert!(!folder.join("bench.json").exists());
     std::fs::remove_dir_all(&folder).expect("the folder is removed");

@@ -4,8 +4,10 @@
 mod common;
 
 use celfx::error::Error;
+use celfx::flame::FlameKind;
 use celfx::flame::{self, SceneFormat};
 use celfx::offline::{EffectBuffer, Effects, Offline, Scene};
+use celfx::smoke::SmokeKind;
 use celfx::smoke::{self, Sequence};
 use common::flame::{FlameRig, ball};
 use common::scenes::{camera, desc, direction, puffs};
@@ -32,7 +34,7 @@ fn offline(effects: impl Into<Effects>) -> Option<(Offline, common::Verdict)> {
 #[test]
 fn effects_are_at_least_one_and_of_one_size() {
     let small = flame::Desc { size: [8, 8], ..flame_desc() };
-    let apart = Effects { flame: Some(small), ..smoke_desc().into() };
+    let apart = Effects::from(smoke_desc()).with(small);
     for (effects, word) in [(Effects::default(), "none"), (apart, "one size")] {
         let Some(device) = common::device() else { return };
         let (headless, _verdict) = device.split();
@@ -76,14 +78,14 @@ fn smoke_without_fire_is_the_smoke_alone() {
         Some(pictures)
     };
     let Some(alone) = pictures(smoke_desc().into()) else { return };
-    let both = pictures(Effects { flame: Some(flame_desc()), ..smoke_desc().into() }).expect("a device");
+    let both = pictures(Effects::from(smoke_desc()).with(flame_desc())).expect("a device");
     assert!(alone[0].iter().any(|pixel| *pixel != SKY) && alone[2] != alone[1], "there is smoke, and it is turned");
     assert!(alone == both);
 }
 
 #[test]
 fn smoke_hides_the_fire_behind_it_and_not_the_fire_before_it() {
-    let Some((mut offline, _verdict)) = offline(Effects { flame: Some(flame_desc()), ..smoke_desc().into() }) else {
+    let Some((mut offline, _verdict)) = offline(Effects::from(smoke_desc()).with(flame_desc())) else {
         return;
     };
     let volume = puffs(12, 0.0);
@@ -98,8 +100,10 @@ fn smoke_hides_the_fire_behind_it_and_not_the_fire_before_it() {
         offline.frame(&Scene { particles: Some(&particles), ..scene }).expect("rendered");
         let pixels = (SIZE[0] * SIZE[1]) as usize;
         let picture = offline.picture().to_vec();
-        let depth: Vec<f32> = offline.read_as(EffectBuffer::Smoke(smoke::layout::DEPTH), pixels).expect("read");
-        let mean: Vec<[f32; 4]> = offline.read_as(EffectBuffer::Flame(flame::layout::MEAN), pixels).expect("read");
+        let depth: Vec<f32> =
+            offline.read_as(EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH), pixels).expect("read");
+        let mean: Vec<[f32; 4]> =
+            offline.read_as(EffectBuffer::of::<FlameKind>(flame::layout::MEAN), pixels).expect("read");
         let coverage: Vec<f32> = mean.iter().map(|pixel| pixel[3]).collect();
         (picture, depth, coverage)
     };
@@ -120,13 +124,13 @@ fn smoke_hides_the_fire_behind_it_and_not_the_fire_before_it() {
 
 #[test]
 fn layers_of_both_come_with_the_frame() {
-    let Some((mut offline, _verdict)) = offline(Effects { flame: Some(flame_desc()), ..smoke_desc().into() }) else {
+    let Some((mut offline, _verdict)) = offline(Effects::from(smoke_desc()).with(flame_desc())) else {
         return;
     };
     let buffers = [
-        EffectBuffer::Flame(flame::layout::NEAREST),
-        EffectBuffer::Smoke(smoke::layout::DEPTH),
-        EffectBuffer::Flame(flame::layout::MASK),
+        EffectBuffer::of::<FlameKind>(flame::layout::NEAREST),
+        EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH),
+        EffectBuffer::of::<FlameKind>(flame::layout::MASK),
     ];
     offline.set_layers(&buffers).expect("memory");
     let (volume, particles) = (puffs(12, 0.0), ball(100, 3));

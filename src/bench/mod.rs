@@ -3,14 +3,14 @@
 //! Variants of one pass at one workload take turns in one run, with a full barrier around each step, after a warm-up:
 //! drivers may compile a kernel at its first dispatch.
 
-mod blur;
-mod flame;
+pub(crate) mod blur;
+pub(crate) mod flame;
 mod limits;
 mod measure;
 mod plot;
 mod report;
 mod rig;
-mod smoke;
+pub(crate) mod smoke;
 
 use std::io::Write;
 use std::path::Path;
@@ -21,26 +21,15 @@ use crate::io::{WriteError, write_atomic};
 use report::{Limits, Report, Row};
 use rig::Rig;
 
-/// What is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
-    /// The smoke effect's kernels and frames.
-    Smoke,
-    /// The flame effect's ways to accumulate, and its frames.
-    Flame,
-    /// The blur effect's kernels with a choice, and its frames.
-    Blur,
-    /// What the device can do: copy and arithmetic. Every run measures it.
-    Limits,
-    /// All of it.
-    All,
-}
+/// Measures an effect: adds rows to the session.
+#[derive(Clone, Copy, Debug)]
+pub struct Benchmark(pub(crate) fn(&mut Session) -> Outcome);
 
 /// One run of the benchmark.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// What is measured.
-    pub what: What,
+    /// What is measured, besides what the device can do: copy and arithmetic.
+    pub what: Vec<Benchmark>,
     /// One run each, and the largest workload cut.
     pub quick: bool,
     /// Only rows whose `pass/variant/workload` contains this.
@@ -88,10 +77,10 @@ pub trait Watch {
 }
 
 /// Of a measurement, which adds rows to the session.
-type Outcome = Result<(), BenchError>;
+pub(crate) type Outcome = Result<(), BenchError>;
 
 /// What measurements share.
-struct Session<'a> {
+pub(crate) struct Session<'a> {
     rig: Rig,
     quick: bool,
     only: Option<&'a str>,
@@ -133,14 +122,8 @@ pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String
     let (rows, notes) = (Vec::new(), Vec::new());
     let mut session = Session { rig, quick, only, limits: Limits::default(), rows, notes, watch };
     session.limits = limits::measure(&mut session)?;
-    if matches!(request.what, What::Smoke | What::All) {
-        smoke::measure(&mut session)?;
-    }
-    if matches!(request.what, What::Flame | What::All) {
-        flame::measure(&mut session)?;
-    }
-    if matches!(request.what, What::Blur | What::All) {
-        blur::measure(&mut session)?;
+    for Benchmark(measure) in &request.what {
+        measure(&mut session)?;
     }
     let Session { rig, limits, rows, notes, .. } = session;
     drop(rig);

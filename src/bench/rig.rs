@@ -1,9 +1,6 @@
 //! The benchmark's host: one device, effects and kernels of the benchmark's own on it. Runs one thing at a time and
 //! times it, from its first to its last step, with a full barrier around each.
 
-mod effect;
-mod take;
-
 use std::time::Instant;
 
 use ash::vk;
@@ -11,23 +8,21 @@ use ash::vk;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::capabilities::DeviceLimits;
+use crate::gpu::executor::Executor;
 use crate::gpu::headless::{Headless, Messages};
-use crate::gpu::image::{Image, ImageDesc};
+use crate::gpu::image::Image;
 use crate::gpu::kernel::Pipelines;
 use crate::gpu::profiler::{Mode, Profiler, Timing};
 use crate::gpu::recorder::{Recorder, Recording};
 use crate::gpu::resources::Resources;
-use crate::gpu::transfer::{COPIED_FROM, Copy, readback, record_readback, record_zeroes};
-use crate::host::{Host, HostBuffer, HostImage, ImageState};
-use crate::offline::AnyEffect;
+use crate::gpu::transfer::{Copy, readback, record_readback, record_zeroes};
+use crate::host::{Background, Host, HostBuffer, ImageState};
+use crate::offline::picture::{host_image, image_desc};
+use crate::offline::{Describe, Left, Place, Player, Scene, make};
 use crate::plan::{BufferId, Command, Pass, Plan};
-use crate::smoke::Sequence;
-use crate::view::{Camera, Light};
-use effect::{Input, Made};
-pub(super) use take::Take;
 
 /// Format of the pictures.
-pub(super) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+pub(super) const FORMAT: vk::Format = crate::offline::TARGET_FORMAT;
 
 /// What one run took.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,19 +50,9 @@ pub(super) enum KernelBuffer {
     Shared(EffectId, BufferId),
 }
 
-/// What a frame is seen and lit by, and how it follows the one before.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Shot {
-    pub(super) sequence: Sequence,
-    pub(super) camera: Camera,
-    pub(super) light: Light,
-    /// Whether there is a picture, or only particles.
-    pub(super) rendered: bool,
-}
-
 /// An effect and the picture that it makes.
 struct Slot {
-    made: Option<Made>,
+    player: Option<Box<dyn Player>>,
     target: Option<Image>,
     size: [u32; 2],
 }
@@ -113,58 +98,51 @@ impl Rig {
         unsafe { DeviceLimits::of(&host) }.storage_range
     }
 
-    /// Makes the effect of such an input that is measured step by step, and uploads the input.
-    pub(super) fn effect<I: Input>(&mut self, desc: I::Desc, input: &I) -> Result<EffectId> {
+    /// Makes an effect that is measured step by step.
+    pub(super) fn effect(&mut self, desc: impl Describe) -> Result<EffectId> {
         let id = EffectId(self.effects.len());
-        let size = I::size(&desc);
-        self.effects.push(Slot { made: None, target: None, size });
+        let size = desc.size();
+        self.effects.push(Slot { player: None, target: None, size });
         let Some(slot) = self.effects.last_mut() else { return Ok(id) };
         let (host, allocator) = self.headless.parts();
-        let target = ImageDesc {
-            name: "picture",
-            extent: size,
-            layers: 1,
-            array_view: false,
-            format: FORMAT,
-            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
-                | vk::ImageUsageFlags::TRANSFER_DST
-                | vk::ImageUsageFlags::TRANSFER_SRC,
-        };
         // SAFETY: the device's own handles; what is made is destroyed in `clear`.
         unsafe {
-            slot.made.insert(input.make(&host, allocator, desc)?).effect_mut().set_mode(Mode::Isolated);
-            slot.target = Some(Image::new(&host, allocator, &target)?);
+            slot.player.insert(make(&host, allocator, desc)?).executor_mut().set_mode(Mode::Isolated);
+            slot.target = Some(Image::new(&host, allocator, &image_desc("picture", size))?);
         }
         Ok(id)
     }
 
-    /// Renders a frame with the effect's input.
-    pub(super) fn frame(&mut self, id: EffectId, shot: &Shot) -> Result<Measured> {
-        let Slot { made: Some(made), target: Some(target), size } = &mut self.effects[id.0] else {
+    /// Renders a frame over nothing. What carries the scene to the device is not measured.
+    pub(super) fn frame(&mut self, id: EffectId, scene: &Scene) -> Result<Measured> {
+        let Slot { player: Some(player), target: Some(target), size } = &mut self.effects[id.0] else {
             return Ok(NOTHING);
         };
-        let target = HostImage {
-            image: target.handle,
-            view: target.view,
-            format: FORMAT,
-            extent: *size,
-            state_in: ImageState::default(),
-            state_out: COPIED_FROM,
+        let target = host_image(target, *size, ImageState::default());
+        let place = Place {
+            target: Some(target).filter(|_| scene.rendered),
+            background: Background::Clear([0.0; 4]),
+            depth: None,
+            left: Left::default(),
         };
-        measure(&mut self.headless, &mut self.profiler, |host, commands| {
+        player.upload(&mut self.headless, scene, &place)?;
+        let measured = measure(&mut self.headless, &mut self.profiler, |host, commands| {
+            let mut commands = commands;
             // SAFETY: the device's own handles; every frame is submitted in order and waited for.
-            unsafe { made.record(host, commands, shot, target) }
-        })
+            unsafe { player.record(host, &mut commands, scene, &place, &mut Timing::None) }
+        });
+        player.finished();
+        measured
     }
 
-    fn made(&self, id: EffectId) -> Option<&dyn AnyEffect> {
-        self.effects[id.0].made.as_ref().map(Made::effect)
+    fn executor(&self, id: EffectId) -> Option<&Executor> {
+        self.effects[id.0].player.as_ref().map(|player| player.executor())
     }
 
     /// The steps of the frame recorded last that belong to these passes.
     pub(super) fn steps(&self, id: EffectId, wanted: impl Fn(&Pass) -> bool) -> Plan {
         let mut plan = Plan::default();
-        if let Some(effect) = self.made(id) {
+        if let Some(effect) = self.executor(id) {
             let all = effect.plan();
             plan.data.clone_from(&all.data);
             plan.steps.extend(all.steps.iter().filter(|step| wanted(&effect.passes()[usize::from(step.pass.0)])));
@@ -174,10 +152,10 @@ impl Rig {
 
     /// Runs steps of the frame recorded last again.
     pub(super) fn replay(&mut self, id: EffectId, plan: &Plan) -> Result<Measured> {
-        let Slot { made: Some(made), .. } = &mut self.effects[id.0] else { return Ok(NOTHING) };
+        let Slot { player: Some(player), .. } = &mut self.effects[id.0] else { return Ok(NOTHING) };
         measure(&mut self.headless, &mut self.profiler, |host, commands| {
             // SAFETY: the device's own handles; the plan is of this effect, and the frame before is over.
-            unsafe { made.effect_mut().replay(host, commands, plan) }
+            unsafe { player.executor_mut().replay(host, commands, plan) }
         })
     }
 
@@ -217,7 +195,7 @@ impl Rig {
     }
 
     fn shared(&self, effect: EffectId, buffer: BufferId) -> Option<HostBuffer> {
-        let (buffer, offset, size) = self.made(effect)?.buffer(buffer);
+        let (buffer, offset, size) = self.executor(effect)?.buffer(buffer);
         let (stage, access) = (vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::MEMORY_WRITE);
         Some(HostBuffer { buffer, offset, size, stage, access })
     }
@@ -264,7 +242,7 @@ impl Rig {
         buffer: BufferId,
         count: usize,
     ) -> Result<Vec<T>> {
-        let source = self.made(id).map(|effect| effect.buffer(buffer));
+        let source = self.executor(id).map(|effect| effect.buffer(buffer));
         self.read_buffer(source, count)
     }
 
@@ -334,8 +312,8 @@ impl Rig {
                 kernels.pipelines.destroy(&host);
                 kernels.resources.destroy(&host, allocator);
             }
-            for Slot { mut made, mut target, .. } in self.effects.drain(..) {
-                made.iter_mut().for_each(|made| made.destroy(&host, allocator));
+            for Slot { mut player, mut target, .. } in self.effects.drain(..) {
+                player.iter_mut().for_each(|player| player.destroy(&host, allocator));
                 target.iter_mut().for_each(|target| target.destroy(&host, allocator));
             }
         }

@@ -5,11 +5,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 
-use super::{Common, Failure, interrupt, print};
+use super::{Common, Failure, print};
 use crate::bench::{self, BenchError, Request, Watch};
 use crate::gpu::headless;
+use crate::interrupt;
+use crate::program::{EFFECTS, benchmarks};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -24,8 +27,8 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
     /// What to measure
-    #[arg(value_enum, default_value = "all")]
-    what: What,
+    #[arg(value_parser = names(), default_value = ALL)]
+    what: String,
     /// Folder for bench.json and the plots
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     output: PathBuf,
@@ -37,18 +40,21 @@ pub(super) struct Options {
     only: Option<String>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum What {
-    /// The smoke effect's kernels and frames
-    Smoke,
-    /// The flame effect's ways to accumulate, and its frames
-    Flame,
-    /// The blur effect's kernels with a choice, and its frames
-    Blur,
-    /// What the device can do: copy and arithmetic
-    Limits,
-    /// All of it
-    All,
+/// What of the device alone is measured by this name, and everything by the other.
+const LIMITS: &str = "limits";
+const ALL: &str = "all";
+
+/// Names that can be measured.
+fn names() -> PossibleValuesParser {
+    let effects = EFFECTS.iter().map(|effect| {
+        PossibleValue::new(effect.name)
+            .help(format!("The {} effect: its kernels with a choice, and its frames", effect.name))
+    });
+    let others = [
+        PossibleValue::new(LIMITS).help("What the device can do: copy and arithmetic"),
+        PossibleValue::new(ALL).help("All of it"),
+    ];
+    PossibleValuesParser::new(effects.chain(others))
 }
 
 /// What waits for a run asks whether to go on, and says each half minute that it still does.
@@ -96,14 +102,8 @@ impl From<BenchError> for Failure {
 }
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    interrupt::install();
-    let what = match options.what {
-        What::Smoke => bench::What::Smoke,
-        What::Flame => bench::What::Flame,
-        What::Blur => bench::What::Blur,
-        What::Limits => bench::What::Limits,
-        What::All => bench::What::All,
-    };
+    interrupt::install(Failure::INTERRUPTED);
+    let what = benchmarks(Some(options.what.as_str()).filter(|what| *what != ALL));
     let (validate, device) = (common.validate, common.device.clone());
     let go_on = if common.quiet { interrupt::go_on } else { go_on };
     let device = headless::Options { validate, device, go_on, ..headless::Options::default() };

@@ -13,6 +13,7 @@ use crate::io::particles;
 use crate::io::scene::{AnimatedMesh, Choice, Clock};
 use crate::io::shot::{self, Shot};
 use crate::io::volume::{self, Grids};
+use crate::program::EFFECTS;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -264,8 +265,7 @@ fn particles(path: &Path) -> Result<Report, ReadError> {
 
 fn shot(name: &str) -> Result<Report, Failure> {
     let shot = Shot::load(name, &[])?;
-    let effects = [("smoke", shot.smoke.is_some()), ("flame", shot.flame.is_some()), ("blur", shot.blur.is_some())];
-    let effects = effects.into_iter().filter(|(_, has)| *has).map(|(name, _)| name).collect();
+    let effects = EFFECTS.iter().map(|effect| effect.name).filter(|name| shot.has(name)).collect();
     Ok(Report::Shot { size: shot.size, frames: shot.frames, fps: shot.fps, effects })
 }
 

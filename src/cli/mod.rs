@@ -3,7 +3,6 @@
 mod bench;
 mod info;
 mod inspect;
-mod interrupt;
 pub mod memory;
 mod render;
 mod shot;
@@ -18,10 +17,12 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::error::Error;
 use crate::gpu::headless::NoDevice;
+use crate::interrupt::Interrupted;
 use crate::io::overlap::Overlap;
 use crate::io::pattern::PatternError;
 use crate::io::shot::ShotError;
 use crate::io::{ReadError, WriteError};
+use crate::program::InputError;
 
 /// Hand-drawn-looking effects on Vulkan, from the terminal.
 #[derive(Debug, Parser)]
@@ -123,6 +124,23 @@ impl From<ShotError> for Failure {
 impl From<PatternError> for Failure {
     fn from(error: PatternError) -> Failure {
         Failure::usage(error.to_string())
+    }
+}
+
+impl From<Interrupted> for Failure {
+    fn from(error: Interrupted) -> Failure {
+        Failure::new(Failure::INTERRUPTED, error.to_string())
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Failure {
+        match error {
+            InputError::Name(error) => error.into(),
+            InputError::Read(error) => error.into(),
+            InputError::Effect(error) => error.into(),
+            InputError::Interrupted(error) => error.into(),
+        }
     }
 }
 

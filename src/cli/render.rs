@@ -3,13 +3,13 @@
 mod device;
 mod encode;
 mod input;
-mod layers;
 mod origin;
 mod outputs;
 mod strip;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 use std::time::Duration;
@@ -17,16 +17,18 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Common, Failure, interrupt, memory, print, visible};
+use super::{Common, Failure, memory, print, visible};
+use crate::interrupt;
 use crate::io::image::Picture;
 use crate::io::overlap::{self, Files};
 use crate::io::pattern::Pattern;
 use crate::io::shot::{Background, Shot};
 use crate::io::{picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
+use crate::program::layers;
 use device::Renderer;
 use encode::{Pool, Shared, no_thread};
-use input::{Fire, Inputs, Read};
+use input::{Inputs, Read};
 use origin::Origins;
 use outputs::{Found, Frame, Outputs};
 use strip::Strip;
@@ -119,7 +121,7 @@ fn named(name: &str, extensions: &[&str]) -> Result<PathBuf, String> {
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     memory::doing("reading the shot", None);
-    let shot = Shot::load(&options.shot, &options.set)?;
+    let shot = Arc::new(Shot::load(&options.shot, &options.set)?);
     let frames = options.frames.unwrap_or(shot.frames);
     check_light(&shot)?;
     let [first, last] = frames;
@@ -127,12 +129,12 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         let [a, b] = shot.frames;
         return Err(Failure::usage(format!("--frames {first}-{last}: the shot has frames {a} to {b}")));
     }
-    let names = layers::names(shot.smoke.is_some(), shot.flame.is_some(), shot.blur.is_some());
+    let names = layers::names(|effect| shot.has(effect));
     let layers = options.layers.as_deref().map(|folder| (folder, &names[..]));
     let outputs = Outputs::new(&options.output, layers, options.others(), shot.size, frames)?;
     overlap::check(&shot.inputs(), &outputs.all(), shot.frames, frames)?;
     outputs.probe(frames)?;
-    interrupt::install();
+    interrupt::install(Failure::INTERRUPTED);
 
     let count = (last - first) as usize + 1;
     let strips: Vec<Strip> = [
@@ -145,12 +147,12 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let timed = options.profile.is_some() || !common.quiet;
     let job = Job { shot: &shot, first, outputs, strips, timed, common };
     memory::doing("reading the shot's input", None);
-    let fire = Fire::of(&shot)?;
-    let mut origins = Origins::new(&shot, fire.as_ref())?;
-    let missing = job.missing(last, options.resume, &mut origins)?;
+    let inputs = Inputs::open(&shot)?;
+    let mut origins = Origins::new(&shot, inputs.effects())?;
+    let missing = job.missing(last, options.resume, &mut origins, &inputs)?;
     // Only what this run will write itself: another one may be at the other frames.
     remove_stale_parts(missing.iter().flat_map(|frame| job.outputs.files(*frame)).chain(job.outputs.others()));
-    let times = if missing.is_empty() { Times::default() } else { job.render(&missing, fire, origins)? };
+    let times = if missing.is_empty() { Times::default() } else { job.render(&missing, inputs, origins)? };
     job.strips.iter().try_for_each(Strip::write)?;
     job.report(&times, missing.len(), count, options.profile.as_deref())
 }
@@ -178,12 +180,18 @@ struct Job<'a> {
 impl Job<'_> {
     /// The frames that are to be rendered: all, or with `resume` those whose files are not all there and whole, or were
     /// made from something else.
-    fn missing(&self, last: u32, resume: Option<Resume>, origins: &mut Origins) -> Result<Vec<u32>, Failure> {
+    fn missing(
+        &self,
+        last: u32,
+        resume: Option<Resume>,
+        origins: &mut Origins,
+        inputs: &Inputs,
+    ) -> Result<Vec<u32>, Failure> {
         let Some(resume) = resume else { return Ok((self.first..=last).collect()) };
         let (mut missing, mut others) = (Vec::new(), Vec::new());
         for frame in self.first..=last {
             interrupt::check()?;
-            match self.outputs.find(frame, origins.of(frame)?) {
+            match self.outputs.find(frame, origins.of(frame, inputs.effects())?) {
                 Found::Finished(pixels) => self.collect(frame, &pixels),
                 Found::Nothing => missing.push(frame),
                 Found::Other => {
@@ -213,18 +221,17 @@ impl Job<'_> {
     }
 
     /// Renders the `missing` frames, which are some.
-    fn render(&self, missing: &[u32], fire: Option<Fire>, mut origins: Origins) -> Result<Times, Failure> {
+    fn render(&self, missing: &[u32], mut inputs: Inputs, mut origins: Origins) -> Result<Times, Failure> {
         let has_layers = self.outputs.has_layers();
-        let mut inputs = Inputs::new(self.shot, missing, fire, self.common)?;
-        inputs.notes().iter().for_each(|note| self.say(note));
-        let effects = inputs.effects(self.shot, missing, has_layers)?;
+        let effects = inputs.describe(missing, has_layers, self.common)?;
+        inputs.notes(self.shot).iter().for_each(|note| self.say(note));
         let background = background(self.shot)?;
         origins.check()?;
         memory::doing("opening the device", None);
         let mut renderer = Renderer::new(self.common, self.shot, effects, has_layers, self.timed, background.as_ref())?;
         let has_none = !renderer.has_clock();
         if self.common.verbose {
-            self.say(&renderer.describe());
+            self.say(&(renderer.describe() + &inputs.choices()));
         }
         let (queue, shared) = Shared::new(self.common.threads());
         let work = |frame: Frame| self.write(&frame);
@@ -258,9 +265,7 @@ impl Job<'_> {
             let step = step?;
             memory::doing("rendering frame", Some(step.number));
             let (frame, frame_times) = renderer.step(&step)?;
-            if let Some(warning) = renderer.warning() {
-                self.say(&warning);
-            }
+            renderer.remarks().iter().for_each(|remark| self.say(remark));
             if let Some(frame) = frame {
                 times.extend(frame_times);
                 send(frame)?;

@@ -10,7 +10,7 @@ use crate::gpu::kernel::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream};
 use crate::gpu::resources::Resources;
-use crate::host::Host;
+use crate::host::{Host, Memory};
 use crate::plan::{BufferId, Pass, Plan};
 
 /// Passes, and what they run with on the device.
@@ -20,6 +20,8 @@ pub struct Executor {
     resources: Resources,
     pipelines: Pipelines,
     recorder: Recorder,
+    plan: Plan,
+    memory: Memory,
 }
 
 /// Passes, and what they name: own buffers and images in the order of their ids, then those that the host hands over.
@@ -35,6 +37,8 @@ pub struct Description {
     pub images: Vec<ImageDesc>,
     /// How many images the host hands over.
     pub host_images: usize,
+    /// Of own buffers and images, before alignment.
+    pub memory: Memory,
 }
 
 impl Executor {
@@ -53,7 +57,9 @@ impl Executor {
                 .and_then(|()| Pipelines::new(host, &description.passes, &resources))
                 .inspect_err(|_| resources.destroy(host, allocator))?;
             let recorder = Recorder::new(&resources);
-            Ok(Executor { passes: description.passes, resources, pipelines, recorder })
+            let Description { passes, memory, .. } = description;
+            let plan = Plan::for_passes(&passes);
+            Ok(Executor { passes, resources, pipelines, recorder, plan, memory })
         }
     }
 
@@ -72,7 +78,27 @@ impl Executor {
         self.recorder.set_mode(mode);
     }
 
-    /// Records a plan of the passes.
+    /// The plan that is recorded next, or was recorded last.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The plan, to be filled; it has room for all that the passes declare.
+    pub fn plan_mut(&mut self) -> &mut Plan {
+        &mut self.plan
+    }
+
+    /// What the plan left out: each pass's name, and why.
+    pub fn skipped(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
+        self.plan.skipped.iter().map(|(pass, reason)| (self.passes[usize::from(pass.0)].name, *reason))
+    }
+
+    /// Device memory of own buffers and images, before alignment.
+    pub fn memory(&self) -> Memory {
+        self.memory
+    }
+
+    /// Records the plan.
     ///
     /// # Errors
     /// A step does not fit the resources.
@@ -80,20 +106,15 @@ impl Executor {
     /// # Safety
     /// `host` is the one that everything was made with; the command buffers of `stream` are in recording state, outside of
     /// a render pass; what the host has handed over is in the states that it declared.
-    pub unsafe fn record(
-        &mut self,
-        host: &Host,
-        stream: &mut dyn Stream,
-        plan: &Plan,
-        timing: &mut Timing,
-    ) -> Result<()> {
-        let Executor { passes, resources, pipelines, recorder } = self;
+    pub unsafe fn record(&mut self, host: &Host, stream: &mut dyn Stream, timing: &mut Timing) -> Result<()> {
+        let Executor { passes, resources, pipelines, recorder, plan, .. } = self;
         let mut recording = Recording { host, stream, passes, pipelines, resources };
         // SAFETY: the caller's.
         unsafe { recorder.record(plan, &mut recording, timing) }
     }
 
-    /// Records steps of a plan once more, without any image of the host's.
+    /// Records steps of the plan recorded last once more, to measure them alone. They read what that plan left; none of
+    /// them may touch the host's images or buffers, or what later plans go on from.
     ///
     /// # Errors
     /// A step does not fit the resources.
@@ -103,8 +124,10 @@ impl Executor {
     #[cfg(feature = "cli")]
     pub unsafe fn replay(&mut self, host: &Host, mut commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
         self.resources.take_back_images();
+        let Executor { passes, resources, pipelines, recorder, .. } = self;
+        let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
         // SAFETY: the caller's.
-        unsafe { self.record(host, &mut commands, plan, &mut Timing::None) }
+        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
     }
 
     /// A buffer: handle, offset and size in bytes.

@@ -63,6 +63,12 @@ impl Upload {
     }
 }
 
+/// A range that is never empty, which a buffer's must not be; an upload has at least 16 bytes.
+#[cfg(feature = "cli")]
+pub fn at_least_a_row(buffer: HostBuffer) -> HostBuffer {
+    HostBuffer { size: buffer.size.max(16), ..buffer }
+}
+
 /// A buffer that the device copies to and the host reads. Grows as needed.
 #[derive(Debug, Default)]
 pub struct Download(Option<Buffer>);

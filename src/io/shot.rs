@@ -224,6 +224,16 @@ impl Shot {
         Ok(shot)
     }
 
+    /// Whether it has an effect of this name.
+    pub fn has(&self, effect: &str) -> bool {
+        match effect {
+            "smoke" => self.smoke.is_some(),
+            "flame" => self.flame.is_some(),
+            "blur" => self.blur.is_some(),
+            _ => false,
+        }
+    }
+
     /// The volumes of the frames, not yet read; none without smoke.
     pub fn volumes(&self) -> Result<Option<VolumeSequence>, PatternError> {
         let sequence = |Smoke { volume, grids, hold, .. }: &Smoke| {

@@ -3,15 +3,13 @@
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-use super::Effects;
 use crate::error::Result;
-use crate::flame::SceneFormat;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::transfer::{CLEARED, record_depth};
 use crate::host::{DepthFormat, Host, HostDepth, HostImage, ImageState};
 
 /// Near over view depth.
-const FORMAT: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
+pub(super) const FORMAT: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
 /// How an effect leaves it to the next.
 const DRAWN: ImageState = ImageState {
     stage: vk::PipelineStageFlags2::from_raw(
@@ -23,21 +21,6 @@ const DRAWN: ImageState = ImageState {
     ),
     layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
 };
-
-/// Makes effects hide each other: a mesh, smoke and fire by a depth image, smoke and fire by the smoke's own depth, which
-/// costs less. Whether there is to be an image.
-pub(super) fn join(effects: &mut Effects) -> bool {
-    let (has_smoke, has_flame) = (effects.smoke.is_some(), effects.flame.is_some());
-    let shared = effects.blur.is_some() && (has_smoke || has_flame);
-    if shared {
-        effects.smoke.iter_mut().for_each(|smoke| (smoke.depth, smoke.edges) = (Some(FORMAT), true));
-        effects.blur.iter_mut().for_each(|blur| blur.depth = Some(FORMAT));
-    }
-    if let Some(flame) = effects.flame.as_mut().filter(|_| shared || has_smoke) {
-        flame.scene = Some(if shared { SceneFormat::Image(FORMAT) } else { SceneFormat::Buffer });
-    }
-    shared
-}
 
 /// The depth image.
 pub(super) struct SharedDepth {
@@ -69,12 +52,12 @@ impl SharedDepth {
         unsafe { record_depth(host, commands, self.image.handle, 0.0) };
     }
 
-    /// As an effect takes it, of pictures that a camera with this near plane sees.
-    pub(super) fn of_frame(&self, near: f64, is_first: bool) -> HostDepth {
+    /// As an effect takes it: the first one of a frame finds it cleared.
+    pub(super) fn placed(&self, is_first: bool) -> PlacedDepth {
         let (image, view) = (self.image.handle, self.image.view);
         let state_in = if is_first { CLEARED } else { DRAWN };
-        let image = HostImage { image, view, format: FORMAT.format, extent: self.extent, state_in, state_out: DRAWN };
-        HostDepth { image, terms: HostDepth::perspective(near as f32, f32::INFINITY, FORMAT.reversed) }
+        let format = FORMAT.format;
+        PlacedDepth(HostImage { image, view, format, extent: self.extent, state_in, state_out: DRAWN })
     }
 
     /// Destroys it.
@@ -84,5 +67,16 @@ impl SharedDepth {
     pub(super) unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
         // SAFETY: the caller's.
         unsafe { self.image.destroy(host, allocator) };
+    }
+}
+
+/// The depth image as an effect takes it.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedDepth(HostImage);
+
+impl PlacedDepth {
+    /// Of pictures that a camera with this near plane sees.
+    pub fn seen(&self, near: f64) -> HostDepth {
+        HostDepth { image: self.0, terms: HostDepth::perspective(near as f32, f32::INFINITY, FORMAT.reversed) }
     }
 }

@@ -1,6 +1,7 @@
 //! The flame effect under validation, and everything that it makes read back.
 
 use celfx::data::Particles;
+use celfx::flame::FlameKind;
 use celfx::flame::params::{MASK_SIDE, Particle};
 use celfx::flame::{Desc, Settings, layout};
 use celfx::offline::{EffectBuffer, Offline, Scene, TARGET_FORMAT};
@@ -90,7 +91,7 @@ impl FlameRig {
     }
 
     fn read<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Vec<T> {
-        let values = self.offline.read_as(EffectBuffer::Flame(id), count).expect("the buffer can be read");
+        let values = self.offline.read_as(EffectBuffer::of::<FlameKind>(id), count).expect("the buffer can be read");
         assert_eq!(values.len(), count, "{id:?} is smaller");
         values
     }

@@ -3,6 +3,7 @@
 use celfx::data::Volume;
 use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::plan::BufferId;
+use celfx::smoke::SmokeKind;
 use celfx::smoke::params::Particle;
 use celfx::smoke::reference;
 use celfx::smoke::{Desc, Sequence, layout};
@@ -66,7 +67,7 @@ impl Rig {
     }
 
     fn read<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Vec<T> {
-        let values = self.offline.read_as(EffectBuffer::Smoke(id), count).expect("the buffer can be read");
+        let values = self.offline.read_as(EffectBuffer::of::<SmokeKind>(id), count).expect("the buffer can be read");
         assert_eq!(values.len(), count, "{id:?} is smaller");
         values
     }

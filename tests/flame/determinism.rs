@@ -3,6 +3,7 @@
 use std::process::Command;
 
 use celfx::data::Particles;
+use celfx::flame::FlameKind;
 use celfx::flame::settings::{Sampling, Shape};
 use celfx::flame::{Desc, SceneFormat, Settings};
 use celfx::offline::Scene;
@@ -142,7 +143,7 @@ fn an_effect_may_be_made_for_more() {
     let frame = |desc: &Desc| {
         let mut rig = FlameRig::new(desc.clone())?;
         rig.frame(&particles, camera(0.0));
-        let steps = rig.offline().flame().expect("a flame").plan().steps.len();
+        let steps = rig.offline().effect::<FlameKind>().expect("a flame").plan().steps.len();
         let repetitions = control(&mut rig).part_repetitions;
         Some((bits(&mut rig), steps, repetitions))
     };

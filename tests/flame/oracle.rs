@@ -1,6 +1,7 @@
 //! A frame's repetitions on the device and in the reference: integer sums, bit for bit.
 
 use celfx::data::Particles;
+use celfx::flame::FlameKind;
 use celfx::flame::layout;
 use celfx::flame::params::{self, Control, TILE};
 use celfx::flame::reference::mask::Mask;
@@ -61,18 +62,18 @@ impl Tally {
 }
 
 pub fn control(rig: &mut FlameRig) -> Control {
-    rig.offline().read_as(EffectBuffer::Flame(layout::CONTROL), 1).expect("the buffer can be read")[0]
+    rig.offline().read_as(EffectBuffer::of::<FlameKind>(layout::CONTROL), 1).expect("the buffer can be read")[0]
 }
 
 /// Whether the frame rendered last was known to be without fire, so that the device has not looked for any.
 pub fn is_dark(rig: &mut FlameRig) -> bool {
-    rig.offline().flame().expect("a flame").skipped().any(|(name, _)| name == "flame.accumulate")
+    rig.offline().effect::<FlameKind>().expect("a flame").skipped().any(|(name, _)| name == "flame.accumulate")
 }
 
 /// Tiles that something may be seen in.
 pub fn occupied(rig: &mut FlameRig) -> Vec<u32> {
     let count = control(rig).tile_groups[0] as usize;
-    rig.offline().read_as(EffectBuffer::Flame(layout::OCCUPIED_TILES), count).expect("the buffer can be read")
+    rig.offline().read_as(EffectBuffer::of::<FlameKind>(layout::OCCUPIED_TILES), count).expect("the buffer can be read")
 }
 
 /// A device's sums over so many repetitions. Those of other than occupied tiles are never written.
@@ -85,7 +86,7 @@ pub fn sums(rig: &mut FlameRig, repetitions: u32) -> Sums {
     };
     let words: Vec<[[u32; 4]; params::SUM_VECTORS as usize]> = rig
         .offline()
-        .read_as(EffectBuffer::Flame(layout::SUMS), (width * height) as usize)
+        .read_as(EffectBuffer::of::<FlameKind>(layout::SUMS), (width * height) as usize)
         .expect("the buffer can be read");
     let words = (0..).zip(words).map(|(pixel, words)| if is_occupied(pixel) { words } else { [[0; 4]; 4] });
     // Depths are less that.

@@ -1,6 +1,7 @@
 //! What a frame does not need is left out, the reason is named, and the background stays as it was.
 
 use celfx::data::Particles;
+use celfx::flame::FlameKind;
 use celfx::flame::{Desc, SceneFormat, Settings};
 use celfx::offline::Scene;
 use celfx::view::Camera;
@@ -34,13 +35,13 @@ fn over_backdrop(desc: &Desc) -> Option<FlameRig> {
 }
 
 fn steps(rig: &mut FlameRig, name: &str) -> usize {
-    let flame = rig.offline().flame().expect("a flame");
+    let flame = rig.offline().effect::<FlameKind>().expect("a flame");
     let of_name = |pass: celfx::plan::PassId| flame.passes()[usize::from(pass.0)].name == name;
     flame.plan().steps.iter().filter(|step| of_name(step.pass)).count()
 }
 
 fn reason(rig: &mut FlameRig, name: &str) -> Option<&'static str> {
-    let mut skipped = rig.offline().flame().expect("a flame").skipped();
+    let mut skipped = rig.offline().effect::<FlameKind>().expect("a flame").skipped();
     skipped.find(|(skipped, _)| *skipped == name).map(|(_, reason)| reason)
 }
 

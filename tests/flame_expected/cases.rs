@@ -1,6 +1,7 @@
 //! Scenes that several tests render, and what they compare images by.
 
 use celfx::data::Particles;
+use celfx::flame::FlameKind;
 use celfx::flame::layout;
 use celfx::flame::params::Control;
 use celfx::flame::reference::expected::Bins;
@@ -119,7 +120,7 @@ pub fn parallel() -> Case {
 
 /// What the device has decided.
 pub fn control(rig: &mut FlameRig) -> Control {
-    let read = rig.offline().read_as(EffectBuffer::Flame(layout::CONTROL), 1);
+    let read = rig.offline().read_as(EffectBuffer::of::<FlameKind>(layout::CONTROL), 1);
     read.expect("the buffer can be read")[0]
 }
 

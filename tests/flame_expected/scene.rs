@@ -1,6 +1,7 @@
 //! What else is in the scene: it hides fire, and the fire shines on it.
 
 use ash::vk;
+use celfx::flame::FlameKind;
 use celfx::flame::params::Particle;
 use celfx::flame::settings::Mode;
 use celfx::flame::{DepthFormat, Desc, Frame, HostDepth, SceneDepth, SceneFormat, Settings};
@@ -339,7 +340,7 @@ fn check_unlit(case: &Case, shot: &celfx::offline::Scene) {
         let (picture, effect) = (rig.picture(), rig.effect());
         let empty = effect.iter().zip(&picture).filter(|(own, _)| own[3] == 0.0);
         assert!(empty.clone().count() > 100 && empty.clone().all(|(_, c)| *c == [0.3, 0.2, 0.1, 1.0]));
-        let flame = rig.offline().flame().expect("a flame");
+        let flame = rig.offline().effect::<FlameKind>().expect("a flame");
         let passes = flame.passes();
         assert!(flame.plan().steps.iter().all(|step| passes[usize::from(step.pass.0)].name != "flame.light"));
         assert!(flame.skipped().any(|(name, _)| name == "flame.light"));

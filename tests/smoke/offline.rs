@@ -6,6 +6,7 @@ use ash::vk;
 use celfx::error::Error;
 use celfx::gpu::headless::{Headless, Options};
 use celfx::offline::{EffectBuffer, Offline, Scene};
+use celfx::smoke::SmokeKind;
 use celfx::smoke::{Sequence, Settings, layout};
 
 use crate::common::device;
@@ -13,7 +14,7 @@ use crate::common::rig::{Rig, scene};
 use crate::common::scenes::{camera, desc, direction, puffs};
 
 const SIZE: [u32; 2] = [48, 36];
-const DEPTH: EffectBuffer = EffectBuffer::Smoke(layout::DEPTH);
+const DEPTH: EffectBuffer = EffectBuffer::of::<SmokeKind>(layout::DEPTH);
 
 fn settings() -> Settings {
     Settings { particles: 50, ..Settings::default() }
@@ -24,7 +25,7 @@ fn layers_come_with_the_frame_as_reading_them_alone_has_them() {
     let Some(mut rig) = Rig::new(desc(SIZE, [12; 3], settings())) else { return };
     let offline = rig.offline();
     assert!(offline.picture().is_empty() && offline.layers().is_empty(), "nothing is rendered yet");
-    let ids = [layout::PICTURE, layout::SPHERES, layout::DEPTH, layout::CONTROL].map(EffectBuffer::Smoke);
+    let ids = [layout::PICTURE, layout::SPHERES, layout::DEPTH, layout::CONTROL].map(EffectBuffer::of::<SmokeKind>);
     offline.set_layers(&ids).expect("memory");
     assert_eq!(offline.layers(), [&[0_u8; 0][..]; 4], "nothing is rendered yet");
     let volume = puffs(12, 0.0);

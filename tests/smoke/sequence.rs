@@ -1,6 +1,7 @@
 //! Frames in sequences: skipping changes nothing, a frame alone is the sequence's, and the same seed gives the same bits.
 
 use celfx::data::Volume;
+use celfx::smoke::SmokeKind;
 use celfx::smoke::settings::Shadow;
 use celfx::smoke::{Desc, Sequence, Settings};
 use celfx::view::{Camera, Light};
@@ -22,7 +23,7 @@ fn rendered(desc: &Desc, steps: &[Step]) -> Option<(Vec<Bits>, usize)> {
     let mut run = 0;
     let bits = steps.iter().map(|(sequence, camera, light, volume)| {
         rig.frame(&scene(*sequence, *camera, *light, *volume));
-        run += rig.offline().smoke().expect("an effect").plan().steps.len();
+        run += rig.offline().effect::<SmokeKind>().expect("an effect").plan().steps.len();
         rig.bits()
     });
     Some((bits.collect(), run))

@@ -7,6 +7,7 @@ use celfx::error::Error;
 use celfx::flame;
 use celfx::gpu::headless::{Headless, NoDevice, Options};
 use celfx::offline::{EffectBuffer, Effects, Offline, Scene};
+use celfx::smoke::SmokeKind;
 use celfx::smoke::{self, Sequence};
 
 use crate::common::faults::{arm, disarm, table};
@@ -19,7 +20,7 @@ const SIZE: [u32; 2] = [16, 16];
 fn effects() -> Effects {
     let smoke = desc(SIZE, [8; 3], smoke::Settings { particles: 10, ..smoke::Settings::default() });
     let flame = crate::common::flame::desc(SIZE, 10, flame::Settings::default());
-    Effects { flame: Some(flame), ..smoke.into() }
+    Effects::from(smoke).with(flame)
 }
 
 /// What a run of the whole host may end with.
@@ -53,7 +54,7 @@ fn render(headless: Headless) -> celfx::error::Result<()> {
         rendered: true,
         ..Scene::default()
     })?;
-    offline.read(EffectBuffer::Smoke(smoke::layout::DEPTH), 64).map(drop)
+    offline.read(EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH), 64).map(drop)
 }
 
 /// Lets each call fail whose number is a multiple of `step`, one a run.
@@ -119,7 +120,7 @@ fn a_lost_device_names_its_pass() {
             ..Scene::default()
         });
         assert_eq!(disarm(), Some("vkWaitForFences"), "{ended:?}");
-        let smoke = offline.smoke().expect("there is smoke, and it comes first");
+        let smoke = offline.effect::<SmokeKind>().expect("there is smoke, and it comes first");
         let name = |step: usize| smoke.passes()[usize::from(smoke.plan().steps[step].pass.0)].name;
         let expected = match longest {
             Some(_) => format!("frame 7, {}", name(lost as usize)),

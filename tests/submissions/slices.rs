@@ -3,8 +3,10 @@
 use std::time::Duration;
 
 use celfx::flame;
+use celfx::flame::FlameKind;
 use celfx::io::shot::Shot;
 use celfx::offline::{BlurInput, BlurScene, EffectBuffer, Effects, Offline, Scene};
+use celfx::smoke::SmokeKind;
 use celfx::smoke::{self, Sequence};
 
 use crate::common::flame::ball;
@@ -50,12 +52,15 @@ fn assert_same(rendered: &[Frames]) {
 fn smoke_and_fire_in_one_submission_and_in_many_are_the_same() {
     let fire = common_flame();
     let settings = smoke::Settings { particles: 50, ..smoke::Settings::default() };
-    let effects = Effects { flame: Some(fire), ..desc(SIZE, [12; 3], settings).into() };
+    let effects = Effects::from(desc(SIZE, [12; 3], settings)).with(fire);
     let (volume, particles) = (puffs(12, 0.0), ball(100, 3));
     let mut rendered = Vec::new();
     for way in WAYS {
         let Some((mut offline, _verdict)) = offline(effects.clone(), way) else { return };
-        let layers = [EffectBuffer::Smoke(smoke::layout::DEPTH), EffectBuffer::Flame(flame::layout::NEAREST)];
+        let layers = [
+            EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH),
+            EffectBuffer::of::<FlameKind>(flame::layout::NEAREST),
+        ];
         offline.set_layers(&layers).expect("memory");
         let mut frames = Frames::new();
         for number in 0..3 {

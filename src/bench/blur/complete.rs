@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 
 use super::EFFECT;
 use super::draw::LIGHT;
-use super::scene::{Scene, shot};
+use super::scene::Scene;
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
 use crate::bench::rig::{EffectId, Rig};
@@ -101,8 +101,8 @@ fn render(
     let settings = Settings { completion, ..Settings::default() };
     let prepared = scene.prepare(&settings)?;
     let desc = Desc { layers: true, ..scene.desc(&settings, MOST_TRIANGLES) };
-    let effect = rig.effect(desc, &scene.take(&prepared, Some(images)))?;
-    rig.frame(effect, &shot())?;
+    let effect = rig.effect(desc)?;
+    rig.frame(effect, &scene.take(&prepared, Some(images)).scene())?;
     let pixels = scene.size[0] as usize * scene.size[1] as usize;
     let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
     let triangles = control.first().map_or(0, |control| control.triangles);

@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use super::EFFECT;
-use super::scene::{Prepared, Scene, shot};
+use super::scene::{Prepared, Scene};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
 use crate::bench::rig::{EffectId, KernelBuffer, KernelsId, Measured, Rig};
@@ -60,8 +60,8 @@ fn measure_workload(session: &mut Session, name: &str, points: u32, variants: &[
     let settings = Settings::default();
     let prepared = scene.prepare(&settings)?;
     let rig = &mut session.rig;
-    let effect = rig.effect(scene.desc(&settings, 1024), &scene.take(&prepared, None))?;
-    rig.frame(effect, &shot())?;
+    let effect = rig.effect(scene.desc(&settings, 1024))?;
+    rig.frame(effect, &scene.take(&prepared, None).scene())?;
     let own = rig.steps(effect, is_extent);
     let (kernels, plan) = brute(rig, effect, points)?;
     rig.warm_up(kernels, &plan)?;

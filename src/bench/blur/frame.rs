@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::EFFECT;
 use super::draw::LIGHT;
-use super::scene::{FULL_HD, Scene, shot};
+use super::scene::{FULL_HD, Scene, Take};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
 use crate::bench::rig::{EffectId, Measured, Rig};
@@ -72,26 +72,26 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
         let truth = match truths.iter().position(|(known, _)| *known == fine) {
             Some(place) => place,
             None => {
-                let picture = render(rig, &scene, &images, &fine)?.1;
+                let picture = render(rig, &scene, &images, &fine)?.2;
                 truths.push((fine, picture));
                 truths.len() - 1
             }
         };
-        let (effect, picture) = render(rig, &scene, &images, &settings)?;
+        let (effect, take, picture) = render(rig, &scene, &images, &settings)?;
         let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
         let triangles = control.first().map_or(0, |control| control.triangles);
-        found.push((effect, settings, triangles, accuracy(&picture, &truths[truth].1, &images[1])));
+        found.push((effect, take, settings, triangles, accuracy(&picture, &truths[truth].1, &images[1])));
     }
     let rig = &mut session.rig;
     let times = interleaved(variants.len(), session.quick, |i| {
-        let (effect, settings, ..) = &found[i];
+        let (effect, take, settings, ..) = &found[i];
         let begin = Instant::now();
         std::hint::black_box(scene.prepare(settings)?);
         let prepared = begin.elapsed().as_secs_f64() * 1e3;
-        let time = rig.frame(*effect, &shot())?;
+        let time = rig.frame(*effect, &take.scene())?;
         Ok(Measured { cpu_ms: time.cpu_ms + prepared, ..time })
     })?;
-    for (((variant, _), times), (_, _, triangles, accuracy)) in variants.iter().zip(&times).zip(&found) {
+    for (((variant, _), times), (_, _, _, triangles, accuracy)) in variants.iter().zip(&times).zip(&found) {
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: u64::from(*triangles) };
         session.rows.push(Row::new(EFFECT, subject, times, accuracy, Work::default(), &session.limits));
@@ -99,12 +99,18 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
     Ok(())
 }
 
-fn render(rig: &mut Rig, scene: &Scene, images: &[Picture; 2], settings: &Settings) -> Result<(EffectId, Picture)> {
+fn render(
+    rig: &mut Rig,
+    scene: &Scene,
+    images: &[Picture; 2],
+    settings: &Settings,
+) -> Result<(EffectId, Take, Picture)> {
     let prepared = scene.prepare(settings)?;
-    let effect = rig.effect(scene.desc(settings, MOST_TRIANGLES), &scene.take(&prepared, Some(images)))?;
-    rig.frame(effect, &shot())?;
+    let take = scene.take(&prepared, Some(images));
+    let effect = rig.effect(scene.desc(settings, MOST_TRIANGLES))?;
+    rig.frame(effect, &take.scene())?;
     let picture = rig.picture(effect)?;
-    Ok((effect, picture))
+    Ok((effect, take, picture))
 }
 
 /// Of all channels of the pixels that one of two pictures does not have of frame i + 1.

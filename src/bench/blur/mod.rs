@@ -14,7 +14,7 @@ use super::{Outcome, Session};
 /// Name of the effect in rows.
 const EFFECT: &str = "blur";
 
-pub(super) fn measure(session: &mut Session) -> Outcome {
+pub(crate) fn measure(session: &mut Session) -> Outcome {
     extent::measure(session)?;
     trajectory::measure(session)?;
     refine::measure(session)?;

@@ -2,7 +2,7 @@
 //! The error is how far the surface that is drawn is from where each of its points should be.
 
 use super::EFFECT;
-use super::scene::{FULL_HD, Prepared, SEED, Scene, shot};
+use super::scene::{FULL_HD, Prepared, SEED, Scene};
 use crate::bench::measure::{Deviation, Spread, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
 use crate::bench::rig::{EffectId, Rig};
@@ -66,8 +66,8 @@ fn measure_workload(session: &mut Session, name: &str, vertices: u32, variants: 
         let rig = &mut session.rig;
         let settings = Settings { refine: *refine, edge: *amount, tolerance: *amount, ..Settings::default() };
         let prepared = scene.prepare(&settings)?;
-        let effect = rig.effect(scene.desc(&settings, MOST_TRIANGLES), &scene.take(&prepared, None))?;
-        rig.frame(effect, &shot())?;
+        let effect = rig.effect(scene.desc(&settings, MOST_TRIANGLES))?;
+        rig.frame(effect, &scene.take(&prepared, None).scene())?;
         let surface = Surface::read(rig, effect, &scene, &prepared, &settings)?;
         if surface.is_cut_short {
             session.notes.push(format!("blur refine {name}: {variant} had no room for more triangles"));

@@ -1,19 +1,21 @@
 //! What is measured: meshes that move, and what sees them.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
 use super::draw;
-use crate::bench::rig::{FORMAT, Shot, Take};
-use crate::blur::{Desc, Interval, Knot, Mesh, MeshInput, Motion, Pose, Settings, View, Window};
+use crate::bench::rig::FORMAT;
+use crate::blur::{Counts, Desc, Interval, Knot, Mesh, MeshInput, Motion, Pose, Settings, TopologyInput, View, Window};
 use crate::data::Topology;
 use crate::error::Result;
 use crate::io::scene::weld;
+use crate::offline::motion::Positions;
+use crate::offline::{self, BlurFrame, BlurScene};
 use crate::random::{hash, unit};
 use crate::simulate::mesh::{Builtin, Model};
-use crate::smoke::Sequence;
-use crate::view::{Camera, Light};
+use crate::view::Camera;
 
 /// Seed of the effects.
 pub(super) const SEED: u32 = 0;
@@ -27,9 +29,9 @@ const CLOUD_TURNS: f64 = 0.004;
 pub(super) struct Scene {
     pub(super) size: [u32; 2],
     pub(super) topology: Topology,
-    pub(super) mesh: Mesh,
+    pub(super) mesh: Arc<Mesh>,
     /// Of the mesh's points, from frame 0 on.
-    pub(super) poses: Vec<Vec<[f32; 3]>>,
+    pub(super) poses: Vec<Positions>,
     pub(super) cameras: Vec<Camera>,
     /// The earlier frame of the output.
     pub(super) current: usize,
@@ -61,8 +63,8 @@ impl Scene {
             normals: Some(&topology.normal),
             rest: None,
         };
-        let mesh = Mesh::new(&input)?;
-        let poses = files.iter().filter_map(|pose| mesh.gather(pose)).collect();
+        let mesh = Arc::new(Mesh::new(&input)?);
+        let poses = files.iter().filter_map(|pose| mesh.gather(pose)).map(Arc::new).collect();
         let cameras = (0..which.frames()).map(|frame| model.camera(seconds(frame))).collect();
         Ok(Scene { size, topology, mesh, poses, cameras, current: which.frames() as usize / 2 })
     }
@@ -106,8 +108,9 @@ impl Scene {
         let vertices = poses.first().map_or(0, Vec::len);
         let triangles = vec![[0, 1, 2]];
         let input = MeshInput { vertices, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
-        let mesh = Mesh::new(&input)?;
+        let mesh = Arc::new(Mesh::new(&input)?);
         let topology = Topology { triangles, object: vec![0; vertices], ..Topology::default() };
+        let poses = poses.into_iter().map(Arc::new).collect();
         Ok(Scene { size, topology, mesh, poses, cameras, current })
     }
 
@@ -131,17 +134,21 @@ impl Scene {
         [0, 1, 2, 3].map(|place| self.view((self.current + place).saturating_sub(1).min(self.cameras.len() - 1)))
     }
 
-    /// The output, from all poses.
-    pub(super) fn take<'a>(&'a self, prepared: &'a Prepared, images: Option<&'a [Vec<[f32; 4]>; 2]>) -> Take<'a> {
-        Take {
-            mesh: &self.mesh,
-            first: 0,
-            poses: &self.poses,
-            interval: &prepared.interval,
+    /// The output, from all poses. Without images these are empty.
+    pub(super) fn take(&self, prepared: &Prepared, images: Option<&[Vec<[f32; 4]>; 2]>) -> Take {
+        let empty = || vec![[0.0; 4]; self.size[0] as usize * self.size[1] as usize];
+        let Prepared { interval, knots } = prepared;
+        let frame = BlurFrame {
+            mesh: self.mesh.clone(),
+            colours: Arc::new(TopologyInput::colour_rows(&self.mesh, &[])),
+            interval: interval.clone(),
+            counts: Counts::of(interval, self.mesh.neighbours()),
             views: self.views(),
-            knots: prepared.knots.as_deref(),
-            images,
-        }
+            knots: knots.clone(),
+            first: 0,
+            poses: self.poses.clone(),
+        };
+        Take { frame, images: images.cloned().unwrap_or_else(|| [empty(), empty()]) }
     }
 
     /// What an effect with such settings is made for.
@@ -167,7 +174,7 @@ impl Scene {
             normals: Some(&topology.normal),
             rest: None,
         };
-        let mesh = Mesh::new(&input)?;
+        let mesh = Arc::new(Mesh::new(&input)?);
         let (poses, cameras) = (self.poses.clone(), self.cameras.clone());
         Ok(Scene { size: self.size, topology, mesh, poses, cameras, current: self.current })
     }
@@ -183,9 +190,19 @@ impl Scene {
     }
 }
 
-/// A frame: the take says all of it.
-pub(super) fn shot() -> Shot {
-    Shot { sequence: Sequence::Restart, camera: Camera::default(), light: Light::default(), rendered: true }
+/// One output of a mesh that moves, which is made again and again.
+pub(super) struct Take {
+    pub(super) frame: BlurFrame,
+    images: [Vec<[f32; 4]>; 2],
+}
+
+impl Take {
+    /// A frame of it: the motion says all that there is to say.
+    pub(super) fn scene(&self) -> offline::Scene<'_> {
+        let images = self.images.each_ref().map(|image| Some(&image[..]));
+        let blur = BlurScene { frame: &self.frame, images, outer: [None; 2] };
+        offline::Scene { blur: Some(blur), rendered: true, ..offline::Scene::default() }
+    }
 }
 
 #[cfg(test)]

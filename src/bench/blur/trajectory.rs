@@ -4,16 +4,17 @@
 use glam::DVec3;
 
 use super::EFFECT;
-use super::scene::{FULL_HD, Scene, shot};
+use super::scene::{FULL_HD, Scene};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
-use crate::bench::rig::{EffectId, Rig, Take};
+use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::SPLINES;
 use crate::blur::params::{PIECE_SEGMENTS, Piece};
 use crate::blur::reference::{path, spline};
 use crate::blur::{Desc, Knot, Settings};
 use crate::error::Result;
+use crate::offline::BlurFrame;
 use crate::plan::Plan;
 use crate::random::hash;
 
@@ -73,12 +74,14 @@ fn render(rig: &mut Rig, scene: &Scene, window: usize) -> Result<(EffectId, usiz
     let prepared = scene.prepare(&settings)?;
     let knots = knots(scene, window);
     let first = knots.first().map_or(0, |knot| knot.view.frame);
-    let poses = &scene.poses[first as usize..first as usize + knots.len()];
+    let poses = scene.poses[first as usize..first as usize + knots.len()].to_vec();
     let desc = Desc { frames_resident: knots.len() as u32, ..scene.desc(&settings, 1024) };
-    let take = Take { first, poses, knots: Some(&knots), ..scene.take(&prepared, None) };
-    let effect = rig.effect(desc, &take)?;
-    rig.frame(effect, &shot())?;
-    Ok((effect, knots.len()))
+    let count = knots.len();
+    let mut take = scene.take(&prepared, None);
+    take.frame = BlurFrame { first, poses, knots: Some(knots), ..take.frame };
+    let effect = rig.effect(desc)?;
+    rig.frame(effect, &take.scene())?;
+    Ok((effect, count))
 }
 
 /// The frames of a window, and what each contributes to the piece from frame i to frame i + 1.

@@ -52,8 +52,8 @@ fn measure_workload(session: &mut Session, scene: &Scene, variants: &[&(&str, Ch
         found.push((truth.accuracy(&scene.mean(rig, effect)?), repetitions));
         effects.push(effect);
     }
-    let shot = scene.shot();
-    let times = interleaved(variants.len(), session.quick, |i| rig.frame(effects[i], &shot))?;
+    let next = scene.scene();
+    let times = interleaved(variants.len(), session.quick, |i| rig.frame(effects[i], &next))?;
     for (((variant, _), times), (accuracy, repetitions)) in variants.iter().zip(&times).zip(&found) {
         let (variant, workload) = ((*variant).to_owned(), scene.name.clone());
         let items = (truth.sprites as f64 * repetitions).round() as u64;

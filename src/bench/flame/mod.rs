@@ -11,7 +11,7 @@ use super::{Outcome, Session};
 /// Name of the effect in rows.
 const EFFECT: &str = "flame";
 
-pub(super) fn measure(session: &mut Session) -> Outcome {
+pub(crate) fn measure(session: &mut Session) -> Outcome {
     accumulate::measure(session)?;
     frame::measure(session)
 }

@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::bench::rig::{EffectId, FORMAT, Rig, Shot};
+use crate::bench::rig::{EffectId, FORMAT, Rig};
 use crate::data::Particles;
 use crate::error::Result;
 use crate::flame::layout::PICTURE;
 use crate::flame::{Desc, Settings, mean_spacing};
+use crate::offline;
 use crate::random::{hash, unit};
 use crate::simulate::flame::Builtin;
-use crate::smoke::Sequence;
-use crate::view::{Camera, Light};
+use crate::view::Camera;
 
 /// Seed of the effects.
 pub(super) const SEED: u32 = 0;
@@ -128,15 +128,20 @@ impl Scene {
         }
     }
 
-    pub(super) fn shot(&self) -> Shot {
-        // Fire needs no light and no sequence.
-        Shot { sequence: Sequence::Restart, camera: self.camera, light: Light::default(), rendered: true }
+    /// A frame of it.
+    pub(super) fn scene(&self) -> offline::Scene<'_> {
+        offline::Scene {
+            camera: self.camera,
+            particles: Some(&self.particles),
+            rendered: true,
+            ..offline::Scene::default()
+        }
     }
 
     /// Makes an effect and renders a frame, which compiles every kernel.
     pub(super) fn render(&self, rig: &mut Rig, settings: Settings) -> Result<EffectId> {
-        let effect = rig.effect(self.desc(settings), &self.particles)?;
-        rig.frame(effect, &self.shot())?;
+        let effect = rig.effect(self.desc(settings))?;
+        rig.frame(effect, &self.scene())?;
         Ok(effect)
     }
 

@@ -4,9 +4,10 @@
 use super::{EFFECT, scene};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
-use crate::bench::rig::{EffectId, Rig, Shot};
+use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
+use crate::offline;
 use crate::smoke::reference::{gaussian, render, shadow, tone};
 use crate::smoke::settings::{Outline, Shadow};
 use crate::smoke::{Sequence, Settings};
@@ -55,13 +56,13 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
     let volume = scene::plume(scene::PAPER_VOXELS);
     let voxel = volume.voxel_size.iter().copied().fold(f32::INFINITY, f32::min).into();
     let rig = &mut session.rig;
-    let first = scene::first_shot(scene::camera());
+    let first = scene::first_scene(scene::camera(), &volume);
     let mut seen = None;
     let mut effects = Vec::new();
     let mut accuracies = Vec::new();
     for (_, change) in variants {
         let settings = change(Settings { particles: PARTICLES, ..Settings::default() });
-        let effect = rig.effect(scene::desc(size, &volume, settings.clone(), false), &volume)?;
+        let effect = rig.effect(scene::desc(size, &volume, settings.clone(), false))?;
         // The first frame compiles every kernel, and is compared.
         rig.frame(effect, &first)?;
         let seen = match &seen {
@@ -72,7 +73,7 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
         accuracies.push(seen.accuracy(&settings, &picture));
         effects.push(effect);
     }
-    let next = Shot { sequence: Sequence::Advance, ..first };
+    let next = offline::Scene { sequence: Sequence::Advance, ..first };
     for effect in &effects {
         rig.frame(*effect, &next)?;
     }

@@ -121,11 +121,11 @@ fn measure_workload(
 /// Renders the scene, the camera so near that about half of the picture is covered.
 fn render(rig: &mut Rig, size: [u32; 2], settings: &Settings) -> Result<EffectId> {
     let volume = scene::still_plume(VOXELS);
-    let effect = rig.effect(scene::desc(size, &volume, settings.clone(), false), &volume)?;
-    rig.frame(effect, &scene::first_shot(scene::camera()))?;
+    let effect = rig.effect(scene::desc(size, &volume, settings.clone(), false))?;
+    rig.frame(effect, &scene::first_scene(scene::camera(), &volume))?;
     let (spheres, _) = scene::spheres(rig, effect, PARTICLES, settings.fade)?;
     let camera = scene::camera_covering(&spheres, size, COVER);
-    rig.frame(effect, &scene::first_shot(camera))?;
+    rig.frame(effect, &scene::first_scene(camera, &volume))?;
     Ok(effect)
 }
 

@@ -4,15 +4,16 @@
 use super::{EFFECT, scene};
 use crate::bench::measure::{Deviation, interleaved};
 use crate::bench::report::{Accuracy, Row, Subject, Work};
-use crate::bench::rig::{EffectId, Rig, Shot};
+use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::data::Volume;
 use crate::error::Result;
+use crate::offline;
+use crate::smoke::Settings;
 use crate::smoke::layout::SPHERES;
 use crate::smoke::reference::{Grid, grow};
 use crate::smoke::settings::{Grow, Radius, Shadow};
-use crate::smoke::{Sequence, Settings};
-use crate::view::{Camera, Light};
+use crate::view::Camera;
 
 const PASS: &str = "grow";
 const VARIANTS: [(&str, Grow); 4] =
@@ -69,11 +70,11 @@ fn measure_workload(
         // Everything that has nothing to do with radii is off.
         let settings =
             Settings { grow: *grow, particles, fade: 0, shadow: Shadow::None, sigma: 0.0, ..Settings::default() };
-        let effect = session.rig.effect(scene::desc([16, 16], &volume, settings, false), &volume)?;
-        let (camera, light) = (Camera::default(), Light::default());
-        let shot = Shot { sequence: Sequence::Restart, camera, light, rendered: false };
+        let effect = session.rig.effect(scene::desc([16, 16], &volume, settings, false))?;
         // The frame compiles every kernel.
-        session.rig.frame(effect, &shot)?;
+        session
+            .rig
+            .frame(effect, &offline::Scene { rendered: false, ..scene::first_scene(Camera::default(), &volume) })?;
         plans.push(session.rig.steps(effect, |pass| STEPS.contains(&pass.name)));
         effects.push(effect);
     }

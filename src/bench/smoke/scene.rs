@@ -2,17 +2,18 @@
 
 use glam::DVec3;
 
-use crate::bench::rig::{EffectId, FORMAT, Rig, Shot};
+use crate::bench::rig::{EffectId, FORMAT, Rig};
 use crate::data::Volume;
 use crate::error::Result;
+use crate::offline::Scene;
 use crate::simulate::smoke::Builtin;
 use crate::smoke::layout::{GROUPS, SPHERES};
 use crate::smoke::reference::render;
-use crate::smoke::{Desc, Sequence, Settings};
-use crate::view::{Camera, Light};
+use crate::smoke::{Desc, Settings};
+use crate::view::Camera;
 
 /// Frames a second.
-pub(in crate::bench) const FPS: f64 = 24.0;
+pub(super) const FPS: f64 = 24.0;
 /// The frame of the built-in volumes that is measured: the plume has risen by then.
 const FRAME: u32 = 40;
 /// Voxels of the paper's volume, the 20 of them along its height.
@@ -49,9 +50,9 @@ pub(super) fn desc(size: [u32; 2], volume: &Volume, settings: Settings, layers: 
     }
 }
 
-/// A rendered first frame.
-pub(super) fn first_shot(camera: Camera) -> Shot {
-    Shot { sequence: Sequence::Restart, camera, light: Light::default(), rendered: true }
+/// A rendered first frame of a volume.
+pub(super) fn first_scene(camera: Camera, volume: &Volume) -> Scene<'_> {
+    Scene { dt: 1.0 / FPS as f32, camera, volume: Some(volume), rendered: true, ..Scene::default() }
 }
 
 /// A camera in front of the plume, so far away that it fills the height of the picture.

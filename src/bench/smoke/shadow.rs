@@ -57,8 +57,8 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
     }
     let mut effects = Vec::new();
     for (_, kind) in variants {
-        let effect = session.rig.effect(scene::desc(size, &volume, settings(*kind), false), &volume)?;
-        session.rig.frame(effect, &scene::first_shot(scene::camera()))?;
+        let effect = session.rig.effect(scene::desc(size, &volume, settings(*kind), false))?;
+        session.rig.frame(effect, &scene::first_scene(scene::camera(), &volume))?;
         let plan = session.rig.steps(effect, |pass| matches!(pass.name, "smoke.shadow" | "smoke.luminance"));
         effects.push((effect, plan));
     }
@@ -80,8 +80,8 @@ fn accuracy(
     settings: Settings,
     truth: &mut Option<Truth>,
 ) -> Result<Accuracy> {
-    let effect = rig.effect(scene::desc(size, volume, settings, true), volume)?;
-    rig.frame(effect, &scene::first_shot(scene::camera()))?;
+    let effect = rig.effect(scene::desc(size, volume, settings, true))?;
+    rig.frame(effect, &scene::first_scene(scene::camera(), volume))?;
     let truth = match truth {
         Some(truth) => truth,
         None => truth.insert(Truth::new(rig, effect, size)?),

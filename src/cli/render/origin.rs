@@ -6,106 +6,49 @@
 //! formats of outputs, layers, threads, validation, which frames are rendered), and not the device and its driver: two of
 //! them differ by a step of 1/255 here and there, and a sequence may be shared among machines.
 
-use std::collections::HashMap;
-use std::fmt::Debug;
-use std::path::{Path, PathBuf};
-
 use xxhash_rust::xxh3::Xxh3;
 
-use super::input::Fire;
-use crate::blur::settings::Trajectory;
 use crate::io::ReadError;
-use crate::io::file::{Stamp, digest};
-use crate::io::particles::ParticleSequence;
-use crate::io::pattern::PatternError;
-use crate::io::scene::{Source, references};
-use crate::io::sequence::{Input, Sequence};
 use crate::io::shot::{Background, Shot};
-use crate::io::volume::VolumeSequence;
-use crate::offline::blur::{FRAMES_BESIDE, STEPS};
+use crate::program::{Files, Input, add};
 
 /// Hashes of what the frames of a shot are made from. Files are read once.
 pub(super) struct Origins<'a> {
     shot: &'a Shot,
-    files: Known,
-    volumes: Option<VolumeSequence>,
-    particles: Option<ParticleSequence>,
+    files: Files,
     /// What all frames have in common.
     common: Xxh3,
-    /// What smoke has gone through before a frame, and that frame.
+    /// What effects that have a past have gone through before a frame, and that frame.
     past: (u32, Xxh3),
 }
 
-/// Files whose contents are known.
-#[derive(Default)]
-struct Known {
-    files: HashMap<PathBuf, (Stamp, u128)>,
-    /// Those that were asked for since the last check.
-    recent: Vec<PathBuf>,
-}
-
-impl Known {
-    fn digest(&mut self, path: &Path) -> Result<u128, ReadError> {
-        self.recent.push(path.to_owned());
-        if let Some((_, digest)) = self.files.get(path) {
-            return Ok(*digest);
-        }
-        // Before the contents, so that what is written meanwhile shows.
-        let stamp = Stamp::of(path)?;
-        let digest = digest(path)?;
-        self.files.insert(path.to_owned(), (stamp, digest));
-        Ok(digest)
-    }
-
-    fn check(&mut self) -> Result<(), ReadError> {
-        let Known { files, recent } = self;
-        recent.drain(..).try_for_each(|path| files.get(&path).map_or(Ok(()), |(stamp, _)| stamp.check(&path)))
-    }
-}
+/// The input of a shot's effects.
+pub(super) type Effects = [Box<dyn Input>];
 
 impl<'a> Origins<'a> {
-    /// Of a shot whose fire is `fire`. Reads the background and the animated mesh.
-    pub(super) fn new(shot: &'a Shot, fire: Option<&Fire>) -> Result<Origins<'a>, ReadError> {
-        let refused = |e: PatternError| ReadError::file(&e.path, e.why, "a file name");
-        let (volumes, particles) = (shot.volumes().map_err(refused)?, shot.particles().map_err(refused)?);
-        let mut files = Known::default();
+    /// Of a shot with the input of its effects. Reads the background and the animated mesh.
+    pub(super) fn new(shot: &'a Shot, effects: &Effects) -> Result<Origins<'a>, ReadError> {
+        let mut files = Files::default();
         let mut common = Xxh3::new();
         add(&mut common, (env!("CARGO_PKG_VERSION"), shot.size, shot.fps, shot.seed));
         match &shot.background {
             Background::Image(path) => add(&mut common, files.digest(path)?),
             other => add(&mut common, other),
         }
-        if let Some(smoke) = &shot.smoke {
-            add(&mut common, ("smoke", shot.frames[0], &smoke.grids, builtin(&smoke.volume), &smoke.settings));
-        }
-        if let Some(flame) = &shot.flame {
-            add(&mut common, ("flame", builtin(&flame.particles), fire, &flame.settings));
-        }
-        if let Some(blur) = &shot.blur {
-            add(&mut common, ("blur", shot.frames, &blur.animations, blur.images.is_some(), &blur.settings));
-            match &blur.scene {
-                Source::Builtin(which) => add(&mut common, which),
-                Source::File(path) => {
-                    for part in std::iter::once(path.clone()).chain(references(path)) {
-                        // A part that is not there is told when the mesh is read; some are done without.
-                        let digest = if part == *path { Some(files.digest(&part)?) } else { files.digest(&part).ok() };
-                        add(&mut common, digest);
-                    }
-                }
-            }
-        }
-        Ok(Origins { shot, files, volumes, particles, common, past: (shot.frames[0], Xxh3::new()) })
+        effects.iter().try_for_each(|effect| effect.add_common(&mut common, &mut files))?;
+        Ok(Origins { shot, files, common, past: (shot.frames[0], Xxh3::new()) })
     }
 
     /// The hash of a frame. Frames are best asked for in ascending order: smoke has all volumes up to its frame in it.
-    pub(super) fn of(&mut self, frame: u32) -> Result<u128, ReadError> {
+    pub(super) fn of(&mut self, frame: u32, effects: &Effects) -> Result<u128, ReadError> {
         let mut hash = self.common.clone();
         add(&mut hash, frame);
         self.add_view(&mut hash, frame);
-        self.advance(frame)?;
+        self.advance(frame, effects)?;
         add(&mut hash, self.past.1.digest128());
-        add(&mut hash, input(&mut self.files, &self.particles, frame)?);
-        self.add_blur(&mut hash, frame)?;
+        for effect in effects.iter().filter(|effect| !effect.has_past()) {
+            effect.add_frame(&mut hash, &mut self.files, frame)?;
+        }
         Ok(hash.digest128())
     }
 
@@ -114,9 +57,10 @@ impl<'a> Origins<'a> {
         self.files.check()
     }
 
-    /// Takes smoke, if there is any, through a frame: what it sees of camera and light leaves something to the next, too.
-    pub(super) fn advance(&mut self, frame: u32) -> Result<(), ReadError> {
-        if self.volumes.is_none() {
+    /// Takes effects that have a past through a frame: what they see of camera and light leaves something to the next, too.
+    pub(super) fn advance(&mut self, frame: u32, effects: &Effects) -> Result<(), ReadError> {
+        let with_past = || effects.iter().filter(|effect| effect.has_past());
+        if with_past().next().is_none() {
             return Ok(());
         }
         if self.past.0 > frame + 1 {
@@ -125,7 +69,7 @@ impl<'a> Origins<'a> {
         while self.past.0 <= frame {
             let (at, mut hash) = (self.past.0, self.past.1.clone());
             self.add_view(&mut hash, at);
-            add(&mut hash, input(&mut self.files, &self.volumes, at)?);
+            with_past().try_for_each(|effect| effect.add_frame(&mut hash, &mut self.files, at))?;
             self.past = (at + 1, hash);
         }
         Ok(())
@@ -134,54 +78,25 @@ impl<'a> Origins<'a> {
     fn add_view(&self, hash: &mut Xxh3, frame: u32) {
         add(hash, (self.shot.camera(frame), self.shot.light(frame)));
     }
-
-    /// The cameras of all frames that trajectories may go through, and the images of those that are blurred.
-    fn add_blur(&mut self, hash: &mut Xxh3, frame: u32) -> Result<(), ReadError> {
-        let Some(blur) = &self.shot.blur else { return Ok(()) };
-        let [first, last] = self.shot.frames;
-        let around = |before: u32, after: u32| frame.saturating_sub(before).max(first)..=(frame + after).min(last);
-        let steps = if blur.settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
-        for at in around(FRAMES_BESIDE + 1, FRAMES_BESIDE) {
-            let times = (0..steps).map(|step| f64::from(at) + f64::from(step) / f64::from(steps));
-            times.for_each(|time| add(hash, self.shot.camera(time)));
-        }
-        for at in around(2, 1) {
-            let image = blur.images.as_ref().map(|images| self.files.digest(&images.path(at)));
-            add(hash, image.transpose()?);
-        }
-        Ok(())
-    }
-}
-
-/// What is in the file of a frame's input; none where it is built in.
-fn input<I: Input>(files: &mut Known, sequence: &Option<Sequence<I>>, frame: u32) -> Result<Option<u128>, ReadError> {
-    let file = sequence.as_ref().map(|sequence| sequence.file(frame)).transpose()?.flatten();
-    file.map(|file| files.digest(&file)).transpose()
-}
-
-/// The name of a built-in input; a file is known by what is in it.
-fn builtin(name: &str) -> Option<&str> {
-    name.starts_with("builtin:").then_some(name)
-}
-
-/// Adds a value by its text, which has every digit of every number and ends where the next begins.
-fn add(hash: &mut Xxh3, value: impl Debug) {
-    hash.update(format!("{value:?}\n").as_bytes());
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::render::input::Inputs;
     use crate::io::array::tests::{npy, write_archive};
     use crate::io::tests::Folder;
     use std::fs;
+    use std::path::Path;
+    use std::sync::Arc;
 
     fn origins(folder: &Folder, name: &str, sets: &[&str], frames: &[u32]) -> Vec<u128> {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
         let shot = Shot::load(folder.0.join(name).to_str().expect("UTF-8"), &sets).expect("a shot");
-        let fire = Fire::of(&shot).expect("readable");
-        let mut origins = Origins::new(&shot, fire.as_ref()).expect("readable");
-        frames.iter().map(|frame| origins.of(*frame).expect("readable")).collect()
+        let shot = Arc::new(shot);
+        let inputs = Inputs::open(&shot).expect("readable");
+        let mut origins = Origins::new(&shot, inputs.effects()).expect("readable");
+        frames.iter().map(|frame| origins.of(*frame, inputs.effects()).expect("readable")).collect()
     }
 
     fn f32s(values: &[f32]) -> Vec<u8> {
@@ -298,10 +213,12 @@ mod tests {
     fn a_file_that_changes_while_it_is_read_is_named() {
         let folder = folder();
         let shot = Shot::load(folder.0.join("smoke.toml").to_str().expect("UTF-8"), &[]).expect("a shot");
-        let mut origins = Origins::new(&shot, None).expect("readable");
-        origins.of(2).expect("readable");
+        let shot = Arc::new(shot);
+        let inputs = Inputs::open(&shot).expect("readable");
+        let mut origins = Origins::new(&shot, inputs.effects()).expect("readable");
+        origins.of(2, inputs.effects()).expect("readable");
         origins.check().expect("as it was");
-        origins.of(3).expect("readable");
+        origins.of(3, inputs.effects()).expect("readable");
         fs::write(folder.0.join("v.3.npz"), "of another length").expect("temporary folder");
         assert!(origins.check().expect_err("changed").to_string().contains("v.3.npz: was written or replaced"));
     }

@@ -6,7 +6,6 @@ use std::{fmt, fs};
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::Failure;
-use super::layers::LayerName;
 use crate::io::array::write_npy;
 use crate::io::file::digest;
 use crate::io::image::write_exr;
@@ -14,32 +13,7 @@ use crate::io::overlap::Files;
 use crate::io::pattern::Pattern;
 use crate::io::picture::{self, Format};
 use crate::io::{ReadError, probe};
-
-/// A layer: what a pass wrote.
-pub(super) struct Layer {
-    /// `effect.layer`, as in the file name.
-    pub(super) name: &'static str,
-    pub(super) data: LayerData,
-}
-
-/// What a layer holds.
-pub(super) enum LayerData {
-    /// One value per pixel: channel `Y`.
-    Value(Vec<f32>),
-    /// Channels `R G B`.
-    Rgb(Vec<[f32; 3]>),
-    /// Channels `R G B A`.
-    Colour(Vec<[f32; 4]>),
-    /// An array of this shape, the last axis running fastest.
-    Array { shape: Vec<u64>, values: Vec<f32> },
-}
-
-impl LayerData {
-    /// Rows of so many columns.
-    pub(super) fn table(columns: u64, values: Vec<f32>) -> LayerData {
-        LayerData::Array { shape: vec![values.len() as u64 / columns.max(1), columns], values }
-    }
-}
+use crate::program::layers::{Layer, LayerData, LayerName};
 
 /// A frame that is done on the device.
 pub(super) struct Frame {

@@ -1,24 +1,24 @@
 //! The layers of the smoke effect.
 
-use super::{Entry, Made};
-use crate::cli::render::outputs::LayerData;
+use crate::program::layers::{LayerData, LayerEntry, Made};
+use crate::smoke::Desc;
 use crate::smoke::layout::{
     CONTROL, DEPTH, GROUPS, OUTLINE_LAYER, PICTURE, PIXELS, SHADOW, SMOOTH, SPHERES, TONE_LAYER, VISIBLE,
 };
 use crate::smoke::params::{Control, GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
-pub(super) const LAYERS: &[Entry] = &[
-    Entry::array("smoke.spheres", &[CONTROL, VISIBLE, SPHERES, GROUPS], spheres),
-    Entry::image("smoke.luminance", &[PIXELS], |made| LayerData::Value(luminance(made))),
-    Entry::image("smoke.depth", &[DEPTH], |made| LayerData::Value(made.image(DEPTH))),
-    Entry::image("smoke.id", &[PIXELS], |made| {
+pub(super) const LAYERS: &[LayerEntry] = &[
+    LayerEntry::array("smoke.spheres", &[CONTROL, VISIBLE, SPHERES, GROUPS], spheres),
+    LayerEntry::image("smoke.luminance", &[PIXELS], |made| LayerData::Value(luminance(made))),
+    LayerEntry::image("smoke.depth", &[DEPTH], |made| LayerData::Value(made.image(DEPTH))),
+    LayerEntry::image("smoke.id", &[PIXELS], |made| {
         LayerData::Value(made.image::<u32>(PIXELS).into_iter().map(|word| (word & GROUP_MASK) as f32).collect())
     }),
-    Entry::image("smoke.shadow", &[SHADOW], |made| LayerData::Value(made.image(SHADOW))),
-    Entry::image("smoke.smooth", &[SMOOTH, PIXELS], smooth),
-    Entry::image("smoke.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
-    Entry::image("smoke.outline", &[OUTLINE_LAYER], |made| LayerData::Value(made.image(OUTLINE_LAYER))),
-    Entry::image("smoke", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
+    LayerEntry::image("smoke.shadow", &[SHADOW], |made| LayerData::Value(made.image(SHADOW))),
+    LayerEntry::image("smoke.smooth", &[SMOOTH, PIXELS], smooth),
+    LayerEntry::image("smoke.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
+    LayerEntry::image("smoke.outline", &[OUTLINE_LAYER], |made| LayerData::Value(made.image(OUTLINE_LAYER))),
+    LayerEntry::image("smoke", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
 fn luminance(made: &Made) -> Vec<f32> {
@@ -27,7 +27,7 @@ fn luminance(made: &Made) -> Vec<f32> {
 
 /// The luminance itself where nothing is smoothed.
 fn smooth(made: &Made) -> LayerData {
-    let is_filtered = made.effects.smoke.as_ref().is_some_and(|desc| desc.settings.sigma > 0.0);
+    let is_filtered = made.desc().is_some_and(|desc: &Desc| desc.settings.sigma > 0.0);
     LayerData::Value(if is_filtered { made.image(SMOOTH) } else { luminance(made) })
 }
 
@@ -46,19 +46,18 @@ fn spheres(made: &Made) -> LayerData {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{of, values};
     use super::*;
-    use crate::offline::{Effects, TARGET_FORMAT};
-    use crate::smoke::{Desc, Settings};
+    use crate::offline::TARGET_FORMAT;
+    use crate::program::layers::tests::{of, values};
+    use crate::smoke::Settings;
     use bytemuck::Zeroable;
 
-    fn effects(sigma: f32) -> Effects {
+    fn desc(sigma: f32) -> Desc {
         let settings = Settings { sigma, ..Settings::default() };
         let (size, target_format, dimensions) = ([2, 1], TARGET_FORMAT, [1; 3]);
         let (velocity, point_light, layers, skipping) = (false, false, true, true);
         let (depth, edges, seed) = (None, false, 0);
         Desc { size, target_format, depth, edges, dimensions, velocity, point_light, seed, settings, layers, skipping }
-            .into()
     }
 
     #[test]
@@ -80,14 +79,14 @@ mod tests {
             (OUTLINE_LAYER, bytemuck::cast_slice(&[0.5f32, 0.0])),
             (PICTURE, bytemuck::cast_slice(&zero)),
         ];
-        let layers = of(LAYERS, &effects(4.0), &bytes, 0, None);
+        let layers = of(LAYERS, &desc(4.0), &bytes, &zero, None, (true, &[]));
         assert_eq!(values(&layers, "smoke.spheres"), [1.0, 0.0, 1.0, 0.5, 6.0, 3.0, 0.0, 1.0, 0.5, 8.0]);
         assert_eq!(values(&layers, "smoke.luminance"), [1.0, 0.0]);
         assert_eq!(values(&layers, "smoke.id"), [7.0, 0.0]);
         assert_eq!(values(&layers, "smoke.depth"), [2.0, f32::INFINITY]);
         assert_eq!(values(&layers, "smoke.smooth"), [0.25, 0.0]);
         assert_eq!(
-            values(&of(LAYERS, &effects(0.0), &bytes, 0, None), "smoke.smooth"),
+            values(&of(LAYERS, &desc(0.0), &bytes, &zero, None, (true, &[])), "smoke.smooth"),
             [1.0, 0.0],
             "without sigma nothing is smoothed"
         );

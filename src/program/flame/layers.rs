@@ -1,23 +1,24 @@
 //! The layers of the flame effect.
 
-use super::{Entry, Made};
-use crate::cli::render::outputs::LayerData;
+use super::input::FlameBrought;
+use crate::flame::Desc;
 use crate::flame::layout::{MASK, MEAN, NEAREST, PARTICLES, PICTURE, POSITIONS, VARIANCE};
 use crate::flame::params::{MASK_SIDE, Particle};
+use crate::program::layers::{LayerData, LayerEntry, Made};
 
-pub(super) const LAYERS: &[Entry] = &[
-    Entry::array("flame.particles", &[POSITIONS, PARTICLES], particles),
-    Entry::array("flame.mask", &[MASK], mask),
-    Entry::image("flame.mean", &[MEAN], |made| LayerData::Rgb(made.image(MEAN).iter().map(colour).collect())),
-    Entry::image("flame.variance", &[VARIANCE], |made| {
+pub(super) const LAYERS: &[LayerEntry] = &[
+    LayerEntry::array("flame.particles", &[POSITIONS, PARTICLES], particles),
+    LayerEntry::array("flame.mask", &[MASK], mask),
+    LayerEntry::image("flame.mean", &[MEAN], |made| LayerData::Rgb(made.image(MEAN).iter().map(colour).collect())),
+    LayerEntry::image("flame.variance", &[VARIANCE], |made| {
         LayerData::Rgb(made.image(VARIANCE).iter().map(colour).collect())
     }),
-    Entry::image("flame.coverage", &[MEAN], |made| LayerData::Value(made.image(MEAN).iter().map(last).collect())),
-    Entry::image("flame.depth", &[NEAREST], |made| LayerData::Value(made.image(NEAREST))),
-    Entry::image("flame.repetitions", &[VARIANCE], |made| {
+    LayerEntry::image("flame.coverage", &[MEAN], |made| LayerData::Value(made.image(MEAN).iter().map(last).collect())),
+    LayerEntry::image("flame.depth", &[NEAREST], |made| LayerData::Value(made.image(NEAREST))),
+    LayerEntry::image("flame.repetitions", &[VARIANCE], |made| {
         LayerData::Value(made.image(VARIANCE).iter().map(last).collect())
     }),
-    Entry::image("flame", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
+    LayerEntry::image("flame", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
 /// Columns of `flame.particles`: x, y, z, temperature, mean count, alpha, r, g, b.
@@ -32,7 +33,7 @@ fn last([.., last]: &[f32; 4]) -> f32 {
 }
 
 fn mask(made: &Made) -> LayerData {
-    let variants = made.effects.flame.as_ref().map_or(0, |desc| desc.settings.variants);
+    let variants = made.desc::<Desc>().map_or(0, |desc| desc.settings.variants);
     let shape = [variants, MASK_SIDE, MASK_SIDE].map(u64::from);
     let texels = shape.iter().product::<u64>() as usize;
     LayerData::Array { shape: shape.to_vec(), values: made.read(MASK, texels) }
@@ -40,8 +41,9 @@ fn mask(made: &Made) -> LayerData {
 
 /// The particles that are not dropped, in row order. Buffers may be longer than this frame's particles.
 fn particles(made: &Made) -> LayerData {
-    let positions: Vec<[f32; 4]> = made.read(POSITIONS, made.particles);
-    let prepared: Vec<Particle> = made.read(PARTICLES, made.particles);
+    let count = made.brought().map_or(0, |brought: &FlameBrought| brought.count);
+    let positions: Vec<[f32; 4]> = made.read(POSITIONS, count);
+    let prepared: Vec<Particle> = made.read(PARTICLES, count);
     let kept = positions.iter().zip(&prepared).filter(|(_, particle)| particle.count > 0);
     let row = |([x, y, z, temperature], particle): (&[f32; 4], &Particle)| {
         let [r, g, b, alpha] = particle.colour;
@@ -52,10 +54,10 @@ fn particles(made: &Made) -> LayerData {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{of, values};
     use super::*;
-    use crate::flame::{Desc, Settings};
+    use crate::flame::Settings;
     use crate::offline::TARGET_FORMAT;
+    use crate::program::layers::tests::{of, values};
     use bytemuck::Zeroable;
 
     #[test]
@@ -97,7 +99,8 @@ mod tests {
             layers: true,
             skipping: true,
         };
-        let layers = of(LAYERS, &desc.into(), &bytes, 3, None);
+        let brought = FlameBrought { particles: None, count: 3 };
+        let layers = of(LAYERS, &desc, &bytes, &picture, Some(&brought), (true, &[]));
         let rows = [
             [0.0, 10.0, 20.0, 1000.0, 6.5, 2.5, 0.5, 0.25, 0.125],
             [2.0, 10.0, 20.0, 1002.0, 6.5, 2.5, 0.5, 0.25, 0.125],

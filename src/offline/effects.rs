@@ -1,0 +1,145 @@
+//! What the effects of a picture are made for.
+
+use std::any::Any;
+use std::fmt;
+
+use gpu_allocator::vulkan::Allocator;
+
+use super::depth::FORMAT;
+use super::player::{self, Depth, Describe, Feed, Player, Sharing};
+use crate::effect::Kind;
+use crate::error::{Error, Result};
+use crate::host::Host;
+
+/// What effects are made for, in the order in which they are drawn: at least one, all of one picture size.
+#[derive(Debug, Default)]
+pub struct Effects(Vec<Box<dyn Described>>);
+
+impl Clone for Effects {
+    fn clone(&self) -> Effects {
+        Effects(self.0.iter().map(|effect| effect.boxed()).collect())
+    }
+}
+
+impl<D: Describe> From<D> for Effects {
+    fn from(desc: D) -> Effects {
+        Effects::default().with(desc)
+    }
+}
+
+impl Effects {
+    /// One more, which is drawn last.
+    #[must_use]
+    pub fn with(mut self, desc: impl Describe) -> Effects {
+        self.0.push(Box::new(desc));
+        self
+    }
+
+    /// What an effect is made for, if it is one of them.
+    pub fn get<D: Describe>(&self) -> Option<&D> {
+        self.0.iter().find_map(|effect| effect.as_any().downcast_ref())
+    }
+
+    /// The same, by the effect's name.
+    pub(crate) fn named(&self, name: &str) -> Option<&dyn Any> {
+        self.0.iter().find(|effect| effect.name() == name).map(|effect| effect.as_any())
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The size of the picture that all of them make.
+    pub(super) fn size(&self) -> Result<[u32; 2]> {
+        let mut sizes = self.0.iter().map(|effect| (effect.name(), effect.size()));
+        let refuse = |why: String| Err(Error::HostResource { name: "effects", why });
+        let Some((first, size)) = sizes.next() else { return refuse("none; expected at least one".to_owned()) };
+        match sizes.find(|(_, other)| *other != size) {
+            Some((name, other)) => {
+                refuse(format!("{first} of {size:?} pixels, {name} of {other:?}; expected one size"))
+            }
+            None => Ok(size),
+        }
+    }
+
+    /// Makes effects hide each other: what is solid and what it hides by a depth image, others by the depth that one of
+    /// them leaves, which costs less. Whether there is to be an image.
+    pub(super) fn share_depth(&mut self) -> bool {
+        let has = |depth: Depth| self.0.iter().any(|effect| effect.depth() == depth);
+        let is_shared = has(Depth::Solid) && (has(Depth::Hidden) || has(Depth::Leaves));
+        let mut is_left = false;
+        for effect in &mut self.0 {
+            effect.share(Sharing { image: is_shared.then_some(FORMAT), buffer: is_left && !is_shared });
+            is_left |= effect.depth() == Depth::Leaves;
+        }
+        is_shared
+    }
+
+    /// Makes them, one after the other, and hands each to `take`.
+    ///
+    /// # Safety
+    /// As [`crate::effect::Effect::new`].
+    pub(super) unsafe fn make(
+        self,
+        host: &Host,
+        allocator: &mut Allocator,
+        mut take: impl FnMut(&'static str, Box<dyn Player>),
+    ) -> Result<()> {
+        for effect in self.0 {
+            let name = effect.name();
+            // SAFETY: the caller's.
+            take(name, unsafe { effect.make(host, allocator)? });
+        }
+        Ok(())
+    }
+}
+
+/// [`Describe`], whatever is described.
+trait Described: fmt::Debug {
+    fn name(&self) -> &'static str;
+    fn size(&self) -> [u32; 2];
+    fn depth(&self) -> Depth;
+    fn share(&mut self, sharing: Sharing);
+    fn boxed(&self) -> Box<dyn Described>;
+    fn as_any(&self) -> &dyn Any;
+    /// # Safety
+    /// As [`crate::effect::Effect::new`].
+    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator) -> Result<Box<dyn Player>>;
+}
+
+impl<D: Describe> Described for D {
+    fn name(&self) -> &'static str {
+        <D::Feed as Feed>::Kind::NAME
+    }
+
+    fn size(&self) -> [u32; 2] {
+        Describe::size(self)
+    }
+
+    fn depth(&self) -> Depth {
+        D::DEPTH
+    }
+
+    fn share(&mut self, sharing: Sharing) {
+        Describe::share(self, sharing);
+    }
+
+    fn boxed(&self) -> Box<dyn Described> {
+        Box::new(self.clone())
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator) -> Result<Box<dyn Player>> {
+        // SAFETY: the caller's.
+        unsafe { player::make(host, allocator, *self) }
+    }
+}

@@ -1,0 +1,303 @@
+//! How a scene becomes a frame of a blur.
+
+use gpu_allocator::vulkan::Allocator;
+
+use crate::blur::{
+    Blur, BlurKind, DepthInput, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, ToonInput, TopologyInput,
+    Trajectories,
+};
+use crate::error::{Error, Result};
+use crate::gpu::capabilities::{DeviceLimits, own_memory};
+use crate::gpu::headless::Headless;
+use crate::gpu::image::Image;
+use crate::gpu::transfer::{COPIED_FROM, Upload, at_least_a_row};
+use crate::host::{Host, HostBuffer, HostImage};
+use crate::offline::motion::{BlurFrame, FRAMES_BESIDE};
+use crate::offline::picture::{host_image, put};
+use crate::offline::{BlurScene, Depth, Describe, Feed, Left, Place, Scene, Sharing};
+
+impl Describe for Desc {
+    type Feed = BlurFeed;
+    const DEPTH: Depth = Depth::Solid;
+
+    fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    fn share(&mut self, Sharing { image, .. }: Sharing) {
+        if image.is_some() {
+            self.depth = image;
+        }
+    }
+
+    fn fitted(self, host: &Host) -> Desc {
+        // SAFETY: the host's handles are those of its own device.
+        let (limit, memory) = unsafe { (DeviceLimits::of(host).storage_range, own_memory(host)) };
+        Desc { frames_resident: resident(self.frames_resident, self.points, memory, limit), ..self }
+    }
+}
+
+/// Uploads a mesh's motion, and the pictures of the frames that are blurred.
+#[derive(Debug, Default)]
+pub struct BlurFeed {
+    topology: [Upload; 7],
+    poses: Upload,
+    interval: [Upload; 7],
+    pictures: Upload,
+    /// Pictures of the frames that are blurred, each in the place of its number modulo theirs, and which these are.
+    shown: [Option<(u32, Image)>; 4],
+    /// The frame whose pose stands in each place on the device.
+    resident: Vec<Option<u32>>,
+    has_mesh: bool,
+    uploaded: Option<Uploaded>,
+}
+
+/// What a frame brings, on the device.
+#[derive(Debug)]
+struct Uploaded {
+    mesh: Option<TopologyInput>,
+    poses: Option<PoseInput>,
+    motion: HostBuffer,
+    labels: HostBuffer,
+    clusters: HostBuffer,
+    hull: HostBuffer,
+    seams: HostBuffer,
+    fronts: HostBuffer,
+    /// Where the device does not make trajectories itself.
+    pieces: Option<HostBuffer>,
+}
+
+impl Feed for BlurFeed {
+    type Kind = BlurKind;
+
+    fn upload(&mut self, blur: &Blur, device: &mut Headless, scene: &Scene, _: &Place) -> Result<()> {
+        let Some(BlurScene { frame, images, outer }) = scene.blur else {
+            return Err(Error::HostResource { name: "blur", why: "no motion: expected some".to_owned() });
+        };
+        if !blur.desc().toon {
+            self.show_all(device, blur.desc().size, frame, images, outer)?;
+        }
+        let (host, allocator) = device.parts();
+        // SAFETY: the device's own handles, and every submission has been waited for.
+        self.uploaded = Some(unsafe { self.write(&host, allocator, frame, blur.desc())? });
+        Ok(())
+    }
+
+    fn frame<'a>(&'a self, blur: &Blur, scene: &Scene<'a>, place: &Place) -> Option<Frame<'a>> {
+        let (target, desc, BlurScene { frame, .. }) = (place.target?, blur.desc(), scene.blur?);
+        let uploaded = self.uploaded.as_ref()?;
+        let is_drawn = desc.toon;
+        let image = |number: u32| self.image(number, desc.size).filter(|_| !is_drawn);
+        let [before, after] = frame.images().map(image);
+        let interval = IntervalInput {
+            counts: frame.counts,
+            segments: &frame.interval.segments,
+            views: frame.views,
+            trajectories: match (uploaded.pieces, knots(frame, desc)) {
+                (None, Some(knots)) => Trajectories::Poses(knots),
+                (pieces, _) => Trajectories::Pieces(pieces?),
+            },
+            motion: uploaded.motion,
+            labels: uploaded.labels,
+            clusters: uploaded.clusters,
+            hull: uploaded.hull,
+            seams: uploaded.seams,
+            fronts: uploaded.fronts,
+        };
+        let view = frame.views[2];
+        Some(Frame {
+            mesh: uploaded.mesh,
+            poses: uploaded.poses,
+            // In front of the first frame there is no interval.
+            interval: (frame.views[1].frame != view.frame).then_some(interval),
+            images: before.zip(after).map(|(before, after)| [before, after]),
+            toon: is_drawn.then_some(ToonInput { view, light: scene.light }),
+            outer: frame.outer_images().map(|number| image(number?)),
+            target,
+            depth: place.depth.map(|depth| DepthInput { host: depth.seen(view.camera.near), view }),
+            background: place.background,
+        })
+    }
+
+    fn leave(blur: &Blur, left: &mut Left) {
+        left.edges = blur.edges();
+    }
+
+    fn finished(&mut self) {
+        let Some(Uploaded { mesh, poses, .. }) = self.uploaded.take() else { return };
+        self.has_mesh |= mesh.is_some();
+        if let Some(PoseInput { first, count, .. }) = poses {
+            let places = self.resident.len();
+            (first..first + count).for_each(|frame| self.resident[frame as usize % places] = Some(frame));
+        }
+    }
+
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        let uploads = self.topology.iter_mut().chain(&mut self.interval).chain([&mut self.poses, &mut self.pictures]);
+        // SAFETY: the caller's.
+        unsafe {
+            uploads.for_each(|upload| upload.destroy(host, allocator));
+            self.shown.iter_mut().flatten().for_each(|(_, image)| image.destroy(host, allocator));
+        }
+    }
+}
+
+impl BlurFeed {
+    /// Puts the pictures where they belong; without one that is needed and not there, an error.
+    fn show_all(
+        &mut self,
+        device: &mut Headless,
+        size: [u32; 2],
+        frame: &BlurFrame,
+        images: [Option<&[[f32; 4]]>; 2],
+        outer: [Option<&[[f32; 4]]>; 2],
+    ) -> Result<()> {
+        for (number, picture) in frame.images().into_iter().zip(images) {
+            self.show(device, size, number, picture)?;
+        }
+        let [before, after] = frame.images();
+        if self.image(before, size).is_none() || self.image(after, size).is_none() {
+            let why = format!("no image of frame {before} or {after}: expected one");
+            return Err(Error::HostResource { name: "blur", why });
+        }
+        for (number, picture) in frame.outer_images().into_iter().zip(outer) {
+            number.map_or(Ok(()), |number| self.show(device, size, number, picture))?;
+        }
+        Ok(())
+    }
+
+    /// Puts the picture of a frame where it belongs, unless it is there.
+    fn show(&mut self, device: &mut Headless, size: [u32; 2], number: u32, picture: Option<&[[f32; 4]]>) -> Result<()> {
+        let place = number as usize % self.shown.len();
+        let is_there = self.shown[place].as_ref().is_some_and(|(shown, _)| *shown == number);
+        let Some(pixels) = picture.filter(|_| !is_there) else { return Ok(()) };
+        let image = self.shown[place].take().map(|(_, image)| image);
+        let image = put(device, &mut self.pictures, "blurred frame", image, size, pixels)?;
+        self.shown[place] = Some((number, image));
+        Ok(())
+    }
+
+    /// The image of a frame, if it is on the device.
+    fn image(&self, number: u32, size: [u32; 2]) -> Option<HostImage> {
+        let place = number as usize % self.shown.len();
+        let (_, image) = self.shown[place].as_ref().filter(|(shown, _)| *shown == number)?;
+        Some(host_image(image, size, COPIED_FROM))
+    }
+
+    /// Uploads what of a frame the effect made for `desc` does not have.
+    ///
+    /// # Safety
+    /// As [`Upload::write`]; and every frame that was written has been recorded.
+    unsafe fn write(
+        &mut self,
+        host: &Host,
+        allocator: &mut Allocator,
+        frame: &BlurFrame,
+        desc: &Desc,
+    ) -> Result<Uploaded> {
+        let interval = &frame.interval;
+        let knots = knots(frame, desc);
+        self.resident.resize(desc.frames_resident as usize, None);
+        let missing = self.missing(frame, knots.unwrap_or_default());
+        let mut write = |upload: &mut Upload, name, bytes: &[u8]| {
+            // SAFETY: the caller's.
+            unsafe { upload.write(host, allocator, name, bytes).map(at_least_a_row) }
+        };
+        let mesh = match self.has_mesh {
+            true => None,
+            false => {
+                let [triangles, starts, items, corners, group_starts, group_triangles, colours] = &mut self.topology;
+                let groups = frame.mesh.group_triangles();
+                let corner_rows = GroupInput::corner_rows(&frame.mesh);
+                let groups = GroupInput {
+                    corners: write(corners, "corner upload", bytemuck::cast_slice(&corner_rows))?,
+                    starts: write(group_starts, "normal upload", bytemuck::cast_slice(&groups.starts))?,
+                    triangles: write(group_triangles, "normal upload", bytemuck::cast_slice(&groups.items))?,
+                };
+                let rows = TopologyInput::triangle_rows(&frame.mesh);
+                let neighbours = frame.mesh.neighbours();
+                Some(TopologyInput {
+                    triangles: write(triangles, "triangle upload", bytemuck::cast_slice(&rows))?,
+                    neighbour_starts: write(starts, "neighbour upload", bytemuck::cast_slice(&neighbours.starts))?,
+                    neighbours: write(items, "neighbour upload", bytemuck::cast_slice(&neighbours.items))?,
+                    groups: Some(groups),
+                    colours: Some(write(colours, "colour upload", bytemuck::cast_slice(&frame.colours))?),
+                })
+            }
+        };
+        let poses = match missing {
+            Some([first, last]) => {
+                let range = (first - frame.first) as usize..=(last - frame.first) as usize;
+                let rows: Vec<[f32; 3]> = frame.poses[range].iter().flat_map(|pose| pose.iter().copied()).collect();
+                let positions = write(&mut self.poses, "pose upload", bytemuck::cast_slice(&rows))?;
+                Some(PoseInput { first, count: last - first + 1, positions })
+            }
+            None => None,
+        };
+        let [motion, labels, clusters, hull, seams, fronts, pieces] = &mut self.interval;
+        Ok(Uploaded {
+            mesh,
+            poses,
+            motion: write(motion, "motion upload", bytemuck::cast_slice(&interval.motion))?,
+            labels: write(labels, "label upload", bytemuck::cast_slice(&interval.labels))?,
+            clusters: write(clusters, "cluster upload", bytemuck::cast_slice(&interval.clusters))?,
+            hull: write(hull, "hull upload", bytemuck::cast_slice(&interval.hull))?,
+            seams: write(seams, "seam upload", bytemuck::cast_slice(&interval.seams))?,
+            fronts: write(fronts, "front upload", bytemuck::cast_slice(&interval.fronts))?,
+            pieces: match knots {
+                Some(_) => None,
+                None => Some(write(pieces, "trajectory upload", bytemuck::cast_slice(&interval.pieces))?),
+            },
+        })
+    }
+
+    /// The first and the last pose that must be uploaded.
+    fn missing(&self, frame: &BlurFrame, knots: &[Knot]) -> Option<[u32; 2]> {
+        let needed = needed(frame, knots);
+        let missing = needed.filter(|frame| self.resident[*frame as usize % self.resident.len()] != Some(*frame));
+        missing.fold(None, |range, frame| match range {
+            None => Some([frame, frame]),
+            Some([first, last]) => Some([frame.min(first), frame.max(last)]),
+        })
+    }
+}
+
+/// The frames that trajectories go through, where the device has all their poses.
+fn knots<'a>(frame: &'a BlurFrame, desc: &Desc) -> Option<&'a [Knot]> {
+    frame.knots.as_deref().filter(|knots| spans(frame, knots) < desc.frames_resident)
+}
+
+/// Frames whose poses must be on the device.
+fn needed<'a>(frame: &'a BlurFrame, knots: &'a [Knot]) -> impl Iterator<Item = u32> + 'a {
+    frame.views.iter().chain(knots.iter().map(|knot| &knot.view)).map(|view| view.frame)
+}
+
+/// Frames from the first to the last whose pose must be on the device, less one.
+fn spans(frame: &BlurFrame, knots: &[Knot]) -> u32 {
+    let (first, last) = needed(frame, knots).fold((u32::MAX, 0), |(a, b), frame| (a.min(frame), b.max(frame)));
+    last.saturating_sub(first)
+}
+
+/// How many frames' poses of a mesh with so many points are kept on a device: as many of the `wanted` as any window of
+/// trajectories has, for no frame looks at more, if these fit into a quarter of its memory and into the largest buffer of
+/// `limit` bytes; else as many as do, and at least the few that a frame is drawn from.
+fn resident(wanted: u32, points: u32, memory: u64, limit: u64) -> u32 {
+    let fits = (memory / 4).min(limit) / (12 * u64::from(points.max(1)));
+    let fits = u32::try_from(fits).unwrap_or(u32::MAX);
+    let window = 2 * FRAMES_BESIDE + 2;
+    window.min(fits).min(wanted).max(4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_poses_stay_as_have_room() {
+        // A thousand points are 12,000 bytes a frame.
+        let kept = |wanted, frames: u64| resident(wanted, 1000, 4 * 12_000 * frames, u64::MAX);
+        assert_eq!((kept(48, 48), kept(48, 47), kept(2, 100)), (48, 47, 4));
+        assert_eq!((kept(98, 98), kept(1000, 1000), kept(1000, 50), kept(1000, 1)), (98, 98, 50, 4));
+        assert_eq!(resident(1000, 1000, u64::MAX, 12_000 * 30), 30);
+    }
+}

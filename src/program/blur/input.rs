@@ -1,0 +1,191 @@
+//! What a blur is made from: a mesh that moves, and the pictures of its frames.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use xxhash_rust::xxh3::Xxh3;
+
+use crate::blur::settings::Trajectory;
+use crate::interrupt;
+use crate::io::image::Picture;
+use crate::io::pattern::Pattern;
+use crate::io::scene::{AnimatedMesh, Source, references};
+use crate::io::shot::{self, Shot};
+use crate::io::{ReadError, picture};
+use crate::offline::motion::{FRAMES_BESIDE, STEPS};
+use crate::offline::{BlurFrame, BlurInput as Motion, BlurScene, Effects, Scene};
+use crate::program::{Brought, Files, Input, InputError, add};
+
+/// A shot's mesh and pictures.
+struct BlurInput {
+    shot: Arc<Shot>,
+    blur: shot::Blur,
+    /// Both are there once frames are to be rendered.
+    motion: Option<Motion>,
+    images: Option<Images>,
+    notes: Vec<String>,
+}
+
+/// The pictures of the frames that are blurred.
+struct Images {
+    pattern: Pattern,
+    size: [u32; 2],
+    /// The last that were read, as many as an output needs.
+    last: Vec<(u32, Image)>,
+}
+
+/// A picture in memory.
+type Image = Arc<Picture<[f32; 4]>>;
+
+/// What a blurred frame is made from.
+pub(super) struct BlurBrought {
+    /// The motion.
+    pub(super) frame: BlurFrame,
+    /// The pictures of the frames that it is between.
+    images: [Option<Image>; 2],
+    /// Those of the frame before and of the one after, where the shot has such.
+    outer: [Option<Image>; 2],
+}
+
+pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
+    let Some(blur) = &shot.blur else { return Ok(None) };
+    let (shot, blur) = (shot.clone(), blur.clone());
+    Ok(Some(Box::new(BlurInput { shot, blur, motion: None, images: None, notes: Vec::new() })))
+}
+
+impl Input for BlurInput {
+    fn add_common(&self, hash: &mut Xxh3, files: &mut Files) -> Result<(), ReadError> {
+        let shot::Blur { scene, animations, images, settings } = &self.blur;
+        add(hash, ("blur", self.shot.frames, animations, images.is_some(), settings));
+        match scene {
+            Source::Builtin(which) => add(hash, which),
+            Source::File(path) => {
+                for part in std::iter::once(path.clone()).chain(references(path)) {
+                    // A part that is not there is told when the mesh is read; some are done without.
+                    let digest = if part == *path { Some(files.digest(&part)?) } else { files.digest(&part).ok() };
+                    add(hash, digest);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The cameras of all frames that trajectories may go through, and the images of those that are blurred.
+    fn add_frame(&self, hash: &mut Xxh3, files: &mut Files, frame: u32) -> Result<(), ReadError> {
+        let [first, last] = self.shot.frames;
+        let around = |before: u32, after: u32| frame.saturating_sub(before).max(first)..=(frame + after).min(last);
+        let steps = if self.blur.settings.trajectory == Trajectory::Exact { STEPS } else { 1 };
+        for at in around(FRAMES_BESIDE + 1, FRAMES_BESIDE) {
+            let times = (0..steps).map(|step| f64::from(at) + f64::from(step) / f64::from(steps));
+            times.for_each(|time| add(hash, self.shot.camera(time)));
+        }
+        for at in around(2, 1) {
+            let image = self.blur.images.as_ref().map(|images| files.digest(&images.path(at)));
+            add(hash, image.transpose()?);
+        }
+        Ok(())
+    }
+
+    fn prepare(&mut self, rendered: &[u32], threads: usize) -> Result<(), InputError> {
+        if let Some(pattern) = self.blur.images.clone() {
+            self.images = Some(Images::new(pattern, &self.shot, rendered)?);
+        }
+        let Some(scene) = self.shot.scene()? else { return Ok(()) };
+        self.notes = notes(&scene, &self.blur);
+        let of_shot = self.shot.clone();
+        let camera = move |frame: f64| of_shot.camera(frame);
+        let motion = Motion::new(scene, camera, self.shot.frames, &self.blur.settings, self.shot.size, threads)?;
+        self.motion = Some(motion);
+        Ok(())
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    fn describe(&mut self, effects: Effects, rendered: &[u32], layers: bool) -> Result<Effects, InputError> {
+        let Shot { size, frames: [start, end], seed, .. } = *self.shot;
+        let rendered = [*rendered.first().unwrap_or(&start), *rendered.last().unwrap_or(&end)];
+        let drawn = self.images.is_none();
+        Ok(match &self.motion {
+            Some(motion) => effects.with(motion.desc(size, rendered, seed, drawn, layers)),
+            None => effects,
+        })
+    }
+
+    fn read(&mut self, frame: u32, rendered: bool) -> Result<Option<Box<dyn Brought>>, InputError> {
+        let Some(motion) = self.motion.as_mut().filter(|_| rendered) else { return Ok(None) };
+        let frame = motion.frame(frame)?;
+        let ([before, after], [earlier, later]) = (frame.images(), frame.outer_images());
+        let images = &mut self.images;
+        let mut image = |frame: Option<u32>| match (&mut *images, frame) {
+            (Some(images), Some(frame)) => images.frame(frame).map(Some),
+            _ => Ok(None),
+        };
+        let (earlier, before) = (image(earlier)?, image(Some(before))?);
+        let (after, later) = (image(Some(after))?, image(later)?);
+        Ok(Some(Box::new(BlurBrought { frame, images: [before, after], outer: [earlier, later] })))
+    }
+}
+
+impl Brought for BlurBrought {
+    fn put<'a>(&'a self, scene: &mut Scene<'a>) {
+        fn pixels(images: &[Option<Image>; 2]) -> [Option<&[[f32; 4]]>; 2] {
+            images.each_ref().map(|image| image.as_deref().map(|picture| &picture.pixels[..]))
+        }
+        scene.blur = Some(BlurScene { frame: &self.frame, images: pixels(&self.images), outer: pixels(&self.outer) });
+    }
+}
+
+fn notes(mesh: &AnimatedMesh, blur: &shot::Blur) -> Vec<String> {
+    let file = mesh.path().display();
+    // Where frames are images, it does not matter how the mesh looks.
+    let passed_over = mesh.notes().iter().filter(|note| blur.images.is_none() || !note.looks);
+    let mut notes: Vec<String> = passed_over.map(|note| format!("{file}: {}", note.text)).collect();
+    if let ([first, _, ..], true) = (mesh.animations(), blur.animations.is_empty()) {
+        let (name, all) = (&first.name, mesh.animations().len());
+        notes.push(format!("{file}: plays its first animation, `{name}`, of {all}; blur.animation names others"));
+    }
+    notes
+}
+
+impl Images {
+    /// An error if one of the shot's frames has none that a frame to be `rendered` is made from.
+    fn new(pattern: Pattern, shot: &Shot, rendered: &[u32]) -> Result<Images, InputError> {
+        let [first, last] = shot.frames;
+        // From the frame before it, and those around both.
+        let made_from = |frame: &u32| match *frame == first {
+            true => first..=first,
+            false => frame.saturating_sub(2).max(first)..=last.min(frame + 1),
+        };
+        let needed: BTreeSet<u32> = interrupt::until(rendered).flat_map(made_from).collect();
+        let is_missing = |frame: &&u32| !pattern.path(**frame).is_file();
+        let missing: Vec<u32> = interrupt::until(&needed).filter(is_missing).copied().collect();
+        interrupt::check()?;
+        if let Some(frame) = missing.first() {
+            let (all, missing) = (last - first + 1, missing.len());
+            let of_needed = match needed.len() as u32 {
+                needed if needed == all => format!("{missing} of the shot's {all} frames have no image"),
+                needed => format!("{missing} of the {needed} frames that are needed of the shot's {all} have no image"),
+            };
+            let what = if pattern.path(*frame).exists() { "is not a file" } else { "no such file" };
+            let [from, to] = [needed.first(), needed.last()].map(|frame| *frame.unwrap_or(&first));
+            let expected = format!("one for each of the frames {from} to {to}");
+            return Err(ReadError::file(&pattern.path(*frame), format!("{what}; {of_needed}"), expected).into());
+        }
+        Ok(Images { pattern, size: shot.size, last: Vec::new() })
+    }
+
+    fn frame(&mut self, frame: u32) -> Result<Image, ReadError> {
+        if let Some((_, image)) = self.last.iter().find(|(last, _)| *last == frame) {
+            return Ok(image.clone());
+        }
+        let path = self.pattern.path(frame);
+        let image = Arc::new(picture::read_frame(&path, self.size)?);
+        if self.last.len() > 3 {
+            self.last.remove(0);
+        }
+        self.last.push((frame, image.clone()));
+        Ok(image)
+    }
+}

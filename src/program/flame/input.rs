@@ -1,0 +1,126 @@
+//! What fire is made from: particles, and what follows from all of the shot's.
+
+use std::sync::Arc;
+
+use xxhash_rust::xxh3::Xxh3;
+
+use crate::data::{ParticleExtent, Particles};
+use crate::flame::settings::Colour;
+use crate::flame::{Desc, Settings, mean_spacing};
+use crate::interrupt;
+use crate::io::ReadError;
+use crate::io::particles::ParticleSequence;
+use crate::io::shot::{self, Shot};
+use crate::offline::{Effects, Scene, TARGET_FORMAT};
+use crate::program::hash::builtin;
+use crate::program::input::Fresh;
+use crate::program::{Brought, Files, Input, InputError, add};
+
+/// Spread of a flame without one in a shot none of whose frames has two particles, in metres.
+const DEFAULT_SPREAD: f32 = 0.1;
+
+/// A shot's particles.
+struct FlameInput {
+    shot: Arc<Shot>,
+    flame: shot::Flame,
+    particles: Fresh<Particles>,
+    fire: Fire,
+    /// What the effect was made for, which all particles must be within.
+    extent: Option<ParticleExtent>,
+}
+
+/// What of a fire follows from its whole shot, so that a frame alone looks as it does in the sequence.
+#[derive(Clone, Copy, Debug)]
+struct Fire {
+    /// Where the table of physical colours ends: at the hottest particle. None where colours are others.
+    hottest: Option<f32>,
+    spread: f32,
+}
+
+/// A frame's particles.
+pub(super) struct FlameBrought {
+    /// None where they are those of the frame before.
+    pub(super) particles: Option<Arc<Particles>>,
+    /// How many they are.
+    pub(super) count: usize,
+}
+
+/// Looks at all of the shot's particles where that is what its fire follows from.
+pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
+    let (Some(flame), Some(mut particles)) = (&shot.flame, shot.particles()?) else { return Ok(None) };
+    let (flame, [first, last]) = (flame.clone(), shot.frames);
+    let hottest = match flame.settings.colour {
+        Colour::Physical => Some(particles.extent(interrupt::until(first..=last))?.hottest),
+        _ => None,
+    };
+    let spread = match flame.settings.spread {
+        Some(spread) => spread,
+        None => spread(&mut particles, shot.frames)?,
+    };
+    interrupt::check()?;
+    let fire = Fire { hottest, spread };
+    let particles = Fresh::new(particles);
+    Ok(Some(Box::new(FlameInput { shot: shot.clone(), flame, particles, fire, extent: None })))
+}
+
+/// The spread of a flame that has none: the mean distance to the 8th neighbour in the shot's first frame that has one.
+fn spread(particles: &mut ParticleSequence, [first, last]: [u32; 2]) -> Result<f32, ReadError> {
+    for frame in interrupt::until(first..=last) {
+        if let Some(spacing) = mean_spacing(&particles.frame(frame)?.position) {
+            return Ok(spacing);
+        }
+    }
+    Ok(DEFAULT_SPREAD)
+}
+
+impl Input for FlameInput {
+    fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
+        let shot::Flame { particles, settings, .. } = &self.flame;
+        add(hash, ("flame", builtin(particles), self.fire, settings));
+        Ok(())
+    }
+
+    fn add_frame(&self, hash: &mut Xxh3, files: &mut Files, frame: u32) -> Result<(), ReadError> {
+        add(hash, files.digest_of(&self.particles.sequence, frame)?);
+        Ok(())
+    }
+
+    fn describe(&mut self, effects: Effects, rendered: &[u32], layers: bool) -> Result<Effects, InputError> {
+        let extent = self.particles.sequence.extent(interrupt::until(rendered.iter().copied()))?;
+        interrupt::check()?;
+        let Fire { hottest, spread } = self.fire;
+        let extent = ParticleExtent { hottest: hottest.unwrap_or(extent.hottest), ..extent };
+        self.extent = Some(extent);
+        Ok(effects.with(Desc {
+            size: self.shot.size,
+            target_format: TARGET_FORMAT,
+            scene: None,
+            particles: extent.most,
+            hottest: extent.hottest,
+            seed: self.shot.seed,
+            settings: Settings { spread: Some(spread), ..self.flame.settings.clone() },
+            layers,
+            skipping: true,
+        }))
+    }
+
+    fn choices(&self) -> Option<String> {
+        self.flame.settings.spread.is_none().then(|| format!("flame.spread = {} m", self.fire.spread))
+    }
+
+    fn read(&mut self, frame: u32, rendered: bool) -> Result<Option<Box<dyn Brought>>, InputError> {
+        if !rendered {
+            return Ok(None);
+        }
+        let extent = self.extent;
+        let particles = self.particles.read(frame, |some, path| extent.map_or(Ok(()), |e| e.check(some, path)))?;
+        let count = self.particles.last().map_or(0, |last| last.position.len());
+        Ok(Some(Box::new(FlameBrought { particles, count })))
+    }
+}
+
+impl Brought for FlameBrought {
+    fn put<'a>(&'a self, scene: &mut Scene<'a>) {
+        scene.particles = self.particles.as_deref();
+    }
+}

@@ -1,0 +1,49 @@
+//! The effects as the program has them: each in a folder of its own, and a line of [`EFFECTS`].
+//!
+//! | file | holds |
+//! |---|---|
+//! | `shot.rs` | its table in shots |
+//! | `input.rs` | what its frames are made from, read ahead of the renderer |
+//! | `feed.rs` | how a scene becomes a frame of it |
+//! | `layers.rs` | what of it `--layers` writes |
+//!
+//! What it is on the device stands in the folder of its name beside this one, and is described in [`crate::effect`].
+
+pub mod blur;
+pub mod flame;
+mod hash;
+mod input;
+pub mod layers;
+pub mod smoke;
+
+use std::sync::Arc;
+
+use crate::bench::Benchmark;
+use crate::io::shot::Shot;
+pub(crate) use hash::{Files, add};
+pub use input::InputError;
+pub(crate) use input::{Brought, Input};
+use layers::{LayerEntry, Watch};
+
+/// An effect as the program has it.
+pub(crate) struct EffectEntry {
+    /// Of its table in shots, its layers, its benchmark, and before the dot of its passes.
+    pub(crate) name: &'static str,
+    /// Begins to read what the frames of a shot are made from; none where the shot has no such effect.
+    pub(crate) open: fn(&Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError>,
+    /// What `--layers` writes.
+    pub(crate) layers: &'static [LayerEntry],
+    /// What is looked at after each frame.
+    pub(crate) watch: Option<Watch>,
+    /// Measures it.
+    pub(crate) benchmark: Benchmark,
+}
+
+/// Every effect, in the order in which they are drawn.
+pub(crate) static EFFECTS: &[&EffectEntry] = &[&blur::ENTRY, &smoke::ENTRY, &flame::ENTRY];
+
+/// What measures the effect of this name, or each of them where there is no name.
+pub fn benchmarks(name: Option<&str>) -> Vec<Benchmark> {
+    let chosen = EFFECTS.iter().filter(|effect| name.is_none_or(|name| name == effect.name));
+    chosen.map(|effect| effect.benchmark).collect()
+}

@@ -1,0 +1,106 @@
+//! How a scene becomes a frame of smoke.
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::data::Volume;
+use crate::error::Result;
+use crate::gpu::headless::Headless;
+use crate::gpu::transfer::Upload;
+use crate::host::{Host, HostBuffer};
+use crate::offline::{Depth, Describe, Feed, Left, Place, Scene, Sharing};
+use crate::smoke::{Desc, Frame, Smoke, SmokeKind, VolumeInput, layout};
+
+impl Describe for Desc {
+    type Feed = SmokeFeed;
+    const DEPTH: Depth = Depth::Leaves;
+
+    fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    fn share(&mut self, Sharing { image, .. }: Sharing) {
+        if image.is_some() {
+            (self.depth, self.edges) = (image, true);
+        }
+    }
+}
+
+/// Uploads volumes.
+#[derive(Debug, Default)]
+pub struct SmokeFeed {
+    density: Upload,
+    velocity: Upload,
+    /// That of the scene uploaded last.
+    volume: Option<VolumeInput>,
+}
+
+impl Feed for SmokeFeed {
+    type Kind = SmokeKind;
+    const MOVES: bool = true;
+
+    fn upload(&mut self, smoke: &Smoke, device: &mut Headless, scene: &Scene, _: &Place) -> Result<()> {
+        let (host, allocator) = device.parts();
+        let wants_velocity = smoke.desc().velocity;
+        // SAFETY: the device's own handles, and every submission has been waited for.
+        let write = |volume| unsafe { self.write(&host, allocator, volume, wants_velocity) };
+        self.volume = scene.volume.map(write).transpose()?;
+        Ok(())
+    }
+
+    fn frame<'a>(&'a self, _: &Smoke, scene: &Scene<'a>, place: &Place) -> Option<Frame> {
+        Some(Frame {
+            sequence: scene.sequence,
+            dt: scene.dt,
+            camera: scene.camera,
+            light: scene.light,
+            volume: self.volume,
+            target: place.target,
+            depth: place.target.and(place.depth).map(|depth| depth.seen(scene.camera.near)),
+            edges: place.target.and(place.left.edges),
+            background: place.background,
+        })
+    }
+
+    /// Its depth: written by its shaders, or cleared where there is no smoke.
+    fn leave(smoke: &Smoke, left: &mut Left) {
+        let (buffer, offset, size) = smoke.buffer(layout::DEPTH);
+        let stage = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
+        let access = vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::TRANSFER_WRITE;
+        left.depth = Some(HostBuffer { buffer, offset, size, stage, access });
+    }
+
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        [&mut self.density, &mut self.velocity]
+            .into_iter()
+            .for_each(|upload| unsafe { upload.destroy(host, allocator) });
+    }
+}
+
+impl SmokeFeed {
+    /// Uploads a volume, with its velocity if that is `wanted`.
+    ///
+    /// # Safety
+    /// As [`Upload::write`].
+    unsafe fn write(
+        &mut self,
+        host: &Host,
+        allocator: &mut Allocator,
+        volume: &Volume,
+        wanted: bool,
+    ) -> Result<VolumeInput> {
+        let Volume { dimensions, voxel_size, origin, .. } = *volume;
+        let values = volume.velocity.as_deref().filter(|_| wanted);
+        // SAFETY: the caller's.
+        let (density, velocity) = unsafe {
+            let density = bytemuck::cast_slice(&volume.density);
+            let density = self.density.write(host, allocator, "density upload", density)?;
+            let write = |values: &[[f32; 3]]| {
+                self.velocity.write(host, allocator, "velocity upload", bytemuck::cast_slice(values))
+            };
+            (density, values.map(write).transpose()?)
+        };
+        Ok(VolumeInput { dimensions, voxel_size, origin, density, velocity })
+    }
+}
