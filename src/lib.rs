@@ -16,6 +16,7 @@ pub mod reference;
 pub mod shaders;
 pub mod smoke;
 mod threads;
+pub mod toon;
 pub mod view;
 
 #[cfg(feature = "cli")]

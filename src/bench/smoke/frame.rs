@@ -8,8 +8,9 @@ use crate::bench::rig::{EffectId, Rig, Shot};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
 use crate::smoke::reference::{gaussian, render, shadow, tone};
-use crate::smoke::settings::{Outline, Shadow};
+use crate::smoke::settings::Shadow;
 use crate::smoke::{Sequence, Settings};
+use crate::toon::Outline;
 use crate::view::Light;
 
 const PASS: &str = "frame";
