@@ -18,6 +18,7 @@ pub mod random;
 pub mod shaders;
 pub mod smoke;
 mod threads;
+pub mod toon;
 pub mod view;
 
 #[cfg(feature = "cli")]

@@ -8,8 +8,9 @@ use celfx::smoke::layout::{self, Layout};
 use celfx::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
 use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::smoke::search::{Pyramid, growth_rows};
-use celfx::smoke::settings::{Emitter, Grow, Outline, Placement, Radius, Shadow, Tone};
+use celfx::smoke::settings::{Emitter, Grow, Placement, Radius, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
+use celfx::toon::{Outline, Tone};
 
 /// Lavapipe's range of a storage buffer; the least that Vulkan allows is 128 MiB, too.
 const RANGE: u64 = 128 << 20;

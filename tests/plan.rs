@@ -14,10 +14,11 @@ use celfx::shaders::smoke as glsl;
 use celfx::smoke::layout::Layout;
 use celfx::smoke::params::SmokeParams;
 use celfx::smoke::passes::Passes;
-use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Grow, Integrator, Radius, Shadow};
 use celfx::smoke::steps::{Moment, Steps};
 use celfx::smoke::tables::Tables;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
+use celfx::toon::{Operator, Outline};
 use celfx::view::{Camera, Light};
 
 const RANGE: u64 = 128 << 20;

@@ -32,7 +32,6 @@ const uint FRONT_BITS = 4u;        // of a triangle: FRONT_MASK, and one that is
 const uint FRONTS_A_WORD = 32u / FRONT_BITS;
 const uint MOST_SEGMENTS = 32u;    // of a trajectory
 const uint PIECE_SEGMENTS = 12u;   // of one that is made of poses
-const uint MOST_TONES = 256u;      // of a frame that is drawn
 const uint LINE_PARTS = 16u;       // of a speed line
 const uint LINE_VERTICES = 6u * LINE_PARTS; // two triangles a part
 

@@ -21,6 +21,7 @@ layout(location = 0) out vec4 colour;
 #include "normal_order.glsl"
 #include "unit.glsl"
 #include "toon_tone.glsl"
+#include "toon/ink_width.glsl"
 
 // Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
@@ -54,7 +55,7 @@ float line_of(ivec2 at) {
     float opacity = 0.0;
     for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
-            float share = clamp(toon.ink_width - length(vec2(ivec2(x, y) - at)), 0.0, 1.0);
+            float share = ink_share(toon.ink_width, length(vec2(ivec2(x, y) - at)));
             opacity = max(opacity, share * lines[index_of_sample(ivec2(x, y))]);
         }
     }

@@ -1,5 +1,7 @@
-// What the host tells the kernels that draw frames without images. No uniform block: lavapipe keeps a variant of a shader for each draw whose loops and branches depend on one, and so takes memory
-// with each frame.
+#include "toon/tones.glsl"
+
+// What the host tells the kernels that draw frames without images. No uniform block: lavapipe keeps a variant of a shader
+// for each draw whose loops and branches depend on one, and so takes memory with each frame.
 struct ToonParams {
     vec4 light;          // homogeneous: unit vector to it (w = 0), or where it is in metres (w = 1)
     vec4 ink_colour;     // linear RGB; w: unused

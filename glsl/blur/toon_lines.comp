@@ -1,5 +1,5 @@
-// Strength of the ink line at each of four samples a pixel, before its width, as smoke has it: from differences of depth in
-// units of eight samples' footprints. A line is also where another object or nothing is beside a sample.
+// Strength of the ink line at each of four samples a pixel, before its width, from differences of depth in units of eight
+// samples' footprints. A line is also where another object or nothing is beside a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -11,7 +11,7 @@ layout(binding = 1) uniform utexture2D sampled;
 layout(binding = 2) uniform texture2D sampled_depth;
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 5) writeonly buffer Lines { float lines[]; };
-layout(constant_id = 0) const uint SECOND = 0u;  // 1: second differences
+#include "toon/ink.glsl"
 
 ivec2 inside(ivec2 at) {
     return clamp(at, ivec2(0), 2 * ivec2(params.size) - 1);
@@ -37,11 +37,7 @@ float line_at(ivec2 at) {
         beside[i] = depth_at(there);
     }
     float per_unit = 1.0 / (8.0 * toon.sample_extent * centre);
-    float first = SECOND != 0u ? (beside.x - centre) + (beside.y - centre) : beside.x - beside.y;
-    float second = SECOND != 0u ? (beside.z - centre) + (beside.w - centre) : beside.z - beside.w;
-    first *= per_unit;
-    second *= per_unit;
-    return 1.0 - max(0.0, 1.0 - toon.ink_strength * (first * first + second * second));
+    return ink_at(centre, beside, per_unit, toon.ink_strength);
 }
 
 void main() {

@@ -1,10 +1,10 @@
-// Strength of the ink line at each pixel, before its width: 1 - l with l = max(0, 1 - w l') (paper, section 3.5), from
-// view depth in units of max(smallest voxel side, eight pixel footprints).
+// Strength of the ink line at each pixel, before its width (paper, section 3.5), from view depth in
+// units of max(smallest voxel side, eight pixel footprints).
 #version 460
 #extension GL_GOOGLE_include_directive : require
-layout(constant_id = 0) const uint SECOND = 0u;  // 1: second differences
 #include "params.glsl"
 #include "tile.glsl"
+#include "toon/ink.glsl"
 layout(std430, binding = 2) readonly buffer Depth { float depth[]; };
 layout(std430, binding = 3) writeonly buffer Lines { float lines[]; };
 
@@ -25,11 +25,7 @@ float line_at(ivec2 at) {
         return 1.0;
     }
     float per_unit = 1.0 / max(params.smallest_side, 8.0 * params.pixel_footprint * centre);
-    float first = SECOND != 0u ? (a - centre) + (b - centre) : a - b;
-    float second = SECOND != 0u ? (c - centre) + (d - centre) : c - d;
-    first *= per_unit;
-    second *= per_unit;
-    return 1.0 - max(0.0, 1.0 - params.outline_strength * (first * first + second * second));
+    return ink_at(centre, vec4(a, b, c, d), per_unit, params.outline_strength);
 }
 
 void work_on(uvec2 at) {

@@ -8,6 +8,7 @@ layout(constant_id = 3) const int REACH = 1;       // pixels from which a line c
 #include "params.glsl"
 #include "pixel.glsl"
 #include "tile.glsl"
+#include "toon/ink_width.glsl"
 
 // From luminance `from` upwards the smoke has this colour.
 struct Tone {
@@ -74,13 +75,13 @@ float line_of(ivec2 at) {
                            max(line_at(at + ivec2(0, 1)), line_at(at - ivec2(0, 1))));
         float across = max(max(line_at(at + ivec2(1, 1)), line_at(at - ivec2(1, 1))),
                            max(line_at(at + ivec2(1, -1)), line_at(at - ivec2(1, -1))));
-        return max(line_at(at), max(beside * clamp(params.outline_width - 1.0, 0.0, 1.0),
-                                    across * clamp(params.outline_width - sqrt(2.0), 0.0, 1.0)));
+        return max(line_at(at), max(beside * ink_share(params.outline_width, 1.0),
+                                    across * ink_share(params.outline_width, sqrt(2.0))));
     }
     float opacity = 0.0;
     for (int y = -REACH; y <= REACH; ++y) {
         for (int x = -REACH; x <= REACH; ++x) {
-            float share = clamp(params.outline_width - length(vec2(x, y)), 0.0, 1.0);
+            float share = ink_share(params.outline_width, length(vec2(x, y)));
             if (share > 0.0) {
                 opacity = max(opacity, line_at(at + ivec2(x, y)) * share);
             }

@@ -138,7 +138,7 @@ impl Kind for BlurKind {
 }
 
 impl Effect<BlurKind> {
-    /// What the mesh covers pixels with in the frame recorded last, for [`crate::smoke::Frame::edges`] of a frame that is
+    /// What the mesh covers pixels with in the frame recorded last, for a smoke's `Frame::edges` of a frame that is
     /// recorded after it; none if the host has no depth.
     pub fn edges(&self) -> Option<HostBuffer> {
         self.desc().depth?;

@@ -220,7 +220,7 @@ fn ink_width(toon: &Toon) -> f32 {
 
 /// Samples from which a line can reach a sample.
 pub fn ink_reach(toon: &Toon) -> u32 {
-    ink_width(toon).ceil() as u32 - 1
+    crate::toon::ink_reach(ink_width(toon))
 }
 
 impl ToonParams {

@@ -8,7 +8,7 @@ use crate::blur::layout::*;
 use crate::blur::params::{
     BlurParams, Control, FROM_GRADIENT, FROM_SURFACE, Knot, PIECE_SEGMENTS, ROUNDS, Round, ToonParams, ink_reach,
 };
-use crate::blur::settings::{Completion, Operator, Refine, Space};
+use crate::blur::settings::{Completion, Refine, Space};
 use crate::host::DepthFormat;
 use crate::plan::{
     Blend, ColourAttachment, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage, passes,
@@ -110,8 +110,8 @@ passes! {
     toon_project = Pass::compute("blur.toon", &glsl::project::SHADER);
     toon_see = sampling("blur.toon", desc).times(DRAWN_FRAMES);
     toon_lines = {
-        let second = u32::from(desc.settings.toon.outline.operator == Operator::Second);
-        Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second]).times(DRAWN_FRAMES)
+        let second = desc.settings.toon.outline.operator.is_second();
+        Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second.into()]).times(DRAWN_FRAMES)
     };
     /// Into each place.
     toon: [PassId; TOON.len()] = TOON.map(|image| toon(desc, image));

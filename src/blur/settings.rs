@@ -1,8 +1,7 @@
 //! The settings of the blur effect: one field per key of `[blur]`, with unit, range and default.
 
 use crate::error::{Error, Result, within};
-use crate::smoke::settings::validate_tones;
-pub use crate::smoke::settings::{Operator, Outline, Tone};
+use crate::toon::{Operator, Outline, Tone, validate_tones};
 use crate::view::BRIGHTEST;
 
 /// The curve that a vertex follows between frames.

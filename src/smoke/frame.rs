@@ -51,7 +51,7 @@ pub struct Frame {
     pub background: Background,
     /// The host's depth, given exactly if the effect was made for one and there is a target.
     pub depth: Option<HostDepth>,
-    /// What covers pixels in part and is not in `depth`: the edges of a blurred mesh, [`crate::blur::Blur::edges`]. Smoke
+    /// What covers pixels in part and is not in `depth`: the edges of a blurred mesh, as `Blur::edges`. Smoke
     /// behind is blended with it. 16 bytes a pixel: linear RGB, premultiplied by the share that is covered, and that
     /// share, as halves; view depth in metres, `f32`; 4 unused bytes. Usage: `TRANSFER_SRC`.
     pub edges: Option<HostBuffer>,

@@ -9,7 +9,8 @@ use crate::smoke::desc::Desc;
 use crate::smoke::frame::{Frame, Shape};
 use crate::smoke::layout::Layout;
 use crate::smoke::search::Pyramid;
-use crate::smoke::settings::{Emitter, Outline, Settings};
+use crate::smoke::settings::{Emitter, Settings};
+use crate::toon::Outline;
 use crate::view::{Camera, CameraRows, Light, LightSource};
 
 impl Control {

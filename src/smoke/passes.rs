@@ -7,8 +7,9 @@ use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
 use crate::smoke::layout::*;
 use crate::smoke::params::{Control, MAX_LEVELS, SmokeParams, Tone};
-use crate::smoke::settings::{Integrator, Operator, Shadow};
+use crate::smoke::settings::{Integrator, Shadow};
 use crate::smoke::tables::Tables;
+use crate::toon;
 
 passes! {
     (desc: &Desc, layout: &Layout, tables: &Tables), resource;
@@ -54,7 +55,7 @@ passes! {
     rows = Pass::compute("smoke.rows", &glsl::rows::SHADER).times(layout.batches as usize);
     columns = Pass::compute("smoke.columns", &glsl::columns::SHADER).times(layout.batches as usize);
     outline = Pass::compute("smoke.outline", &glsl::outline::SHADER)
-        .specialise([u32::from(desc.settings.outline.operator == Operator::Second)]);
+        .specialise([desc.settings.outline.operator.is_second().into()]);
     tone = tone(desc);
     edges = Pass::transfer("smoke.edges").copies(HOST_EDGES, EDGES);
     composite = composite(desc);
@@ -111,12 +112,11 @@ fn luminance(desc: &Desc, layout: &Layout) -> Pass {
 
 fn tone(desc: &Desc) -> Pass {
     let settings = &desc.settings;
-    let reach = settings.outline.width.ceil() as u32 - 1;
     Pass::compute("smoke.tone", &glsl::tone::SHADER).specialise([
         u32::from(settings.sigma > 0.0),
         u32::from(settings.outline.strength > 0.0),
         u32::from(desc.layers),
-        reach,
+        toon::ink_reach(settings.outline.width),
     ])
 }
 

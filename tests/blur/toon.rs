@@ -3,11 +3,11 @@
 use ash::vk;
 use celfx::blur::motion::{Motion, Pose, Window};
 use celfx::blur::params::BASE_MASK;
-use celfx::blur::settings::{Completion, Outline, Toon};
+use celfx::blur::settings::{Completion, Toon};
 use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings, layout};
 use celfx::io::scene::{AnimatedMesh, Clock};
 use celfx::simulate::mesh::Builtin;
-use celfx::smoke::settings::{Operator, Tone};
+use celfx::toon::{Operator, Outline, Tone};
 use celfx::view::{Light, LightSource};
 use glam::{DVec2, DVec3, Quat, Vec3};
 

@@ -9,7 +9,8 @@ use celfx::flame::{self, FlameKind, SceneFormat};
 use celfx::gpu::executor::Description;
 use celfx::host::DepthFormat;
 use celfx::smoke::SmokeKind;
-use celfx::smoke::settings::{Integrator, Operator, Shadow};
+use celfx::smoke::settings::{Integrator, Shadow};
+use celfx::toon::Operator;
 use celfx::{blur, smoke};
 
 use crate::common::bench::RANGE;

@@ -1,7 +1,8 @@
 //! Whole frames against the reference.
 
-use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Grow, Integrator, Radius, Shadow};
 use celfx::smoke::{Sequence, Settings};
+use celfx::toon::{Operator, Outline};
 use celfx::view::Light;
 
 use crate::common::picture::{Picture, Tolerance, assert_pictures};

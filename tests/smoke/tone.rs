@@ -2,8 +2,8 @@
 
 use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::reference::tone;
-use celfx::smoke::settings::{Operator, Outline, Tone};
 use celfx::smoke::{Settings, layout};
+use celfx::toon::{Operator, Outline, Tone};
 use celfx::view::{Camera, Light};
 
 use crate::common::apart;

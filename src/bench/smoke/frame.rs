@@ -9,8 +9,9 @@ use crate::bench::{Outcome, Session};
 use crate::error::Result;
 use crate::offline;
 use crate::smoke::reference::{gaussian, render, shadow, tone};
-use crate::smoke::settings::{Outline, Shadow};
+use crate::smoke::settings::Shadow;
 use crate::smoke::{Sequence, Settings};
+use crate::toon::Outline;
 use crate::view::Light;
 
 const PASS: &str = "frame";

@@ -113,7 +113,7 @@ fn built_in_shots_say_the_defaults() {
                 sigma,
                 emitter: own.emitter,
                 tones: own.tones.clone(),
-                outline: settings::Outline { strength: own.outline.strength, ..defaults.outline },
+                outline: crate::toon::Outline { strength: own.outline.strength, ..defaults.outline },
                 ..defaults.clone()
             };
             assert_eq!(*settings, expected, "{name}");

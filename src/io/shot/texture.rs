@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::io::ReadError;
 use crate::io::picture;
-use crate::smoke::settings::Tone;
+use crate::toon::Tone;
 
 /// Reads the tones of a shading texture, looked up at the nearest texel: texel i of n begins at luminance i / n.
 /// Neighbours of equal colour are one tone, so that a wide texture of few flat tones is what it looks like.

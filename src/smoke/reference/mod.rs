@@ -74,7 +74,6 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::smoke::settings;
 
     /// A small plume in motion, over some frames; the last one rendered.
     #[test]
@@ -116,7 +115,7 @@ mod tests {
     fn one_sphere_lit_from_the_eye() {
         let camera = Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, ..Camera::default() };
         let light = Light { source: crate::view::LightSource::Direction(-DVec3::Z), ambient: 0.0 };
-        let no_line = settings::Outline { strength: 0.0, ..Default::default() };
+        let no_line = crate::toon::Outline { strength: 0.0, ..Default::default() };
         let settings = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
         let frame = frame(&settings, &camera, &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &[5]);
         let middle = 16 * 33 + 16;

@@ -2,7 +2,7 @@
 //!
 //! Images have `size` = [width, height] pixels, row by row from the top.
 
-use crate::smoke::settings::{Operator, Outline, Tone};
+use crate::toon::{Operator, Outline, Tone};
 use crate::view::Camera;
 
 /// Tone colour of every pixel, linear RGB; black where `id` is 0.

@@ -1,0 +1,1 @@
+const uint MOST_TONES = 256u;  // of an effect
