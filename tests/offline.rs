@@ -61,7 +61,7 @@ fn smoke_without_fire_is_the_smoke_alone() {
     let next = Scene { sequence: Sequence::Advance, volume: None, camera: camera(35.0), ..first };
     let stepped = Scene { rendered: false, ..next };
     let pictures = |effects: Effects| {
-        let has_both = effects.flame.is_some();
+        let has_both = effects.len() > 1;
         let (mut offline, _verdict) = offline(effects)?;
         let mut frame = |scene: Scene| {
             offline.frame(&scene).expect("rendered");

@@ -47,8 +47,8 @@ const ALL: &str = "all";
 /// Names that can be measured.
 fn names() -> PossibleValuesParser {
     let effects = EFFECTS.iter().map(|effect| {
-        PossibleValue::new(effect.name)
-            .help(format!("The {} effect: its kernels with a choice, and its frames", effect.name))
+        PossibleValue::new(effect.name())
+            .help(format!("The {} effect: its kernels with a choice, and its frames", effect.name()))
     });
     let others = [
         PossibleValue::new(LIMITS).help("What the device can do: copy and arithmetic"),

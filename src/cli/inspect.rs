@@ -11,9 +11,9 @@ use crate::io::ReadError;
 use crate::io::array::{Archive, Element, Header};
 use crate::io::particles;
 use crate::io::scene::{AnimatedMesh, Choice, Clock};
-use crate::io::shot::{self, Shot};
+use crate::io::shot;
 use crate::io::volume::{self, Grids};
-use crate::program::EFFECTS;
+use crate::program::{self, EFFECTS};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -264,8 +264,8 @@ fn particles(path: &Path) -> Result<Report, ReadError> {
 }
 
 fn shot(name: &str) -> Result<Report, Failure> {
-    let shot = Shot::load(name, &[])?;
-    let effects = EFFECTS.iter().map(|effect| effect.name).filter(|name| shot.has(name)).collect();
+    let shot = program::load(name, &[])?;
+    let effects = EFFECTS.iter().map(|effect| effect.name()).filter(|name| shot.has(name)).collect();
     Ok(Report::Shot { size: shot.size, frames: shot.frames, fps: shot.fps, effects })
 }
 

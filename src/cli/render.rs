@@ -25,7 +25,7 @@ use crate::io::pattern::Pattern;
 use crate::io::shot::{Background, Shot};
 use crate::io::{picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
-use crate::program::layers;
+use crate::program::{self, layers};
 use device::Renderer;
 use encode::{Pool, Shared, no_thread};
 use input::{Inputs, Read};
@@ -121,9 +121,9 @@ fn named(name: &str, extensions: &[&str]) -> Result<PathBuf, String> {
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     memory::doing("reading the shot", None);
-    let shot = Arc::new(Shot::load(&options.shot, &options.set)?);
+    let shot = Arc::new(program::load(&options.shot, &options.set)?);
     let frames = options.frames.unwrap_or(shot.frames);
-    check_light(&shot)?;
+    shot.check_effects().map_err(|why| Failure::usage(format!("{}: {why}", shot.name)))?;
     let [first, last] = frames;
     if first < shot.frames[0] || last > shot.frames[1] {
         let [a, b] = shot.frames;
@@ -359,18 +359,6 @@ fn untimed(timed: usize, rendered: usize, has_none: bool) -> Option<String> {
 fn background(shot: &Shot) -> Result<Option<Picture<[f32; 4]>>, Failure> {
     let Background::Image(path) = &shot.background else { return Ok(None) };
     Ok(Some(picture::read_frame(path, shot.size)?))
-}
-
-/// Fire lights what else is in the shot.
-fn check_light(shot: &Shot) -> Result<(), Failure> {
-    match &shot.flame {
-        Some(flame) if flame.settings.light > 0.0 && shot.smoke.is_none() && shot.blur.is_none() => {
-            let (name, light) = (&shot.name, flame.settings.light);
-            let allowed = "only with something for the fire to tint: add a table [smoke] or [blur], or leave it out";
-            Err(Failure::usage(format!("{name}: flame.light = {light}: allowed: {allowed}")))
-        }
-        _ => Ok(()),
-    }
 }
 
 #[cfg(test)]

@@ -20,31 +20,29 @@ mod camera;
 mod files;
 mod keys;
 mod read;
-mod texture;
+pub(crate) mod texture;
 mod track;
 mod tree;
 
+use std::any::Any;
+use std::fmt::Debug;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::overlap::Files;
-use super::particles::ParticleSequence;
-use super::pattern::{Pattern, PatternError};
-use super::picture::{self, Format};
-use super::scene::{self, AnimatedMesh, Choice, Clock, Pick};
-use super::volume::{Grids, VolumeSequence};
+use super::pattern::PatternError;
+use super::scene::AnimatedMesh;
 use super::{ReadError, file};
-use crate::blur;
 use crate::error::Error;
-use crate::flame::{self, settings::Colour};
-use crate::smoke::settings::Settings;
 use crate::view::{Camera, Light, LightSource};
 use camera::CameraTrack;
 pub use camera::count_cameras;
+pub use files::FileKey;
 use track::Track;
-use tree::Tree;
+pub(crate) use tree::Tree;
 
 /// The shots inside the program: name and text.
 pub const BUILTIN: &[(&str, &str)] = &[
@@ -66,41 +64,40 @@ pub enum Background {
     None,
 }
 
-/// `[smoke]`: its input and its settings.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Smoke {
-    /// Where density and velocity come from: `builtin:plume`, `builtin:cloud`, a file for all frames, or a pattern.
-    pub volume: String,
-    /// Names of the arrays in the files.
-    pub grids: Grids,
-    /// A frame without a file keeps the last volume before it; otherwise it is an error.
-    pub hold: bool,
-    /// Everything else; validated.
-    pub settings: Settings,
+/// What a shot says of an effect.
+pub trait Part: Any + Debug + Send + Sync {
+    /// Checks it with the rest of the shot, of which it may be the only effect.
+    ///
+    /// # Errors
+    /// A key, its value and what is allowed.
+    fn check(&self, _is_alone: bool) -> Result<(), String> {
+        Ok(())
+    }
 }
 
-/// `[flame]`: its input and its settings.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Flame {
-    /// Where particles come from: `builtin:random`, a file for all frames, or a pattern.
-    pub particles: String,
-    /// A frame without a file keeps the last particles before it; otherwise it is an error.
-    pub hold: bool,
-    /// Everything else; validated. `spread` is none where the shot does not say it.
-    pub settings: flame::Settings,
+/// The table of an effect in shots.
+#[derive(Debug)]
+pub struct Table {
+    /// Its name.
+    pub name: &'static str,
+    /// Keys that take the name of a file.
+    pub files: &'static [FileKey],
+    /// Pairs of keys that exclude each other: naming one on the command line takes the place of the file's other.
+    pub excluding: &'static [[&'static str; 2]],
+    /// Reads it.
+    pub read: fn(&Section) -> Result<Arc<dyn Part>, ShotError>,
 }
 
-/// `[blur]`: its input and its settings.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Blur {
-    /// Where the animated mesh comes from.
-    pub scene: scene::Source,
-    /// The animations of the file that are played; none: its first.
-    pub animations: Vec<Pick>,
-    /// The frames that are blurred, one picture each; none: they are drawn.
-    pub images: Option<Pattern>,
-    /// Everything else; validated.
-    pub settings: blur::Settings,
+/// A shot, as far as the tables of its effects need it.
+#[derive(Debug)]
+pub struct Section<'a> {
+    pub(crate) tree: &'a Tree,
+    /// What relative paths are relative to.
+    pub(crate) folder: &'a Path,
+    /// First and last frame.
+    pub(crate) frames: [u32; 2],
+    /// Frames per second.
+    pub(crate) fps: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +107,7 @@ enum LightTrack {
 }
 
 /// A shot, checked: whatever [`Shot::load`] returns can be rendered as far as its own values go.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Shot {
     /// Where it came from, for messages: a path or `builtin:NAME`.
     pub name: String,
@@ -126,12 +123,8 @@ pub struct Shot {
     pub seed: u32,
     /// What is behind the effects.
     pub background: Background,
-    /// The smoke. There is at least one effect.
-    pub smoke: Option<Smoke>,
-    /// The fire.
-    pub flame: Option<Flame>,
-    /// The motion blur of an animated mesh.
-    pub blur: Option<Blur>,
+    /// What it says of effects, by their names; at least of one.
+    parts: Vec<(&'static str, Arc<dyn Part>)>,
     camera: CameraTrack,
     light: LightTrack,
     ambient: Track<f64>,
@@ -165,12 +158,12 @@ pub enum ShotError {
 }
 
 impl Shot {
-    /// Loads a shot file or a built-in shot and overrides keys.
+    /// Loads a shot file or a built-in shot, in which there may be `tables`, and overrides keys.
     ///
     /// `name` is a path or `builtin:NAME`; each of `sets` is `KEY=VALUE` with a dotted key and a TOML value
     /// (a bare word is a string). Relative paths become relative to the shot's file; those of a built-in shot to
     /// the current folder.
-    pub fn load(name: &str, sets: &[String]) -> Result<Shot, ShotError> {
+    pub fn load(name: &str, sets: &[String], tables: &[&'static Table]) -> Result<Shot, ShotError> {
         let (text, folder) = match name.starts_with("builtin:") {
             true => (builtin_text(name)?.to_owned(), PathBuf::new()),
             false => {
@@ -183,17 +176,20 @@ impl Shot {
                 (text, path.parent().unwrap_or(Path::new("")).to_owned())
             }
         };
-        let mut tree = Tree::parse(name, &text)?;
+        let mut tree = Tree::parse(name, &text, tables)?;
         for set in sets {
             tree.set(set)?;
         }
-        Shot::from_tree(&tree, &folder)
+        Shot::from_tree(&tree, &folder, tables)
     }
 
-    fn from_tree(tree: &Tree, folder: &Path) -> Result<Shot, ShotError> {
+    fn from_tree(tree: &Tree, folder: &Path, tables: &[&'static Table]) -> Result<Shot, ShotError> {
         tree.check_keys()?;
         let light = Light::default();
         let (frames, fps) = (tree.frames()?, tree.fps()?);
+        let section = Section { tree, folder, frames, fps };
+        let there = tables.iter().filter(|table| tree.get(table.name).is_some());
+        let parts = there.map(|table| (table.read)(&section).map(|part| (table.name, part)));
         let shot = Shot {
             name: tree.name.clone(),
             folder: folder.to_owned(),
@@ -208,55 +204,36 @@ impl Shot {
             camera: CameraTrack::new(tree, folder, frames, fps)?,
             light: light_track(tree, light)?,
             ambient: tree.number("light.ambient", light.ambient)?,
-            smoke: tree.get("smoke").map(|_| smoke(tree, folder)).transpose()?,
-            flame: tree.get("flame").map(|_| flame(tree, folder)).transpose()?,
-            blur: tree.get("blur").map(|_| blur(tree, folder, frames)).transpose()?,
-            files: files::named(tree, folder)?,
+            parts: parts.collect::<Result<_, ShotError>>()?,
+            files: files::named(tree, folder, tables)?,
         };
-        if shot.smoke.is_none() && shot.flame.is_none() && shot.blur.is_none() {
+        if shot.parts.is_empty() {
+            let tables: Vec<String> = tables.iter().map(|table| format!("[{}]", table.name)).collect();
             let message =
-                "the shot holds no effect: add a table [smoke], [flame] or [blur] (every key of it has a default)";
-            return Err(ShotError::Wrong { place: tree.name.clone(), message: message.to_owned() });
+                format!("the shot holds no effect: add a table {} (every key of it has a default)", one_of(&tables));
+            return Err(ShotError::Wrong { place: tree.name.clone(), message });
         }
         shot.check_frames(tree)?;
-        shot.volumes().map_err(|e| pattern_error(tree, "smoke.volume", &e))?;
-        shot.particles().map_err(|e| pattern_error(tree, "flame.particles", &e))?;
         Ok(shot)
     }
 
     /// Whether it has an effect of this name.
     pub fn has(&self, effect: &str) -> bool {
-        match effect {
-            "smoke" => self.smoke.is_some(),
-            "flame" => self.flame.is_some(),
-            "blur" => self.blur.is_some(),
-            _ => false,
-        }
+        self.parts.iter().any(|(name, _)| *name == effect)
     }
 
-    /// The volumes of the frames, not yet read; none without smoke.
-    pub fn volumes(&self) -> Result<Option<VolumeSequence>, PatternError> {
-        let sequence = |Smoke { volume, grids, hold, .. }: &Smoke| {
-            VolumeSequence::new(volume, &self.folder, grids.clone(), *hold, self.fps)
-        };
-        self.smoke.as_ref().map(sequence).transpose()
+    /// What it says of an effect, if it has that.
+    pub fn part<P: Part>(&self) -> Option<&P> {
+        self.parts.iter().find_map(|(_, part)| (&**part as &dyn Any).downcast_ref())
     }
 
-    /// The particles of the frames, not yet read; none without fire.
-    pub fn particles(&self) -> Result<Option<ParticleSequence>, PatternError> {
-        let sequence =
-            |Flame { particles, hold, .. }: &Flame| ParticleSequence::new(particles, &self.folder, (), *hold, self.fps);
-        self.flame.as_ref().map(sequence).transpose()
-    }
-
-    /// The animated mesh, read or made; none without blur.
-    pub fn scene(&self) -> Result<Option<AnimatedMesh>, ReadError> {
-        let clock = Clock { first: self.frames[0], fps: self.fps };
-        let Some(Blur { scene, animations, .. }) = &self.blur else { return Ok(None) };
-        let choice = Choice { animations: animations.clone(), ..Choice::default() };
-        let mesh = AnimatedMesh::open(scene, &choice, clock)?;
-        mesh.check_frames(self.frames)?;
-        Ok(Some(mesh))
+    /// Checks its effects together.
+    ///
+    /// # Errors
+    /// A key, its value and what is allowed.
+    pub fn check_effects(&self) -> Result<(), String> {
+        let is_alone = self.parts.len() == 1;
+        self.parts.iter().try_for_each(|(_, part)| part.check(is_alone))
     }
 
     /// The camera at `frame`, which may lie between two.
@@ -332,92 +309,29 @@ fn light_track(tree: &Tree, default: Light) -> Result<LightTrack, ShotError> {
     }
 }
 
-fn smoke(tree: &Tree, folder: &Path) -> Result<Smoke, ShotError> {
-    const ELSEWHERE: &[&str] = &["volume", "density_grid", "velocity_grid", "hold"];
-    let tones = tree.word("smoke.tones");
-    let elsewhere = [ELSEWHERE, if tones.is_some() { &["tones"] } else { &[] }].concat();
-    let mut settings: Settings = tree.settings("smoke", &elsewhere)?;
-    if let Some(file) = tones {
-        settings.tones = texture::tones(&folder.join(file))?;
+/// Words as a choice: `a, b or c`.
+fn one_of(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [some @ .., last] => format!("{} or {last}", some.join(", ")),
     }
-    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
-    Ok(Smoke {
-        volume: tree.text("smoke.volume")?.unwrap_or_else(|| "builtin:plume".to_owned()),
-        grids: Grids { density: tree.text("smoke.density_grid")?, velocity: tree.text("smoke.velocity_grid")? },
-        hold: tree.flag("smoke.hold")?,
-        settings,
-    })
-}
-
-fn flame(tree: &Tree, folder: &Path) -> Result<Flame, ShotError> {
-    let mut settings: flame::Settings = tree.settings("flame", &["particles", "hold", "colour"])?;
-    match (tree.get("flame.colour"), tree.word("flame.colour")) {
-        (None, _) => {}
-        (_, Some("physical")) => settings.colour = Colour::Physical,
-        (_, Some("displayable")) => settings.colour = Colour::Displayable,
-        (_, Some(file)) if Format::of(Path::new(file)).is_some() => {
-            settings.colour = Colour::Ramp(picture::read_row(&folder.join(file))?);
-        }
-        _ => return Err(tree.not_allowed("flame.colour")),
-    }
-    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
-    Ok(Flame {
-        particles: tree.text("flame.particles")?.unwrap_or_else(|| "builtin:random".to_owned()),
-        hold: tree.flag("flame.hold")?,
-        settings,
-    })
-}
-
-fn blur(tree: &Tree, folder: &Path, [first, last]: [u32; 2]) -> Result<Blur, ShotError> {
-    const ELSEWHERE: &[&str] = &["scene", "animation", "images"];
-    let tones = tree.word("blur.toon.tones");
-    let elsewhere = [ELSEWHERE, if tones.is_some() { &["toon.tones"] } else { &[] }].concat();
-    let mut settings: blur::Settings = tree.settings("blur", &elsewhere)?;
-    if let Some(file) = tones {
-        settings.toon.tones = texture::tones(&folder.join(file))?;
-    }
-    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
-    let scene = tree.text("blur.scene")?.unwrap_or_else(|| "builtin:run".to_owned());
-    let scene = scene::Source::named(&scene, folder).map_err(|e| pattern_error(tree, "blur.scene", &e))?;
-    let animations = tree.picks("blur.animation")?;
-    if matches!(scene, scene::Source::Builtin(_)) {
-        only_with_gltf(tree, "blur.animation", "blur.scene")?;
-    }
-    let is_cache = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
-    match &scene {
-        scene::Source::File(path) if is_cache(path) && settings.trajectory == blur::settings::Trajectory::Exact => {
-            let message = "blur.trajectory = \"exact\": allowed: \"spline\"; an .npz file has no poses between frames";
-            return Err(tree.wrong("blur.trajectory", message.to_owned()));
-        }
-        _ => {}
-    }
-    let images = match tree.text("blur.images")? {
-        Some(pattern) => {
-            let pattern = Pattern::parse(&pattern).and_then(|pattern| {
-                pattern.check_frames(first, last)?;
-                Ok(pattern.below(folder))
-            });
-            Some(pattern.map_err(|e| pattern_error(tree, "blur.images", &e))?)
-        }
-        None => None,
-    };
-    Ok(Blur { scene, animations, images, settings })
 }
 
 /// Refuses a key that chooses among what a glTF file holds, where `file` is no such file.
-fn only_with_gltf(tree: &Tree, key: &str, file: &str) -> Result<(), ShotError> {
+pub(crate) fn only_with_gltf(tree: &Tree, key: &str, file: &str) -> Result<(), ShotError> {
     let Some(node) = tree.get(key) else { return Ok(()) };
     let message = format!("{key} = {}: allowed: only with a glTF file as {file}", tree::value(node));
     Err(tree.wrong(key, message))
 }
 
 /// A refused name of an input, with its place in the shot.
-fn pattern_error(tree: &Tree, key: &str, error: &PatternError) -> ShotError {
+pub(crate) fn pattern_error(tree: &Tree, key: &str, error: &PatternError) -> ShotError {
     tree.wrong(key, format!("{key} = \"{}\": {}", tree.word(key).unwrap_or_default(), error.why))
 }
 
 /// A refused setting, with its place in the shot.
-fn setting_error(tree: &Tree, error: &Error, when: &str) -> ShotError {
+pub(crate) fn setting_error(tree: &Tree, error: &Error, when: &str) -> ShotError {
     match error {
         Error::Setting { name, value, allowed } => {
             tree.wrong(name, format!("{name} = {value}{when}: allowed: {allowed}"))

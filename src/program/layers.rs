@@ -121,7 +121,7 @@ impl Made<'_> {
 
 /// The layers of effects of these names.
 pub(crate) fn names(is_there: impl Fn(&str) -> bool) -> Vec<LayerName> {
-    let there = EFFECTS.iter().filter(|effect| is_there(effect.name));
+    let there = EFFECTS.iter().filter(|effect| is_there(effect.name()));
     there.flat_map(|effect| effect.layers).map(|entry| (entry.name, entry.is_array)).collect()
 }
 
@@ -129,10 +129,10 @@ pub(crate) fn names(is_there: impl Fn(&str) -> bool) -> Vec<LayerName> {
 /// Each once.
 pub(crate) fn buffers(effects: &Effects, layers: bool) -> Vec<EffectBuffer> {
     let mut all = Vec::new();
-    for effect in EFFECTS.iter().filter(|effect| effects.named(effect.name).is_some()) {
+    for effect in EFFECTS.iter().filter(|effect| effects.named(effect.name()).is_some()) {
         let layers = effect.layers.iter().filter(|_| layers).flat_map(|entry| entry.buffers);
         let watched = effect.watch.iter().flat_map(|watch| watch.buffers);
-        for buffer in layers.chain(watched).map(|id| EffectBuffer { effect: effect.name, id: *id }) {
+        for buffer in layers.chain(watched).map(|id| EffectBuffer { effect: effect.name(), id: *id }) {
             if !all.contains(&buffer) {
                 all.push(buffer);
             }
@@ -170,7 +170,7 @@ impl Rendered<'_> {
 
     /// Its layers.
     pub(crate) fn layers(&self) -> Vec<Layer> {
-        let made = EFFECTS.iter().filter_map(|effect| Some((effect, self.made(effect.name)?)));
+        let made = EFFECTS.iter().filter_map(|effect| Some((effect, self.made(effect.name())?)));
         let layers = made.flat_map(|(effect, made)| {
             effect.layers.iter().map(move |entry| Layer { name: entry.name, data: (entry.decode)(&made) })
         });
@@ -179,7 +179,7 @@ impl Rendered<'_> {
 
     /// What is to be said of it.
     pub(crate) fn remarks(&self) -> Vec<String> {
-        let watched = EFFECTS.iter().filter_map(|effect| Some((effect.watch.as_ref()?, self.made(effect.name)?)));
+        let watched = EFFECTS.iter().filter_map(|effect| Some((effect.watch.as_ref()?, self.made(effect.name())?)));
         watched.filter_map(|(watch, made)| (watch.says)(&made)).collect()
     }
 }
@@ -215,8 +215,8 @@ pub(super) mod tests {
     #[test]
     fn a_shot_has_the_layers_of_its_effects() {
         for effect in EFFECTS {
-            let own = names(|name| name == effect.name);
-            assert!(!own.is_empty() && own.iter().all(|(name, _)| name.starts_with(effect.name)), "{own:?}");
+            let own = names(|name| name == effect.name());
+            assert!(!own.is_empty() && own.iter().all(|(name, _)| name.starts_with(effect.name())), "{own:?}");
         }
         let all: usize = EFFECTS.iter().map(|effect| effect.layers.len()).sum();
         assert_eq!(names(|_| true).len(), all);

@@ -19,7 +19,7 @@ pub mod smoke;
 use std::sync::Arc;
 
 use crate::bench::Benchmark;
-use crate::io::shot::Shot;
+use crate::io::shot::{Shot, ShotError, Table};
 pub(crate) use hash::{Files, add};
 pub use input::InputError;
 pub(crate) use input::{Brought, Input};
@@ -27,8 +27,8 @@ use layers::{LayerEntry, Watch};
 
 /// An effect as the program has it.
 pub(crate) struct EffectEntry {
-    /// Of its table in shots, its layers, its benchmark, and before the dot of its passes.
-    pub(crate) name: &'static str,
+    /// Its table in shots, whose name is that of its layers, its benchmark, and before the dot of its passes.
+    pub(crate) table: &'static Table,
     /// Begins to read what the frames of a shot are made from; none where the shot has no such effect.
     pub(crate) open: fn(&Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError>,
     /// What `--layers` writes.
@@ -39,11 +39,31 @@ pub(crate) struct EffectEntry {
     pub(crate) benchmark: Benchmark,
 }
 
+impl EffectEntry {
+    /// The effect's name.
+    pub(crate) fn name(&self) -> &'static str {
+        self.table.name
+    }
+}
+
 /// Every effect, in the order in which they are drawn.
 pub(crate) static EFFECTS: &[&EffectEntry] = &[&blur::ENTRY, &smoke::ENTRY, &flame::ENTRY];
 
 /// What measures the effect of this name, or each of them where there is no name.
 pub fn benchmarks(name: Option<&str>) -> Vec<Benchmark> {
-    let chosen = EFFECTS.iter().filter(|effect| name.is_none_or(|name| name == effect.name));
+    let chosen = EFFECTS.iter().filter(|effect| name.is_none_or(|name| name == effect.name()));
     chosen.map(|effect| effect.benchmark).collect()
+}
+
+/// The tables that shots may have.
+pub fn tables() -> Vec<&'static Table> {
+    EFFECTS.iter().map(|effect| effect.table).collect()
+}
+
+/// Loads a shot that may have all of these tables: as [`Shot::load`].
+///
+/// # Errors
+/// As there.
+pub fn load(name: &str, sets: &[String]) -> Result<Shot, ShotError> {
+    Shot::load(name, sets, &tables())
 }

@@ -1,7 +1,7 @@
 //! Depth groups and lists against the reference.
 
 use celfx::data::Volume;
-use celfx::io::shot::Shot;
+use celfx::program;
 use celfx::simulate::smoke::Builtin;
 use celfx::smoke::params::Control;
 use celfx::smoke::reference::groups::Groups;
@@ -165,7 +165,12 @@ fn groups_do_not_flicker_when_the_camera_shakes() {
 #[test]
 fn groups_change_rarely_when_the_camera_goes_around() {
     let turn = |step: u32| 0.5 * f64::from(step);
-    let shot = Shot::load("builtin:smoke", &[]).expect("a built-in shot").smoke.expect("smoke").settings;
+    let shot = program::load("builtin:smoke", &[])
+        .expect("a built-in shot")
+        .part::<program::smoke::Smoke>()
+        .expect("smoke")
+        .settings
+        .clone();
     // No lives end and nothing is filtered or shadowed: only groups are looked at.
     let shot = Settings { lifetime: None, sigma: 0.0, shadow: Shadow::None, ..shot };
     let Some(mean) = changing(shot, turn) else { return };

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use celfx::flame;
 use celfx::flame::FlameKind;
-use celfx::io::shot::Shot;
 use celfx::offline::{BlurInput, BlurScene, EffectBuffer, Effects, Offline, Scene};
+use celfx::program;
 use celfx::smoke::SmokeKind;
 use celfx::smoke::{self, Sequence};
 
@@ -90,11 +90,12 @@ fn common_flame() -> flame::Desc {
 #[test]
 fn blur_in_one_submission_and_in_many_is_the_same() {
     let sets = ["size=[48, 36]", "blur.scene=builtin:crossing", "camera.file=builtin:crossing", "blur.ghosts.count=2"];
-    let shot = Shot::load("builtin:blur", &sets.map(str::to_owned)).expect("a shot");
-    let settings = &shot.blur.as_ref().expect("a blur").settings;
+    let shot = program::load("builtin:blur", &sets.map(str::to_owned)).expect("a shot");
+    let blur = shot.part::<program::blur::Blur>().expect("a blur");
+    let settings = &blur.settings;
     let mut rendered = Vec::new();
     for way in WAYS {
-        let scene = shot.scene().expect("a scene").expect("a mesh");
+        let scene = blur.mesh(&shot).expect("a scene");
         let of_shot = shot.clone();
         let camera = move |frame: f64| of_shot.camera(frame);
         let mut input = BlurInput::new(scene, camera, shot.frames, settings, shot.size, 2).expect("motion");

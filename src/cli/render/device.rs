@@ -89,7 +89,7 @@ impl<'a> Renderer<'a> {
             picture,
             buffers: self.buffers.iter().copied().zip(offline.layers()).collect(),
             brought: step.brought(),
-            skipped: EFFECTS.iter().flat_map(|effect| skipped(effect.name)).collect(),
+            skipped: EFFECTS.iter().flat_map(|effect| skipped(effect.name())).collect(),
         };
         let remarks = rendered.remarks().into_iter().map(|remark| format!("frame {number}: {remark}"));
         let remarks = remarks.collect();

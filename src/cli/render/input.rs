@@ -54,7 +54,7 @@ impl Inputs {
         for effect in EFFECTS {
             if let Some(input) = (effect.open)(shot)? {
                 effects.push(input);
-                names.push(effect.name);
+                names.push(effect.name());
             }
         }
         Ok(Inputs { effects, names })

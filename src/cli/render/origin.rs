@@ -92,7 +92,7 @@ mod tests {
 
     fn origins(folder: &Folder, name: &str, sets: &[&str], frames: &[u32]) -> Vec<u128> {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let shot = Shot::load(folder.0.join(name).to_str().expect("UTF-8"), &sets).expect("a shot");
+        let shot = crate::program::load(folder.0.join(name).to_str().expect("UTF-8"), &sets).expect("a shot");
         let shot = Arc::new(shot);
         let inputs = Inputs::open(&shot).expect("readable");
         let mut origins = Origins::new(&shot, inputs.effects()).expect("readable");
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn a_file_that_changes_while_it_is_read_is_named() {
         let folder = folder();
-        let shot = Shot::load(folder.0.join("smoke.toml").to_str().expect("UTF-8"), &[]).expect("a shot");
+        let shot = crate::program::load(folder.0.join("smoke.toml").to_str().expect("UTF-8"), &[]).expect("a shot");
         let shot = Arc::new(shot);
         let inputs = Inputs::open(&shot).expect("readable");
         let mut origins = Origins::new(&shot, inputs.effects()).expect("readable");

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use super::tree::Tree;
-use super::{Shot, ShotError};
+use super::{Shot, ShotError, Table};
 use crate::io::overlap::Files;
 use crate::io::pattern::Pattern;
 use crate::io::scene;
 
-/// A key whose value may be the name of a file.
-struct Key {
+/// A key whose value may be the name of a file. A value that begins with `builtin:` is none.
+#[derive(Clone, Copy, Debug)]
+pub struct FileKey {
     name: &'static str,
     /// Values that are words.
     words: &'static [&'static str],
@@ -17,27 +18,35 @@ struct Key {
     is_pattern: bool,
 }
 
-const fn key(name: &'static str, words: &'static [&'static str], is_pattern: bool) -> Key {
-    Key { name, words, is_pattern }
+impl FileKey {
+    /// One file.
+    pub const fn one(name: &'static str) -> FileKey {
+        FileKey { name, words: &[], is_pattern: false }
+    }
+
+    /// One file, or one of these words.
+    pub const fn or_words(name: &'static str, words: &'static [&'static str]) -> FileKey {
+        FileKey { name, words, is_pattern: false }
+    }
+
+    /// One file, or one a frame.
+    pub const fn sequence(name: &'static str) -> FileKey {
+        FileKey { name, words: &[], is_pattern: true }
+    }
 }
 
-/// Every such key. A value that begins with `builtin:` is no file either.
-const KEYS: [Key; 9] = [
-    key("background", &["none"], false),
-    key("camera.file", &[], false),
-    key("smoke.volume", &[], true),
-    key("smoke.tones", &[], false),
-    key("flame.particles", &[], true),
-    key("flame.colour", &["physical", "displayable"], false),
-    key("blur.scene", &[], false),
-    key("blur.images", &[], true),
-    key("blur.toon.tones", &[], false),
-];
+/// Those of the shot itself.
+const KEYS: [FileKey; 2] = [FileKey::or_words("background", &["none"]), FileKey::one("camera.file")];
+
+/// Every such key.
+fn keys<'a>(tables: &'a [&'static Table]) -> impl Iterator<Item = FileKey> + 'a {
+    KEYS.into_iter().chain(tables.iter().flat_map(|table| table.files).copied())
+}
 
 /// What a shot's keys name.
-pub(super) fn named(tree: &Tree, folder: &Path) -> Result<Vec<Files>, ShotError> {
+pub(super) fn named(tree: &Tree, folder: &Path, tables: &[&'static Table]) -> Result<Vec<Files>, ShotError> {
     let mut files = Vec::new();
-    for Key { name, words, is_pattern } in KEYS {
+    for FileKey { name, words, is_pattern } in keys(tables) {
         let Some(value) = tree.word(name) else { continue };
         if value.is_empty() || value.starts_with("builtin:") || words.contains(&value) {
             continue;
@@ -71,7 +80,6 @@ impl Shot {
 #[cfg(test)]
 mod tests {
     use super::super::keys;
-    use super::*;
 
     #[test]
     fn every_key_that_takes_a_file_is_known() {
@@ -80,6 +88,9 @@ mod tests {
         let take: Vec<&str> =
             keys::KEYS.iter().filter(|(_, allowed)| allowed.contains("file")).map(|(k, _)| *k).collect();
         let take: Vec<&str> = take.into_iter().filter(|key| !about.contains(key)).collect();
-        assert_eq!(take, KEYS.map(|key| key.name));
+        let mut known: Vec<&str> = super::keys(&crate::program::tables()).map(|key| key.name).collect();
+        let mut take = take;
+        (known.sort_unstable(), take.sort_unstable());
+        assert_eq!(take, known);
     }
 }

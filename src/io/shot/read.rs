@@ -88,12 +88,12 @@ impl Tree {
     }
 
     /// A string that need not be there.
-    pub(super) fn text(&self, path: &str) -> Result<Option<String>> {
+    pub(crate) fn text(&self, path: &str) -> Result<Option<String>> {
         self.read(path, None, |value| value.as_str().filter(|text| !text.is_empty()).map(|text| Some(text.to_owned())))
     }
 
     /// What of a file is used, by name or number: one, or a list of some; none where the shot does not say it.
-    pub(super) fn picks(&self, path: &str) -> Result<Vec<Pick>> {
+    pub(crate) fn picks(&self, path: &str) -> Result<Vec<Pick>> {
         let pick = |value: &Value| match value {
             Value::String(name) => Some(Pick::Name(name.clone())).filter(|_| !name.is_empty()),
             number => whole(number).map(Pick::Number),
@@ -106,12 +106,12 @@ impl Tree {
     }
 
     /// True or false; false where it is not named.
-    pub(super) fn flag(&self, path: &str) -> Result<bool> {
+    pub(crate) fn flag(&self, path: &str) -> Result<bool> {
         self.read(path, false, Value::as_bool)
     }
 
     /// The string at `path`, if it is one.
-    pub(super) fn word(&self, path: &str) -> Option<&str> {
+    pub(crate) fn word(&self, path: &str) -> Option<&str> {
         match &self.get(path)?.kind {
             Kind::Leaf(Value::String(word)) => Some(word),
             _ => None,
@@ -120,7 +120,7 @@ impl Tree {
 
     /// The settings of the table `effect`, each of its own type; ranges are not checked yet. Those of `elsewhere`, dotted
     /// where they are in a table, are read by who asks and stay at their default.
-    pub(super) fn settings<T: DeserializeOwned + Default>(&self, effect: &str, elsewhere: &[&str]) -> Result<T> {
+    pub(crate) fn settings<T: DeserializeOwned + Default>(&self, effect: &str, elsewhere: &[&str]) -> Result<T> {
         let Some(Node { kind: Kind::Table(entries), .. }) = self.get(effect) else { return Ok(T::default()) };
         let table = self.checked::<T>(effect, "", entries, elsewhere)?;
         T::deserialize(table).map_err(|e| self.wrong(effect, e.message().to_owned()))

@@ -1,15 +1,19 @@
 use std::fs;
 
 use super::*;
+use crate::flame::settings::Colour;
+use crate::io::scene;
 use crate::io::tests::Folder;
-use crate::smoke::settings;
+use crate::io::volume::Grids;
+use crate::program::{self, blur::Blur, flame::Flame, smoke::Smoke};
+use crate::smoke::{Settings, settings};
 
 fn load(text: &str, sets: &[&str]) -> Result<Shot, ShotError> {
     let folder = Folder::new();
     let path = folder.0.join("shot.toml");
     fs::write(&path, text).expect("temporary folder");
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
-    Shot::load(path.to_str().expect("UTF-8"), &sets)
+    program::load(path.to_str().expect("UTF-8"), &sets)
 }
 
 /// The message of a shot that must be refused, without the folder of its file.
@@ -20,12 +24,12 @@ fn refused(text: &str, sets: &[&str]) -> String {
 
 /// The smoke of a shot that has some.
 fn smoke_of(shot: &Shot) -> &Smoke {
-    shot.smoke.as_ref().expect("smoke")
+    shot.part().expect("smoke")
 }
 
 /// The fire of a shot that has some.
 fn flame_of(shot: &Shot) -> &Flame {
-    shot.flame.as_ref().expect("fire")
+    shot.part().expect("fire")
 }
 
 /// The keys that a shot's text shows, those in comments too: dotted, with the text after the sign.
@@ -58,32 +62,30 @@ fn an_empty_table_has_every_default() {
         hold: false,
         settings: Settings::default(),
     };
-    assert_eq!((shot.smoke.as_ref(), &shot.flame), (Some(&smoke), &None));
-    assert!(shot.volumes().expect("a name").is_some() && shot.particles().expect("no name").is_none());
+    assert_eq!((shot.part(), shot.has("flame")), (Some(&smoke), false));
 
     let shot = load("[flame]", &[]).expect("a shot");
     let flame =
         Flame { particles: "builtin:random".to_owned(), hold: false, settings: crate::flame::Settings::default() };
-    assert_eq!((&shot.smoke, shot.flame.as_ref()), (&None, Some(&flame)));
-    assert!(shot.volumes().expect("no name").is_none() && shot.particles().expect("a name").is_some());
+    assert_eq!((shot.has("smoke"), shot.part()), (false, Some(&flame)));
 
     let both = load("[flame]\n[smoke]", &[]).expect("a shot");
-    assert_eq!((both.smoke, both.flame), (Some(smoke), Some(flame)));
+    assert_eq!((both.part(), both.part()), (Some(&smoke), Some(&flame)));
 }
 
 #[test]
 fn built_in_shots_name_every_key_of_their_effects() {
     for (name, text) in BUILTIN {
-        let shot = Shot::load(name, &[]).expect("a built-in shot");
+        let shot = program::load(name, &[]).expect("a built-in shot");
         let shown = shown(text);
         let has = |key: &str| shown.iter().any(|(shown, ..)| shown == key);
         let effect = |key: &str, table: &str| key == table || key.starts_with(&format!("{table}."));
         let is_left_out = |key: &str| {
-            (["camera.file", "camera.name", "camera.animation"].contains(&key) && shot.blur.is_none())
+            (["camera.file", "camera.name", "camera.animation"].contains(&key) && !shot.has("blur"))
                 || key.starts_with("smoke.emitter.")
-                || (effect(key, "blur") && shot.blur.is_none())
-                || (effect(key, "smoke") && shot.smoke.is_none())
-                || (effect(key, "flame") && shot.flame.is_none())
+                || (effect(key, "blur") && !shot.has("blur"))
+                || (effect(key, "smoke") && !shot.has("smoke"))
+                || (effect(key, "flame") && !shot.has("flame"))
         };
         for (key, _) in keys::KEYS {
             assert_ne!(has(key), is_left_out(key), "{name}: {key}");
@@ -95,14 +97,14 @@ fn built_in_shots_name_every_key_of_their_effects() {
 fn built_in_shots_say_the_defaults() {
     let defaults = load("[smoke]\n[flame]", &[]).expect("a shot");
     for (name, _) in BUILTIN {
-        let shot = Shot::load(name, &[]).expect("a built-in shot");
+        let shot = program::load(name, &[]).expect("a built-in shot");
         assert_eq!((shot.fps, shot.frames), (24.0, [1, 48]), "{name}");
         // What each shot sets for itself; all else that it shows is the default.
-        if let Some(Smoke { settings, .. }) = &shot.smoke {
+        if let Some(Smoke { settings, .. }) = shot.part() {
             let Settings { particles, lifetime, radius, scale, groups, hysteresis, sigma, .. } = *settings;
             let defaults = &smoke_of(&defaults).settings;
             // Beside a fire it is night, and the smoke stays above the fire.
-            let own = if shot.flame.is_some() { settings } else { defaults };
+            let own = if shot.has("flame") { settings } else { defaults };
             let expected = Settings {
                 particles,
                 lifetime,
@@ -118,7 +120,7 @@ fn built_in_shots_say_the_defaults() {
             };
             assert_eq!(*settings, expected, "{name}");
         }
-        if let Some(Flame { settings, .. }) = &shot.flame {
+        if let Some(Flame { settings, .. }) = shot.part() {
             let crate::flame::Settings { spread, size, threshold, falloff, adaptation, intensity, light, .. } =
                 *settings;
             let expected = crate::flame::Settings {
@@ -132,9 +134,9 @@ fn built_in_shots_say_the_defaults() {
                 ..flame_of(&defaults).settings.clone()
             };
             assert_eq!(*settings, expected, "{name}");
-            assert_eq!(settings.light > 0.0, shot.smoke.is_some(), "{name}: fire tints smoke where there is some");
+            assert_eq!(settings.light > 0.0, shot.has("smoke"), "{name}: fire tints smoke where there is some");
         }
-        if let Some(Blur { scene, animations, images, settings }) = &shot.blur {
+        if let Some(Blur { scene, animations, images, settings }) = shot.part() {
             assert_eq!(*scene, scene::Source::Builtin(crate::simulate::mesh::Builtin::Run));
             assert_eq!((&animations[..], images), (&[][..], &None));
             let tooth_width = Some(crate::blur::Settings::default().tooth_width());
@@ -146,11 +148,11 @@ fn built_in_shots_say_the_defaults() {
 #[test]
 fn what_built_in_shots_show_commented_out_is_valid_too() {
     for (name, text) in BUILTIN {
-        let shot = Shot::load(name, &[]).expect("a built-in shot");
+        let shot = program::load(name, &[]).expect("a built-in shot");
         let mut tried = Vec::new();
         for (key, _, rest) in shown(text).into_iter().filter(|(_, comment, _)| *comment) {
             let value = rest.split_once(" # ").map_or(rest, |(value, _)| value).trim();
-            match Shot::load(name, &[format!("{key}={value}")]) {
+            match program::load(name, &[format!("{key}={value}")]) {
                 // Sprites have a size in metres already.
                 Err(error) if key == "flame.size_pixels" => {
                     assert!(error.to_string().contains("not together with flame.size"), "{error}");
@@ -164,13 +166,13 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             tried.push(key);
         }
         let mut expected = vec!["light.position"];
-        if let Some(Smoke { settings, .. }) = &shot.smoke {
+        if let Some(Smoke { settings, .. }) = shot.part() {
             expected.extend(["smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth"]);
             expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
         }
-        expected.extend(shot.flame.is_some().then_some("flame.size_pixels"));
-        if shot.blur.is_some() {
+        expected.extend(shot.has("flame").then_some("flame.size_pixels"));
+        if shot.has("blur") {
             expected.extend(camera::INSTEAD_OF_FILE);
             expected.extend(["blur.animation", "blur.images", "blur.teeth", "camera.animation", "camera.name"]);
         }
@@ -337,7 +339,11 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
 #[test]
 fn a_shot_without_effects_is_told_which_there_are() {
     let message = refused("size = [8, 8]", &[]);
-    assert!(message.contains("holds no effect") && message.contains("[smoke], [flame] or [blur]"), "{message}");
+    assert!(
+        message.contains("holds no effect")
+            && ["[smoke]", "[flame]", "[blur]"].iter().all(|table| message.contains(table)),
+        "{message}"
+    );
 }
 
 #[test]
@@ -347,15 +353,15 @@ fn text_that_is_not_toml_names_the_line() {
     let folder = Folder::new();
     let path = folder.0.join("shot.toml");
     fs::write(&path, b"[smoke]\n\xff").expect("temporary folder");
-    let message = Shot::load(path.to_str().expect("UTF-8"), &[]).expect_err("binary").to_string();
+    let message = program::load(path.to_str().expect("UTF-8"), &[]).expect_err("binary").to_string();
     assert!(message.contains("not UTF-8 text at byte 8"), "{message}");
 }
 
 #[test]
 fn a_missing_shot_is_unreadable_and_a_missing_built_in_suggests_one() {
-    let missing = Shot::load("/nonexistent/shot.toml", &[]).expect_err("missing");
+    let missing = program::load("/nonexistent/shot.toml", &[]).expect_err("missing");
     assert!(matches!(&missing, ShotError::Read { .. }) && missing.to_string().contains("/nonexistent/shot.toml"));
-    let message = Shot::load("builtin:smok", &[]).expect_err("unknown").to_string();
+    let message = program::load("builtin:smok", &[]).expect_err("unknown").to_string();
     assert!(message.contains("did you mean builtin:smoke?"), "{message}");
 }
 
@@ -411,7 +417,7 @@ fn keyframes_move_camera_and_light() {
 fn a_camera_can_be_a_scenes() {
     let text = "frames = [3, 9]\n[blur]\n[camera]\nfile = \"builtin:run\"\nfar = 50";
     let shot = load(text, &[]).expect("a shot");
-    let scene = shot.scene().expect("built in").expect("a blur");
+    let scene = shot.part::<Blur>().expect("a blur").mesh(&shot).expect("built in");
     for frame in [3.0, 4.5, 9.0] {
         let expected = Camera { far: 50.0, ..scene.camera(frame).expect("its own") };
         assert_eq!(shot.camera(frame), expected, "{frame}");
@@ -430,7 +436,7 @@ fn paths_are_relative_to_the_shot() {
     let file = folder.0.join("shots/a.toml");
     fs::write(&file, "background = \"sky.png\"\n[smoke]\ntones = \"t.png\"\nvolume = \"v.####.npz\"")
         .expect("temporary folder");
-    let load = || Shot::load(file.to_str().expect("UTF-8"), &[]);
+    let load = || program::load(file.to_str().expect("UTF-8"), &[]);
     let missing = load().expect_err("no tones yet");
     assert!(matches!(&missing, ShotError::Input(e) if e.path == folder.0.join("shots/t.png")), "{missing}");
 
@@ -450,18 +456,18 @@ fn paths_are_relative_to_the_shot() {
     assert_eq!(tones, [(0.0, [0.0; 3]), (0.5, [1.0; 3]), (0.75, [1.0, 0.0, 0.0])]);
     assert_eq!(shot.background, Background::Image(folder.0.join("shots/sky.png")));
     assert_eq!(shot.folder, folder.0.join("shots"));
-    let mut volumes = shot.volumes().expect("a pattern").expect("smoke");
+    let mut volumes = smoke_of(&shot).volumes(&shot).expect("a pattern");
     assert_eq!(volumes.frame(3).expect_err("missing").path, folder.0.join("shots/v.0003.npz"));
 
     fs::write(&file, "[flame]\ncolour = \"t.png\"\nparticles = \"p.####.npz\"").expect("temporary folder");
     let shot = load().expect("a shot");
     let ramp = vec![[0.0; 3], [0.0; 3], [1.0; 3], [1.0, 0.0, 0.0]];
     assert_eq!(flame_of(&shot).settings.colour, Colour::Ramp(ramp));
-    let mut particles = shot.particles().expect("a pattern").expect("fire");
+    let mut particles = flame_of(&shot).particles(&shot).expect("a pattern");
     assert_eq!(particles.frame(3).expect_err("missing").path, folder.0.join("shots/p.0003.npz"));
     fs::write(&file, "[blur]\nscene = \"a.glb\"\nimages = \"i/####.jpg\"\n[blur.toon]\ntones = \"t.png\"")
         .expect("temporary folder");
-    let blur = load().expect("a shot").blur.expect("a blur");
+    let blur = load().expect("a shot").part::<Blur>().expect("a blur").clone();
     assert_eq!(blur.scene, scene::Source::File(folder.0.join("shots/a.glb")));
     assert_eq!(blur.images.expect("images").path(7), folder.0.join("shots/i/0007.jpg"));
     assert_eq!(blur.settings.toon.tones.len(), 3);
@@ -514,12 +520,12 @@ fn a_camera_of_a_file_moves_whatever_else_is_played() {
         .expect("temporary folder");
     let load = |sets: &[&str]| {
         let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
-        Shot::load(path.to_str().expect("UTF-8"), &sets)
+        program::load(path.to_str().expect("UTF-8"), &sets)
     };
     // Where the camera and the mesh are in the last frame.
     let ends = |sets: &[&str]| {
         let shot = load(sets).expect("a shot");
-        let mesh = shot.scene().expect("a mesh").expect("a blur");
+        let mesh = shot.part::<Blur>().expect("a blur").mesh(&shot).expect("a mesh");
         (shot.camera(3).eye.x, mesh.pose(3.0).expect("a pose")[0][0])
     };
     for (sets, expected) in [

@@ -8,7 +8,7 @@ use crate::toon::Tone;
 
 /// Reads the tones of a shading texture, looked up at the nearest texel: texel i of n begins at luminance i / n.
 /// Neighbours of equal colour are one tone, so that a wide texture of few flat tones is what it looks like.
-pub(super) fn tones(path: &Path) -> Result<Vec<Tone>, ReadError> {
+pub(crate) fn tones(path: &Path) -> Result<Vec<Tone>, ReadError> {
     let row = picture::read_row(path)?;
     let width = row.len();
     let mut tones: Vec<Tone> = Vec::new();

@@ -4,11 +4,11 @@ use toml::Value;
 use toml::de::{DeTable, DeValue};
 
 use super::camera::INSTEAD_OF_FILE;
-use super::{ShotError, keys};
+use super::{ShotError, Table, keys};
 
 /// Where a key was given.
 #[derive(Clone, Debug)]
-pub(super) enum Place {
+pub(crate) enum Place {
     /// In this line of the shot's file, from 1.
     Line(usize),
     /// On the command line.
@@ -17,29 +17,30 @@ pub(super) enum Place {
 
 /// A key's value and its place.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
+pub(crate) struct Node {
     pub(super) place: Place,
     pub(super) kind: Kind,
 }
 
 /// What a key holds.
 #[derive(Clone, Debug)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     Table(Vec<(String, Node)>),
     Leaf(Value),
 }
 
 /// A whole shot, not yet understood.
 #[derive(Clone, Debug)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     /// The file's name for messages.
     pub(super) name: String,
     root: Node,
+    tables: Vec<&'static Table>,
 }
 
 impl Tree {
     /// Parses `text`; `name` stands for it in messages.
-    pub(super) fn parse(name: &str, text: &str) -> Result<Tree, ShotError> {
+    pub(super) fn parse(name: &str, text: &str, tables: &[&'static Table]) -> Result<Tree, ShotError> {
         let ends: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at).collect();
         let line = |at: usize| ends.partition_point(|end| *end < at) + 1;
         let table = DeTable::parse(text).map_err(|e| {
@@ -47,7 +48,7 @@ impl Tree {
             ShotError::Wrong { place: format!("{name}:{line}"), message: one_line(e.message()) }
         })?;
         let root = Node { place: Place::Line(1), kind: convert_table(table.get_ref(), &|at| Place::Line(line(at))) };
-        Ok(Tree { name: name.to_owned(), root })
+        Ok(Tree { name: name.to_owned(), root, tables: tables.to_vec() })
     }
 
     /// Overrides one key as `KEY=VALUE` says. The value is TOML; one that is not, and does not look as if it
@@ -72,18 +73,21 @@ impl Tree {
         match key {
             "light.direction" => self.remove("light.position"),
             "light.position" => self.remove("light.direction"),
-            "blur.teeth" => self.remove("blur.tooth_width"),
-            "blur.tooth_width" => self.remove("blur.teeth"),
             "camera.file" => INSTEAD_OF_FILE.into_iter().for_each(|key| self.remove(key)),
             _ if INSTEAD_OF_FILE.contains(&key) => self.remove("camera.file"),
-            _ => {}
+            _ => {
+                let pairs = self.tables.iter().flat_map(|table| table.excluding);
+                let others = pairs.filter(|pair| pair.contains(&key)).flatten().filter(|other| **other != key);
+                let others: Vec<&str> = others.copied().collect();
+                others.into_iter().for_each(|other| self.remove(other));
+            }
         }
         self.insert(key, Node { place: Place::Set, kind });
         Ok(())
     }
 
     /// The node of key `path`.
-    pub(super) fn get(&self, path: &str) -> Option<&Node> {
+    pub(crate) fn get(&self, path: &str) -> Option<&Node> {
         path.split('.').try_fold(&self.root, |node, name| match &node.kind {
             Kind::Table(entries) => entries.iter().find(|(key, _)| key == name).map(|(_, child)| child),
             Kind::Leaf(_) => None,
@@ -111,7 +115,7 @@ impl Tree {
     }
 
     /// An error at key `path`, or at the nearest table around it that the shot has.
-    pub(super) fn wrong(&self, path: &str, message: String) -> ShotError {
+    pub(crate) fn wrong(&self, path: &str, message: String) -> ShotError {
         let mut at = Some(path);
         while let Some(path) = at {
             if let Some(node) = self.get(path) {
@@ -123,7 +127,7 @@ impl Tree {
     }
 
     /// The error of a value that key `path` does not take.
-    pub(super) fn not_allowed(&self, path: &str) -> ShotError {
+    pub(crate) fn not_allowed(&self, path: &str) -> ShotError {
         let value = self.get(path).map_or_else(String::new, |node| format!(" = {}", shown(node)));
         self.wrong(path, format!("{path}{value}: allowed: {}", keys::allowed(path).unwrap_or("")))
     }

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::shot::Blur;
 use crate::blur::settings::Trajectory;
 use crate::interrupt;
 use crate::io::image::Picture;
 use crate::io::pattern::Pattern;
 use crate::io::scene::{AnimatedMesh, Source, references};
-use crate::io::shot::{self, Shot};
+use crate::io::shot::Shot;
 use crate::io::{ReadError, picture};
 use crate::offline::motion::{FRAMES_BESIDE, STEPS};
 use crate::offline::{BlurFrame, BlurInput as Motion, BlurScene, Effects, Scene};
@@ -19,7 +20,7 @@ use crate::program::{Brought, Files, Input, InputError, add};
 /// A shot's mesh and pictures.
 struct BlurInput {
     shot: Arc<Shot>,
-    blur: shot::Blur,
+    blur: Blur,
     /// Both are there once frames are to be rendered.
     motion: Option<Motion>,
     images: Option<Images>,
@@ -48,14 +49,14 @@ pub(super) struct BlurBrought {
 }
 
 pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
-    let Some(blur) = &shot.blur else { return Ok(None) };
+    let Some(blur) = shot.part::<Blur>() else { return Ok(None) };
     let (shot, blur) = (shot.clone(), blur.clone());
     Ok(Some(Box::new(BlurInput { shot, blur, motion: None, images: None, notes: Vec::new() })))
 }
 
 impl Input for BlurInput {
     fn add_common(&self, hash: &mut Xxh3, files: &mut Files) -> Result<(), ReadError> {
-        let shot::Blur { scene, animations, images, settings } = &self.blur;
+        let Blur { scene, animations, images, settings } = &self.blur;
         add(hash, ("blur", self.shot.frames, animations, images.is_some(), settings));
         match scene {
             Source::Builtin(which) => add(hash, which),
@@ -90,7 +91,7 @@ impl Input for BlurInput {
         if let Some(pattern) = self.blur.images.clone() {
             self.images = Some(Images::new(pattern, &self.shot, rendered)?);
         }
-        let Some(scene) = self.shot.scene()? else { return Ok(()) };
+        let scene = self.blur.mesh(&self.shot)?;
         self.notes = notes(&scene, &self.blur);
         let of_shot = self.shot.clone();
         let camera = move |frame: f64| of_shot.camera(frame);
@@ -137,7 +138,7 @@ impl Brought for BlurBrought {
     }
 }
 
-fn notes(mesh: &AnimatedMesh, blur: &shot::Blur) -> Vec<String> {
+fn notes(mesh: &AnimatedMesh, blur: &Blur) -> Vec<String> {
     let file = mesh.path().display();
     // Where frames are images, it does not matter how the mesh looks.
     let passed_over = mesh.notes().iter().filter(|note| blur.images.is_none() || !note.looks);

@@ -3,14 +3,16 @@
 mod feed;
 mod input;
 mod layers;
+mod shot;
 
 pub use feed::BlurFeed;
+pub use shot::Blur;
 
 use super::EffectEntry;
 use crate::bench::{self, Benchmark};
 
 pub(super) static ENTRY: EffectEntry = EffectEntry {
-    name: "blur",
+    table: &shot::TABLE,
     open: input::open,
     layers: layers::LAYERS,
     watch: Some(layers::REFINEMENT),

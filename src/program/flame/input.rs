@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::shot::Flame;
 use crate::data::{ParticleExtent, Particles};
 use crate::flame::settings::Colour;
 use crate::flame::{Desc, Settings, mean_spacing};
 use crate::interrupt;
 use crate::io::ReadError;
 use crate::io::particles::ParticleSequence;
-use crate::io::shot::{self, Shot};
+use crate::io::shot::Shot;
 use crate::offline::{Effects, Scene, TARGET_FORMAT};
 use crate::program::hash::builtin;
 use crate::program::input::Fresh;
@@ -22,7 +23,7 @@ const DEFAULT_SPREAD: f32 = 0.1;
 /// A shot's particles.
 struct FlameInput {
     shot: Arc<Shot>,
-    flame: shot::Flame,
+    flame: Flame,
     particles: Fresh<Particles>,
     fire: Fire,
     /// What the effect was made for, which all particles must be within.
@@ -47,7 +48,8 @@ pub(super) struct FlameBrought {
 
 /// Looks at all of the shot's particles where that is what its fire follows from.
 pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
-    let (Some(flame), Some(mut particles)) = (&shot.flame, shot.particles()?) else { return Ok(None) };
+    let Some(flame) = shot.part::<Flame>() else { return Ok(None) };
+    let mut particles = flame.particles(shot)?;
     let (flame, [first, last]) = (flame.clone(), shot.frames);
     let hottest = match flame.settings.colour {
         Colour::Physical => Some(particles.extent(interrupt::until(first..=last))?.hottest),
@@ -75,7 +77,7 @@ fn spread(particles: &mut ParticleSequence, [first, last]: [u32; 2]) -> Result<f
 
 impl Input for FlameInput {
     fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
-        let shot::Flame { particles, settings, .. } = &self.flame;
+        let Flame { particles, settings, .. } = &self.flame;
         add(hash, ("flame", builtin(particles), self.fire, settings));
         Ok(())
     }

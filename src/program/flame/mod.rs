@@ -3,14 +3,16 @@
 mod feed;
 mod input;
 mod layers;
+mod shot;
 
 pub use feed::FlameFeed;
+pub use shot::Flame;
 
 use super::EffectEntry;
 use crate::bench::{self, Benchmark};
 
 pub(super) static ENTRY: EffectEntry = EffectEntry {
-    name: "flame",
+    table: &shot::TABLE,
     open: input::open,
     layers: layers::LAYERS,
     watch: None,

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::shot::Smoke;
 use crate::data::Volume;
 use crate::interrupt;
 use crate::io::ReadError;
-use crate::io::shot::{self, Shot};
+use crate::io::shot::Shot;
 use crate::io::volume::Extent;
 use crate::offline::{Effects, Scene, TARGET_FORMAT};
 use crate::program::hash::builtin;
@@ -19,7 +20,7 @@ use crate::view::LightSource;
 /// A shot's volumes.
 struct SmokeInput {
     shot: Arc<Shot>,
-    smoke: shot::Smoke,
+    smoke: Smoke,
     volumes: Fresh<Volume>,
     /// What the effect was made for, which every volume must be within.
     extent: Option<Extent>,
@@ -29,14 +30,15 @@ struct SmokeInput {
 pub(super) struct SmokeBrought(Option<Arc<Volume>>);
 
 pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
-    let (Some(smoke), Some(volumes)) = (&shot.smoke, shot.volumes()?) else { return Ok(None) };
+    let Some(smoke) = shot.part::<Smoke>() else { return Ok(None) };
+    let volumes = smoke.volumes(shot)?;
     let (smoke, shot) = (smoke.clone(), shot.clone());
     Ok(Some(Box::new(SmokeInput { shot, smoke, volumes: Fresh::new(volumes), extent: None })))
 }
 
 impl Input for SmokeInput {
     fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
-        let shot::Smoke { volume, grids, settings, .. } = &self.smoke;
+        let Smoke { volume, grids, settings, .. } = &self.smoke;
         add(hash, ("smoke", self.shot.frames[0], grids, builtin(volume), settings));
         Ok(())
     }

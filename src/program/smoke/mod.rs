@@ -3,14 +3,16 @@
 mod feed;
 mod input;
 mod layers;
+mod shot;
 
 pub use feed::SmokeFeed;
+pub use shot::Smoke;
 
 use super::EffectEntry;
 use crate::bench::{self, Benchmark};
 
 pub(super) static ENTRY: EffectEntry = EffectEntry {
-    name: "smoke",
+    table: &shot::TABLE,
     open: input::open,
     layers: layers::LAYERS,
     watch: None,

@@ -1,0 +1,87 @@
+//! `[blur]`: its input and its settings.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::blur::Settings;
+use crate::blur::settings::Trajectory;
+use crate::io::ReadError;
+use crate::io::pattern::Pattern;
+use crate::io::scene::{AnimatedMesh, Choice, Clock, Pick, Source};
+use crate::io::shot::{
+    FileKey, Part, Section, Shot, ShotError, Table, only_with_gltf, pattern_error, setting_error, texture,
+};
+
+/// What a shot says of the motion blur of an animated mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blur {
+    /// Where the animated mesh comes from.
+    pub scene: Source,
+    /// The animations of the file that are played; none: its first.
+    pub animations: Vec<Pick>,
+    /// The frames that are blurred, one picture each; none: they are drawn.
+    pub images: Option<Pattern>,
+    /// Everything else; validated.
+    pub settings: Settings,
+}
+
+pub(super) const TABLE: Table = Table {
+    name: "blur",
+    files: &[FileKey::one("blur.scene"), FileKey::sequence("blur.images"), FileKey::one("blur.toon.tones")],
+    excluding: &[["blur.teeth", "blur.tooth_width"]],
+    read,
+};
+
+impl Part for Blur {}
+
+impl Blur {
+    /// The animated mesh, read or made.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or has no pose of the shot's frames.
+    pub fn mesh(&self, shot: &Shot) -> Result<AnimatedMesh, ReadError> {
+        let clock = Clock { first: shot.frames[0], fps: shot.fps };
+        let choice = Choice { animations: self.animations.clone(), ..Choice::default() };
+        let mesh = AnimatedMesh::open(&self.scene, &choice, clock)?;
+        mesh.check_frames(shot.frames)?;
+        Ok(mesh)
+    }
+}
+
+fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
+    const ELSEWHERE: &[&str] = &["scene", "animation", "images"];
+    let Section { tree, folder, .. } = *section;
+    let tones = tree.word("blur.toon.tones");
+    let elsewhere = [ELSEWHERE, if tones.is_some() { &["toon.tones"] } else { &[] }].concat();
+    let mut settings: Settings = tree.settings("blur", &elsewhere)?;
+    if let Some(file) = tones {
+        settings.toon.tones = texture::tones(&folder.join(file))?;
+    }
+    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
+    let scene = tree.text("blur.scene")?.unwrap_or_else(|| "builtin:run".to_owned());
+    let scene = Source::named(&scene, folder).map_err(|e| pattern_error(tree, "blur.scene", &e))?;
+    let animations = tree.picks("blur.animation")?;
+    if matches!(scene, Source::Builtin(_)) {
+        only_with_gltf(tree, "blur.animation", "blur.scene")?;
+    }
+    let is_cache = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    match &scene {
+        Source::File(path) if is_cache(path) && settings.trajectory == Trajectory::Exact => {
+            let message = "blur.trajectory = \"exact\": allowed: \"spline\"; an .npz file has no poses between frames";
+            return Err(tree.wrong("blur.trajectory", message.to_owned()));
+        }
+        _ => {}
+    }
+    let images = images(section)?;
+    Ok(Arc::new(Blur { scene, animations, images, settings }))
+}
+
+fn images(section: &Section) -> Result<Option<Pattern>, ShotError> {
+    let Section { tree, folder, frames: [first, last], .. } = *section;
+    let Some(pattern) = tree.text("blur.images")? else { return Ok(None) };
+    let pattern = Pattern::parse(&pattern).and_then(|pattern| {
+        pattern.check_frames(first, last)?;
+        Ok(pattern.below(folder))
+    });
+    pattern.map(Some).map_err(|e| pattern_error(tree, "blur.images", &e))
+}

@@ -1,0 +1,58 @@
+//! `[smoke]`: its input and its settings.
+
+use std::sync::Arc;
+
+use crate::io::pattern::PatternError;
+use crate::io::shot::{FileKey, Part, Section, Shot, ShotError, Table, pattern_error, setting_error, texture};
+use crate::io::volume::{Grids, VolumeSequence};
+use crate::smoke::Settings;
+
+/// What a shot says of smoke.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Smoke {
+    /// Where density and velocity come from: `builtin:plume`, `builtin:cloud`, a file for all frames, or a pattern.
+    pub volume: String,
+    /// Names of the arrays in the files.
+    pub grids: Grids,
+    /// A frame without a file keeps the last volume before it; otherwise it is an error.
+    pub hold: bool,
+    /// Everything else; validated.
+    pub settings: Settings,
+}
+
+pub(super) const TABLE: Table = Table {
+    name: "smoke",
+    files: &[FileKey::sequence("smoke.volume"), FileKey::one("smoke.tones")],
+    excluding: &[],
+    read,
+};
+
+impl Part for Smoke {}
+
+impl Smoke {
+    /// The volumes of the frames, not yet read.
+    ///
+    /// # Errors
+    /// A name that no volume has.
+    pub fn volumes(&self, shot: &Shot) -> Result<VolumeSequence, PatternError> {
+        VolumeSequence::new(&self.volume, &shot.folder, self.grids.clone(), self.hold, shot.fps)
+    }
+}
+
+fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
+    const ELSEWHERE: &[&str] = &["volume", "density_grid", "velocity_grid", "hold"];
+    let Section { tree, folder, fps, .. } = *section;
+    let tones = tree.word("smoke.tones");
+    let elsewhere = [ELSEWHERE, if tones.is_some() { &["tones"] } else { &[] }].concat();
+    let mut settings: Settings = tree.settings("smoke", &elsewhere)?;
+    if let Some(file) = tones {
+        settings.tones = texture::tones(&folder.join(file))?;
+    }
+    settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
+    let volume = tree.text("smoke.volume")?.unwrap_or_else(|| "builtin:plume".to_owned());
+    let grids = Grids { density: tree.text("smoke.density_grid")?, velocity: tree.text("smoke.velocity_grid")? };
+    let hold = tree.flag("smoke.hold")?;
+    VolumeSequence::new(&volume, folder, grids.clone(), hold, fps)
+        .map_err(|e| pattern_error(tree, "smoke.volume", &e))?;
+    Ok(Arc::new(Smoke { volume, grids, hold, settings }))
+}
