@@ -11,21 +11,21 @@ const LONG_MS: f64 = 20_000.0;
 
 /// Times of one variant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spread {
+pub(crate) struct Spread {
     /// Median.
-    pub(super) gpu_ms: f64,
+    pub(crate) gpu_ms: f64,
     /// First quartile.
-    pub(super) low: f64,
+    pub(crate) low: f64,
     /// Third quartile.
-    pub(super) high: f64,
+    pub(crate) high: f64,
     /// Median of the recording.
-    pub(super) cpu_ms: f64,
-    pub(super) runs: u32,
+    pub(crate) cpu_ms: f64,
+    pub(crate) runs: u32,
 }
 
 /// Runs variants 0 .. `variants` in turns, so that whatever else the machine does meets all of them: 7 runs each, 3 of
 /// one that has taken 20 s, 1 if `quick`.
-pub(super) fn interleaved(
+pub(crate) fn interleaved(
     variants: usize,
     quick: bool,
     mut run: impl FnMut(usize) -> Result<Measured>,
@@ -80,17 +80,17 @@ fn quantile(values: &mut [f64], q: f64) -> f64 {
 
 /// How far results are from what they should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Deviation {
+pub(crate) struct Deviation {
     /// Root of the mean square.
-    pub(super) rms: f64,
+    pub(crate) rms: f64,
     /// 99 % are not above it.
-    pub(super) p99: f64,
-    pub(super) max: f64,
+    pub(crate) p99: f64,
+    pub(crate) max: f64,
 }
 
 impl Deviation {
     /// Of absolute differences; none of none.
-    pub(super) fn of(mut differences: Vec<f64>) -> Option<Deviation> {
+    pub(crate) fn of(mut differences: Vec<f64>) -> Option<Deviation> {
         let count = differences.len();
         if count == 0 {
             return None;

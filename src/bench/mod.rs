@@ -6,10 +6,10 @@
 pub(crate) mod blur;
 pub(crate) mod flame;
 mod limits;
-mod measure;
+pub(crate) mod measure;
 mod plot;
-mod report;
-mod rig;
+pub(crate) mod report;
+pub(crate) mod rig;
 pub(crate) mod smoke;
 
 use std::io::Write;
@@ -81,19 +81,19 @@ pub(crate) type Outcome = Result<(), BenchError>;
 
 /// What measurements share.
 pub(crate) struct Session<'a> {
-    rig: Rig,
-    quick: bool,
-    only: Option<&'a str>,
-    limits: Limits,
-    rows: Vec<Row>,
+    pub(crate) rig: Rig,
+    pub(crate) quick: bool,
+    pub(crate) only: Option<&'a str>,
+    pub(crate) limits: Limits,
+    pub(crate) rows: Vec<Row>,
     /// What the table says below its rows.
-    notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
     watch: &'a dyn Watch,
 }
 
 impl Session<'_> {
     /// Says what is measured next; an error if the caller wants to stop.
-    fn next(&self, text: &str) -> Outcome {
+    pub(crate) fn next(&self, text: &str) -> Outcome {
         if self.watch.is_interrupted() {
             return Err(BenchError::Interrupted);
         }
@@ -102,7 +102,7 @@ impl Session<'_> {
     }
 
     /// Those variants of a pass at a workload that were asked for.
-    fn wanted<'v, T>(&self, pass: &str, workload: &str, variants: &'v [(&'v str, T)]) -> Vec<&'v (&'v str, T)> {
+    pub(crate) fn wanted<'v, T>(&self, pass: &str, workload: &str, variants: &'v [(&'v str, T)]) -> Vec<&'v (&'v str, T)> {
         let chosen = |name: &str| self.only.is_none_or(|only| format!("{pass}/{name}/{workload}").contains(only));
         variants.iter().filter(|(name, _)| chosen(name)).collect()
     }

@@ -8,74 +8,74 @@ use super::measure::{Deviation, Spread};
 
 /// Everything that a run of the benchmark found.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Report {
-    pub(super) device: String,
-    pub(super) driver: String,
-    pub(super) limits: Limits,
-    pub(super) rows: Vec<Row>,
+pub(crate) struct Report {
+    pub(crate) device: String,
+    pub(crate) driver: String,
+    pub(crate) limits: Limits,
+    pub(crate) rows: Vec<Row>,
 }
 
 /// What the device can do, measured in the same run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(super) struct Limits {
+pub(crate) struct Limits {
     /// 1e9 bytes a second read and written, together, by a kernel that copies.
-    pub(super) copy_gb_s: f64,
+    pub(crate) copy_gb_s: f64,
     /// 1e9 floating-point operations a second, two per multiply-add, by a kernel that computes in registers.
-    pub(super) fma_gflop_s: f64,
+    pub(crate) fma_gflop_s: f64,
 }
 
 /// One variant of one pass at one workload.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Row {
-    pub(super) effect: &'static str,
-    pub(super) pass: &'static str,
-    pub(super) variant: String,
-    pub(super) workload: String,
+pub(crate) struct Row {
+    pub(crate) effect: &'static str,
+    pub(crate) pass: &'static str,
+    pub(crate) variant: String,
+    pub(crate) workload: String,
     /// Spheres; or sprites: render particles times repetitions; or vertices; or triangles.
-    pub(super) items: u64,
+    pub(crate) items: u64,
     /// Median.
-    pub(super) gpu_ms: f64,
+    pub(crate) gpu_ms: f64,
     /// First quartile.
-    pub(super) gpu_ms_low: f64,
+    pub(crate) gpu_ms_low: f64,
     /// Third quartile.
-    pub(super) gpu_ms_high: f64,
+    pub(crate) gpu_ms_high: f64,
     /// Recording on the host, median.
-    pub(super) cpu_ms: f64,
-    pub(super) runs: u32,
-    pub(super) error_rms: Option<f64>,
-    pub(super) error_p99: Option<f64>,
-    pub(super) error_max: Option<f64>,
+    pub(crate) cpu_ms: f64,
+    pub(crate) runs: u32,
+    pub(crate) error_rms: Option<f64>,
+    pub(crate) error_p99: Option<f64>,
+    pub(crate) error_max: Option<f64>,
     /// What the error is measured against, and its unit.
-    pub(super) error_of: Option<String>,
+    pub(crate) error_of: Option<String>,
     /// Bytes that have to be moved, where they are known.
-    pub(super) bytes: Option<u64>,
+    pub(crate) bytes: Option<u64>,
     /// Floating-point operations that have to be done, where they are known.
-    pub(super) flops: Option<u64>,
+    pub(crate) flops: Option<u64>,
     /// The larger share of the two limits that the run reached.
-    pub(super) of_limit: Option<f64>,
+    pub(crate) of_limit: Option<f64>,
 }
 
 /// What a row is about.
 #[derive(Clone, Debug)]
-pub(super) struct Subject {
-    pub(super) pass: &'static str,
-    pub(super) variant: String,
-    pub(super) workload: String,
-    pub(super) items: u64,
+pub(crate) struct Subject {
+    pub(crate) pass: &'static str,
+    pub(crate) variant: String,
+    pub(crate) workload: String,
+    pub(crate) items: u64,
 }
 
 /// An error and what it is measured against.
-pub(super) type Accuracy = Option<(Deviation, String)>;
+pub(crate) type Accuracy = Option<(Deviation, String)>;
 
 /// What a variant has to move and to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Work {
-    pub(super) bytes: Option<u64>,
-    pub(super) flops: Option<u64>,
+pub(crate) struct Work {
+    pub(crate) bytes: Option<u64>,
+    pub(crate) flops: Option<u64>,
 }
 
 impl Row {
-    pub(super) fn new(
+    pub(crate) fn new(
         effect: &'static str,
         subject: Subject,
         times: &Spread,
@@ -114,12 +114,12 @@ impl Row {
 
 impl Report {
     /// `bench.json`.
-    pub(super) fn json(&self) -> serde_json::Result<String> {
+    pub(crate) fn json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self)
     }
 
     /// The table.
-    pub(super) fn table(&self) -> String {
+    pub(crate) fn table(&self) -> String {
         let Limits { copy_gb_s, fma_gflop_s } = self.limits;
         let mut text = format!("{}, {}\ncopy {copy_gb_s:.1} GB/s", self.device, self.driver);
         let _ = writeln!(text, ", multiply-add {fma_gflop_s:.1} Gflop/s");
@@ -165,7 +165,7 @@ fn number(ms: f64) -> String {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A report with rows as different as rows can be.

@@ -22,28 +22,28 @@ use crate::offline::{Describe, Left, Place, Player, Scene, make};
 use crate::plan::{BufferId, Command, Pass, Plan};
 
 /// Format of the pictures.
-pub(super) const FORMAT: vk::Format = crate::offline::TARGET_FORMAT;
+pub(crate) const FORMAT: vk::Format = crate::offline::TARGET_FORMAT;
 
 /// What one run took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Measured {
+pub(crate) struct Measured {
     /// On the device, from the first step's begin to the last one's end. Where there are no timestamps: from the
     /// submission to the end of the wait.
-    pub(super) gpu_ms: f64,
+    pub(crate) gpu_ms: f64,
     /// Recording on the host.
-    pub(super) cpu_ms: f64,
+    pub(crate) cpu_ms: f64,
 }
 
 /// An effect of a [`Rig`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EffectId(usize);
+pub(crate) struct EffectId(usize);
 
 /// Kernels of a [`Rig`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct KernelsId(usize);
+pub(crate) struct KernelsId(usize);
 
 /// A buffer of kernels.
-pub(super) enum KernelBuffer {
+pub(crate) enum KernelBuffer {
     /// Of their own, zeroed.
     Own(BufferDesc),
     /// An effect's.
@@ -65,7 +65,7 @@ struct Kernels {
 }
 
 /// A device and what is measured on it.
-pub(super) struct Rig {
+pub(crate) struct Rig {
     headless: Headless,
     profiler: Option<Profiler>,
     effects: Vec<Slot>,
@@ -73,7 +73,7 @@ pub(super) struct Rig {
 }
 
 impl Rig {
-    pub(super) fn new(mut headless: Headless) -> Result<Rig> {
+    pub(crate) fn new(mut headless: Headless) -> Result<Rig> {
         let family = headless.queue_family();
         let (host, _) = headless.parts();
         // SAFETY: the device's own handles; it is destroyed in `drop`.
@@ -82,24 +82,24 @@ impl Rig {
     }
 
     /// Name and driver of the device.
-    pub(super) fn device(&self) -> (String, String) {
+    pub(crate) fn device(&self) -> (String, String) {
         let info = self.headless.info();
         (info.name.clone(), format!("{} {}", info.driver, info.driver_info).trim().to_owned())
     }
 
-    pub(super) fn messages(&self) -> Messages {
+    pub(crate) fn messages(&self) -> Messages {
         self.headless.messages()
     }
 
     /// Largest storage buffer of the device in bytes.
-    pub(super) fn largest_buffer(&self) -> u64 {
+    pub(crate) fn largest_buffer(&self) -> u64 {
         let host = self.headless.host();
         // SAFETY: the device's own handles.
         unsafe { DeviceLimits::of(&host) }.storage_range
     }
 
     /// Makes an effect that is measured step by step.
-    pub(super) fn effect(&mut self, desc: impl Describe) -> Result<EffectId> {
+    pub(crate) fn effect(&mut self, desc: impl Describe) -> Result<EffectId> {
         let id = EffectId(self.effects.len());
         let size = desc.size();
         self.effects.push(Slot { player: None, target: None, size });
@@ -114,7 +114,7 @@ impl Rig {
     }
 
     /// Renders a frame over nothing. What carries the scene to the device is not measured.
-    pub(super) fn frame(&mut self, id: EffectId, scene: &Scene) -> Result<Measured> {
+    pub(crate) fn frame(&mut self, id: EffectId, scene: &Scene) -> Result<Measured> {
         let Slot { player: Some(player), target: Some(target), size } = &mut self.effects[id.0] else {
             return Ok(NOTHING);
         };
@@ -140,7 +140,7 @@ impl Rig {
     }
 
     /// The steps of the frame recorded last that belong to these passes.
-    pub(super) fn steps(&self, id: EffectId, wanted: impl Fn(&Pass) -> bool) -> Plan {
+    pub(crate) fn steps(&self, id: EffectId, wanted: impl Fn(&Pass) -> bool) -> Plan {
         let mut plan = Plan::default();
         if let Some(effect) = self.executor(id) {
             let all = effect.plan();
@@ -151,7 +151,7 @@ impl Rig {
     }
 
     /// Runs steps of the frame recorded last again.
-    pub(super) fn replay(&mut self, id: EffectId, plan: &Plan) -> Result<Measured> {
+    pub(crate) fn replay(&mut self, id: EffectId, plan: &Plan) -> Result<Measured> {
         let Slot { player: Some(player), .. } = &mut self.effects[id.0] else { return Ok(NOTHING) };
         measure(&mut self.headless, &mut self.profiler, |host, commands| {
             // SAFETY: the device's own handles; the plan is of this effect, and the frame before is over.
@@ -160,7 +160,7 @@ impl Rig {
     }
 
     /// Makes kernels of the benchmark's own; buffers get their ids in the given order.
-    pub(super) fn kernels(&mut self, buffers: Vec<KernelBuffer>, passes: Vec<Pass>) -> Result<KernelsId> {
+    pub(crate) fn kernels(&mut self, buffers: Vec<KernelBuffer>, passes: Vec<Pass>) -> Result<KernelsId> {
         let id = KernelsId(self.kernels.len());
         let mut resources = Resources::default();
         let shared = buffers.iter().map(|buffer| match buffer {
@@ -215,7 +215,7 @@ impl Rig {
     }
 
     /// Runs a plan of such kernels.
-    pub(super) fn run(&mut self, id: KernelsId, plan: &Plan) -> Result<Measured> {
+    pub(crate) fn run(&mut self, id: KernelsId, plan: &Plan) -> Result<Measured> {
         let Kernels { passes, resources, pipelines, recorder } = &mut self.kernels[id.0];
         measure(&mut self.headless, &mut self.profiler, |host, commands| {
             let mut commands = commands;
@@ -226,7 +226,7 @@ impl Rig {
     }
 
     /// Runs a plan with no work in it: drivers that compile a kernel at its first dispatch do so now.
-    pub(super) fn warm_up(&mut self, id: KernelsId, plan: &Plan) -> Result<()> {
+    pub(crate) fn warm_up(&mut self, id: KernelsId, plan: &Plan) -> Result<()> {
         let mut empty = Plan::default();
         empty.steps.extend(plan.steps.iter().filter(|step| matches!(step.command, Command::Dispatch { .. })));
         for step in &mut empty.steps {
@@ -236,7 +236,7 @@ impl Rig {
     }
 
     /// An effect's buffer: the first `count` values.
-    pub(super) fn read<T: bytemuck::AnyBitPattern>(
+    pub(crate) fn read<T: bytemuck::AnyBitPattern>(
         &mut self,
         id: EffectId,
         buffer: BufferId,
@@ -247,7 +247,7 @@ impl Rig {
     }
 
     /// A buffer of kernels: the first `count` values.
-    pub(super) fn read_kernels<T: bytemuck::AnyBitPattern>(
+    pub(crate) fn read_kernels<T: bytemuck::AnyBitPattern>(
         &mut self,
         id: KernelsId,
         buffer: BufferId,
@@ -269,7 +269,7 @@ impl Rig {
     }
 
     /// The picture of the frame rendered last.
-    pub(super) fn picture(&mut self, id: EffectId) -> Result<Vec<[f32; 4]>> {
+    pub(crate) fn picture(&mut self, id: EffectId) -> Result<Vec<[f32; 4]>> {
         let Slot { target: Some(target), size, .. } = &self.effects[id.0] else { return Ok(Vec::new()) };
         let (image, extent) = (target.handle, *size);
         let bytes = u64::from(extent[0]) * u64::from(extent[1]) * 16;
@@ -301,7 +301,7 @@ impl Rig {
     }
 
     /// Destroys all effects and kernels.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         if self.headless.is_stuck() {
             return;
         }

@@ -1,0 +1,94 @@
+//! A vignette of two passes, for tests alone: all that an effect takes is its folders, a line of the registry and its keys.
+
+mod bench;
+mod effect;
+
+use std::sync::Arc;
+
+use xxhash_rust::xxh3::Xxh3;
+
+use super::layers::{LayerData, LayerEntry};
+use super::{Brought, EffectEntry, Files, Input, InputError, add};
+use crate::bench::Benchmark;
+use crate::host::HostImage;
+use crate::io::ReadError;
+use crate::io::shot::{Part, Section, Shot, ShotError, Table, setting_error};
+use crate::offline::{Depth, Describe, Effects, Feed, Place, Scene, TARGET_FORMAT};
+use effect::{DARKNESS, Desc, Vignette, VignetteKind};
+
+pub(super) static ENTRY: EffectEntry = EffectEntry {
+    table: &TABLE,
+    open,
+    layers: &[LayerEntry::image("vignette.darkness", &[DARKNESS], |made| LayerData::Value(made.image(DARKNESS)))],
+    watch: None,
+    benchmark: Benchmark(bench::measure),
+};
+
+const TABLE: Table = Table { name: "vignette", files: &[], excluding: &[], read };
+
+impl Part for Settings {
+    fn check(&self, is_alone: bool) -> Result<(), String> {
+        match is_alone {
+            true => Err("[vignette]: allowed: only with another effect, whose picture it darkens".to_owned()),
+            false => Ok(()),
+        }
+    }
+}
+
+fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
+    let settings: Settings = section.tree.settings("vignette", &[])?;
+    settings.validate().map_err(|e| setting_error(section.tree, &e, ""))?;
+    Ok(Arc::new(settings))
+}
+
+/// What its frames are made from: nothing but the shot.
+struct VignetteInput {
+    shot: Arc<Shot>,
+    settings: Settings,
+}
+
+fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
+    let Some(settings) = shot.part::<Settings>() else { return Ok(None) };
+    Ok(Some(Box::new(VignetteInput { shot: shot.clone(), settings: settings.clone() })))
+}
+
+impl Input for VignetteInput {
+    fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
+        add(hash, ("vignette", &self.settings));
+        Ok(())
+    }
+
+    fn add_frame(&self, _: &mut Xxh3, _: &mut Files, _: u32) -> Result<(), ReadError> {
+        Ok(())
+    }
+
+    fn describe(&mut self, effects: Effects, _: &[u32], _: bool) -> Result<Effects, InputError> {
+        let Settings { strength, radius } = self.settings;
+        Ok(effects.with(Desc { size: self.shot.size, target_format: TARGET_FORMAT, strength, radius }))
+    }
+
+    fn read(&mut self, _: u32, _: bool) -> Result<Option<Box<dyn Brought>>, InputError> {
+        Ok(None)
+    }
+}
+
+impl Describe for Desc {
+    type Feed = VignetteFeed;
+    const DEPTH: Depth = Depth::None;
+
+    fn size(&self) -> [u32; 2] {
+        self.size
+    }
+}
+
+/// A frame is where it is drawn.
+#[derive(Default)]
+pub struct VignetteFeed;
+
+impl Feed for VignetteFeed {
+    type Kind = VignetteKind;
+
+    fn frame<'a>(&'a self, _: &Vignette, _: &Scene<'a>, place: &Place) -> Option<HostImage> {
+        place.target
+    }
+}
