@@ -13,6 +13,7 @@ pub mod plan;
 pub mod profile;
 #[doc(hidden)]
 pub mod reference;
+pub mod settings;
 pub mod shaders;
 pub mod smoke;
 mod threads;

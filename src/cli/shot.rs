@@ -20,5 +20,5 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    print(builtin_text(&options.name)?)
+    print(&builtin_text(&options.name)?)
 }

@@ -19,6 +19,7 @@
 mod camera;
 mod files;
 mod keys;
+mod print;
 mod read;
 mod texture;
 mod track;
@@ -46,7 +47,7 @@ pub use camera::count_cameras;
 use track::Track;
 use tree::Tree;
 
-/// The shots inside the program: name and text.
+/// The shots inside the program: name, and text without the comments at settings, which [`builtin_text`] adds.
 pub const BUILTIN: &[(&str, &str)] = &[
     ("builtin:smoke", include_str!("shot/smoke.toml")),
     ("builtin:cloud", include_str!("shot/cloud.toml")),
@@ -172,7 +173,7 @@ impl Shot {
     /// the current folder.
     pub fn load(name: &str, sets: &[String]) -> Result<Shot, ShotError> {
         let (text, folder) = match name.starts_with("builtin:") {
-            true => (builtin_text(name)?.to_owned(), PathBuf::new()),
+            true => (builtin_text(name)?, PathBuf::new()),
             false => {
                 let path = Path::new(name);
                 let text = read(path).map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
@@ -297,8 +298,8 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// The commented text of a built-in shot.
-pub fn builtin_text(name: &str) -> Result<&'static str, ShotError> {
-    BUILTIN.iter().find(|(builtin, _)| *builtin == name).map(|(_, text)| *text).ok_or_else(|| {
+pub fn builtin_text(name: &str) -> Result<String, ShotError> {
+    BUILTIN.iter().find(|(builtin, _)| *builtin == name).map(|(_, text)| print::commented(text)).ok_or_else(|| {
         let names: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
         let near = keys::nearest_of(name, &names);
         let message = format!("no such shot is built in; did you mean {near}? There are: {}", names.join(", "));

@@ -78,7 +78,7 @@ mod tests {
         // These say what of another key's file they are about.
         let about = ["camera.name", "camera.animation", "smoke.density_grid", "smoke.velocity_grid", "blur.animation"];
         let take: Vec<&str> =
-            keys::KEYS.iter().filter(|(_, allowed)| allowed.contains("file")).map(|(k, _)| *k).collect();
+            keys::KEYS.iter().filter(|dial| dial.allowed.contains("file")).map(|dial| dial.key.as_str()).collect();
         let take: Vec<&str> = take.into_iter().filter(|key| !about.contains(key)).collect();
         assert_eq!(take, KEYS.map(|key| key.name));
     }
