@@ -105,10 +105,14 @@ fn build_folder(compiler: &Compiler, folder: &Path, table: &mut String, all: &mu
     if errors.is_empty() { Ok(()) } else { Err(errors) }
 }
 
-/// What the benchmark alone runs is not compiled for hosts.
+/// What the benchmark or tests alone run is not compiled for hosts.
 fn is_built(path: &Path) -> bool {
-    let is_of_benchmark = stem(path).split('_').next() == Some("bench");
-    !is_of_benchmark || env::var_os("CARGO_FEATURE_CLI").is_some()
+    let feature = match stem(path).split('_').next() {
+        Some("bench") => "CARGO_FEATURE_CLI",
+        Some("vignette") => "CARGO_FEATURE_VIGNETTE",
+        _ => return true,
+    };
+    env::var_os(feature).is_some()
 }
 
 fn read(path: &Path) -> String {

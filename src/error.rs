@@ -1,5 +1,7 @@
 //! What can go wrong, said so that the reader knows what to change.
 
+use std::borrow::Cow;
+
 use ash::vk;
 
 /// Result of the library's fallible functions.
@@ -13,7 +15,7 @@ pub enum Error {
     #[error("{name} = {value}: {allowed}")]
     Setting {
         /// Key as in the shot file, e.g. `smoke.sigma`.
-        name: &'static str,
+        name: Cow<'static, str>,
         /// The value that was given.
         value: String,
         /// What is allowed, with unit.
@@ -87,8 +89,12 @@ impl Error {
     }
 
     /// A setting outside of what is allowed.
-    pub(crate) fn setting(name: &'static str, value: impl ToString, allowed: impl Into<String>) -> Error {
-        Error::Setting { name, value: value.to_string(), allowed: allowed.into() }
+    pub(crate) fn setting(
+        name: impl Into<Cow<'static, str>>,
+        value: impl ToString,
+        allowed: impl Into<String>,
+    ) -> Error {
+        Error::Setting { name: name.into(), value: value.to_string(), allowed: allowed.into() }
     }
 }
 

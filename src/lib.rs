@@ -15,6 +15,7 @@ pub mod plan;
 pub mod profile;
 #[doc(hidden)]
 pub mod random;
+pub mod settings;
 pub mod shaders;
 pub mod smoke;
 mod threads;

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::error::{Error, Result};
+use crate::settings::Rule;
 pub use crate::shaders::common::constants::FARTHEST;
 
 /// Largest component of a linear colour that is taken, of settings as of pixels and vertices: far beyond what half floats
@@ -63,13 +64,8 @@ impl Camera {
         if across.length() < 1e-9 {
             return Err(Error::setting("camera.up", self.up, "must not be parallel to the view direction"));
         }
-        if !(NARROWEST..=WIDEST).contains(&self.vertical_fov) {
-            let allowed = "degrees, 1e-9 to 179.999999999";
-            return Err(Error::setting("camera.vertical_fov", self.vertical_fov, allowed));
-        }
-        if !(1e-9..=f64::from(FARTHEST)).contains(&self.near) {
-            return Err(Error::setting("camera.near", self.near, "metres, above 0: 1e-9 to 1e12"));
-        }
+        vertical_fov().check("camera.vertical_fov", self.vertical_fov)?;
+        near().check("camera.near", self.near)?;
         if self.far.is_nan() || self.far <= self.near {
             return Err(Error::setting("camera.far", self.far, "metres, above camera.near; may be inf"));
         }
@@ -89,6 +85,21 @@ impl Camera {
         let y = (self.vertical_fov.to_radians() / 2.0).tan();
         DVec2::new(y * f64::from(size[0]) / f64::from(size[1]), y)
     }
+}
+
+/// What fields of view are taken.
+pub(crate) fn vertical_fov() -> Rule<f64> {
+    Rule::new("degrees", NARROWEST..=WIDEST)
+}
+
+/// What nearest depths are taken.
+pub(crate) fn near() -> Rule<f64> {
+    Rule::new("metres", 1e-9..=f64::from(FARTHEST))
+}
+
+/// What ambient shares are taken.
+pub(crate) fn ambient() -> Rule<f64> {
+    Rule::new("", 0.0..=1.0)
 }
 
 /// Whether no coordinate is beyond [`FARTHEST`].
@@ -163,10 +174,7 @@ impl Light {
             }
             _ => {}
         }
-        if !(0.0..=1.0).contains(&self.ambient) {
-            return Err(Error::setting("light.ambient", self.ambient, "0 to 1"));
-        }
-        Ok(())
+        ambient().check("light.ambient", self.ambient)
     }
 }
 

@@ -102,7 +102,12 @@ impl Session<'_> {
     }
 
     /// Those variants of a pass at a workload that were asked for.
-    pub(crate) fn wanted<'v, T>(&self, pass: &str, workload: &str, variants: &'v [(&'v str, T)]) -> Vec<&'v (&'v str, T)> {
+    pub(crate) fn wanted<'v, T>(
+        &self,
+        pass: &str,
+        workload: &str,
+        variants: &'v [(&'v str, T)],
+    ) -> Vec<&'v (&'v str, T)> {
         let chosen = |name: &str| self.only.is_none_or(|only| format!("{pass}/{name}/{workload}").contains(only));
         variants.iter().filter(|(name, _)| chosen(name)).collect()
     }

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::{Failure, print};
-use crate::io::shot::builtin_text;
+use crate::program::builtin_text;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -20,5 +20,5 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    print(builtin_text(&options.name)?)
+    print(&builtin_text(&options.name)?)
 }

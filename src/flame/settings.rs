@@ -1,44 +1,46 @@
 //! The settings of the flame effect: one field per key of `[flame]`, with unit, range and default.
 
-use crate::error::{Error, Result, within};
+use crate::error::{Error, Result};
+use crate::settings::{Dial, Rule, Setting, settings, words};
 use crate::shaders::flame::constants::{COLDEST, MOST_COUNT};
 use crate::view::BRIGHTEST;
 
-/// What a pixel's colour is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum Mode {
-    /// Repetitions of random render particles, alpha test and depth test, averaged (the paper's way). Has grain.
-    #[default]
-    Stochastic,
-    /// The image that the repetitions converge to, integrated: no grain.
-    Expected,
+words! {
+    /// What a pixel's colour is made of.
+    pub enum Mode {
+        /// Repetitions of random render particles, alpha test and depth test, averaged (the paper's way). Has grain.
+        #[default]
+        Stochastic = "stochastic",
+        /// The image that the repetitions converge to, integrated: no grain.
+        Expected = "expected",
+    }
 }
 
-/// How repetitions are rendered. Both make the same picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum Method {
-    /// Compute, tile by tile, all repetitions in one pass.
-    #[default]
-    Tiles,
-    /// A render pass a repetition (the paper's way); slow, for comparison.
-    Raster,
+words! {
+    /// How repetitions are rendered. Both make the same picture.
+    pub enum Method {
+        /// Compute, tile by tile, all repetitions in one pass.
+        #[default]
+        Tiles = "tiles",
+        /// A render pass a repetition (the paper's way); slow, for comparison.
+        Raster = "raster",
+    }
 }
 
-/// Where a physical particle puts its render particles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum Shape {
-    /// Uniformly in a ball of radius `spread`.
-    #[default]
-    Ball,
-    /// Uniformly in a cube of half side `spread`.
-    Cube,
+words! {
+    /// Where a physical particle puts its render particles.
+    pub enum Shape {
+        /// Uniformly in a ball of radius `spread`.
+        #[default]
+        Ball = "ball",
+        /// Uniformly in a cube of half side `spread`.
+        Cube = "cube",
+    }
 }
 
 /// What temperature looks like.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Colour {
     /// Black-body radiance, relative to `hottest`: 1200 K is 1e-5 of white.
     Physical,
@@ -46,95 +48,71 @@ pub enum Colour {
     #[default]
     Displayable,
     /// Linear RGB over T / `hottest`, 0 to 1, linear between its entries.
+    #[cfg_attr(feature = "cli", serde(skip))]
     Ramp(Vec<[f32; 3]>),
 }
 
-/// How the offsets of a render particle are drawn over the repetitions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum Sampling {
-    /// Each for itself.
-    #[default]
-    Independent,
-    /// An Owen-scrambled Sobol sequence, shuffled for each render particle: 1 to 2 times less variance.
-    ShuffledSobol,
+words! {
+    /// How the offsets of a render particle are drawn over the repetitions.
+    pub enum Sampling {
+        /// Each for itself.
+        #[default]
+        Independent = "independent",
+        /// An Owen-scrambled Sobol sequence, shuffled for each render particle: 1 to 2 times less variance.
+        ShuffledSobol = "shuffled_sobol",
+    }
 }
 
-/// Settings of the flame effect. Everything here is fixed at creation; what changes per frame is in `Frame`.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
-pub struct Settings {
-    /// Repetitions, or the image that they converge to.
-    pub mode: Mode,
-    /// How repetitions are rendered.
-    pub method: Method,
-    /// Repetitions R that are averaged, 1 to 1,048,576; default 20. The paper's first dial: 1 is grain, at 20 none is seen.
-    pub repetitions: u32,
-    /// Render particles that a particle of temperature `hottest` has on average in a repetition, 0 to 32768; default 20.
-    pub count: f32,
-    /// Radius of the space that a particle's render particles fill, in metres, >= 0. Without one the effect cannot be
-    /// made: [`crate::flame::mean_spacing`] finds the usual one, the mean distance to the 8th neighbour.
-    pub spread: Option<f32>,
-    /// What space that is.
-    pub shape: Shape,
-    /// Side of a render particle's sprite in metres, >= 0; default: `spread`.
-    pub size: Option<f32>,
-    /// Side of a sprite in pixels, >= 0, instead of `size`: it stays the same however near the camera is.
-    pub size_pixels: Option<f32>,
-    /// Alpha of the hottest particle's sprite at its brightest spot, >= 0; default 4. The paper's second dial.
-    pub alpha_scale: f32,
-    /// What alpha, at most 1, must reach for a pixel to be drawn; any finite number; default 0.4. Low: round blobs, high: sparks.
-    pub threshold: f32,
-    /// Different noise textures for sprites, 1 to 64; default 16.
-    pub variants: u32,
-    /// The temperature that is white, in kelvin, 700 to 1e6; default 3000.
-    pub hottest: f32,
-    /// What temperature looks like.
-    #[cfg_attr(feature = "cli", serde(skip))]
-    pub colour: Colour,
-    /// How fast cooler fire darkens with `displayable` colour, 0 to 16; default 2.
-    pub falloff: f32,
-    /// How far the eye has adapted to the hottest fire, 0 to 1; default 1: it is white.
-    pub adaptation: f32,
-    /// Multiplies the light of the fire, >= 0; default 1.
-    pub intensity: f32,
-    /// How offsets are drawn over the repetitions.
-    pub sampling: Sampling,
-    /// Depth bins of the expected image, 1 to 1024; default 32.
-    pub bins: u32,
-    /// Stop repeating in a tile once the 95 % interval of each of its pixels is below this; 0 (off) to 1; default 0.
-    pub adaptive: f32,
-    /// Share of the render particles that are drawn anew each frame, 0 to 1; default 0.
-    pub flicker: f32,
-    /// How strongly the fire tints what is in the scene, >= 0; default 0 (off).
-    pub light: f32,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Settings {
-            mode: Mode::default(),
-            method: Method::default(),
-            repetitions: 20,
-            count: 20.0,
-            spread: None,
-            shape: Shape::default(),
-            size: None,
-            size_pixels: None,
-            alpha_scale: 4.0,
-            threshold: 0.4,
-            variants: 16,
-            hottest: 3000.0,
-            colour: Colour::default(),
-            falloff: 2.0,
-            adaptation: 1.0,
-            intensity: 1.0,
-            sampling: Sampling::default(),
-            bins: 32,
-            adaptive: 0.0,
-            flicker: 0.0,
-            light: 0.0,
-        }
+settings! {
+    /// Settings of the flame effect. Everything here is fixed at creation; what changes per frame is in `Frame`.
+    pub struct Settings {
+        /// Repetitions of random render particles, "stochastic", or what ever more of them come to, without noise, at once.
+        mode: Mode = Mode::default();
+        /// How repetitions are rendered, with the same picture: "tiles" is fast, "raster" the original way.
+        method: Method = Method::default();
+        /// Pictures that are averaged. 1: hard-edged grains that dance; a few: a brush with bristles; from about 20: a soft
+        /// glow without grain.
+        repetitions: u32 = 20, "", 1..=MOST_REPETITIONS;
+        /// Render particles, sprites, that a particle as hot as `hottest` has; cooler ones have fewer.
+        count: f32 = 20.0, "sprites of a particle", 0.0..=MOST_COUNT;
+        /// How far sprites are from their particle at most. Without it a shot takes the mean distance of particles to their
+        /// 8th neighbour, and a host has to say it: `flame::mean_spacing` finds that.
+        spread: Option<f32> = None, "metres", 0.0..=1e6;
+        /// Where sprites are: uniform in a "ball" of radius `spread` or in a "cube" of that half side.
+        shape: Shape = Shape::default();
+        /// Side of a sprite; without it, `spread`. Small: sparks and fine threads; large: round, cloudy billows.
+        size: Option<f32> = None, "metres", 0.0..=1e6;
+        /// Side of a sprite however near the camera is, instead of `size`, and not with the mode "expected".
+        size_pixels: Option<f32> = None, "pixels", 0.0..=16384.0;
+        /// Alpha of the hottest sprites where they are densest. Low: little passes, thin wisps in the hot core only; high:
+        /// full, closed bodies up to the cool tips.
+        alpha_scale: f32 = 4.0, "", 0.0..=1e6;
+        /// What alpha, at most 1, must reach to be drawn. Low: round, soft sprites; high: torn spots, so that the fire
+        /// frays; above 1: no fire at all.
+        threshold: f32 = 0.4, "", f32::MIN..=f32::MAX;
+        /// Different patches of noise.
+        variants: u32 = 16, "", 1..=64;
+        /// The temperature that is white.
+        hottest: f32 = 3000.0, "kelvin", COLDEST..=HOTTEST;
+        /// What temperature looks like: a black body's hue, darker as falloff says, "displayable"; its radiance, "physical",
+        /// 1200 K has 1e-5 of white; or the first row of an image, the colours from 0 K to `hottest`.
+        colour: Colour = Colour::default();
+        /// With "displayable" colour, brightness is (temperature / hottest)^falloff.
+        falloff: f32 = 2.0, "", 0.0..=16.0;
+        /// The eye's to the hottest fire. 1: it is white; 0: all is seen as in daylight, orange.
+        adaptation: f32 = 1.0, "", 0.0..=1.0;
+        /// Multiplies the light of the fire.
+        intensity: f32 = 1.0, "", 0.0..=1e6;
+        /// How repetitions draw the offsets of sprites: "independent", or with less noise, "shuffled_sobol".
+        sampling: Sampling = Sampling::default();
+        /// Steps in depth of the mode "expected".
+        bins: u32 = 32, "", 1..=1024;
+        /// Repeats only until pixels are this exact (95 % interval).
+        adaptive: f32 = 0.0, "", 0.0..=1.0, "off";
+        /// Share of the offsets that are drawn anew each frame.
+        flicker: f32 = 0.0, "", 0.0..=1.0, "they last";
+        /// How strongly the fire tints smoke and mesh of the same shot, or what is in a host's scene.
+        light: f32 = 0.0, "", 0.0..=1e6, "off";
     }
 }
 
@@ -149,50 +127,47 @@ impl Settings {
         self.size.or(self.spread).unwrap_or_default()
     }
 
-    /// Checks every value; the error names the key and what is allowed.
-    pub fn validate(&self) -> Result<()> {
-        let (number, whole) = (within::<f32>, within::<u32>);
-        whole("flame.repetitions", self.repetitions, 1, MOST_REPETITIONS, "1 to 1048576")?;
-        number("flame.count", self.count, 0.0, MOST_COUNT, "0 to 32768")?;
-        if let Some(spread) = self.spread {
-            number("flame.spread", spread, 0.0, 1e6, "metres, 0 to 1e6")?;
-        }
-        if let Some(size) = self.size {
-            number("flame.size", size, 0.0, 1e6, "metres, 0 to 1e6")?;
-        }
-        if let Some(pixels) = self.size_pixels {
-            number("flame.size_pixels", pixels, 0.0, 16384.0, "pixels, 0 to 16384")?;
-            if self.size.is_some() {
-                return Err(Error::setting("flame.size_pixels", pixels, "not together with flame.size"));
-            }
-            if self.mode == Mode::Expected {
-                let allowed = "not with mode = \"expected\", whose table is in metres; use flame.size";
-                return Err(Error::setting("flame.size_pixels", pixels, allowed));
-            }
-        }
-        number("flame.alpha_scale", self.alpha_scale, 0.0, 1e6, "0 to 1e6")?;
-        number("flame.threshold", self.threshold, f32::MIN, f32::MAX, "a finite number")?;
-        whole("flame.variants", self.variants, 1, 64, "1 to 64")?;
-        number("flame.hottest", self.hottest, COLDEST, HOTTEST, "kelvin, 700 to 1e6")?;
-        self.validate_ramp()?;
-        number("flame.falloff", self.falloff, 0.0, 16.0, "0 to 16")?;
-        number("flame.adaptation", self.adaptation, 0.0, 1.0, "0 to 1")?;
-        number("flame.intensity", self.intensity, 0.0, 1e6, "0 to 1e6")?;
-        whole("flame.bins", self.bins, 1, 1024, "1 to 1024")?;
-        number("flame.adaptive", self.adaptive, 0.0, 1.0, "0 (off) to 1")?;
-        number("flame.flicker", self.flicker, 0.0, 1.0, "0 to 1")?;
-        number("flame.light", self.light, 0.0, 1e6, "0 (off) to 1e6")?;
-        Ok(())
+    /// The keys of `[flame]`, in order.
+    pub fn dials() -> Vec<Dial> {
+        Setting::dials(&Settings::default())
     }
 
-    fn validate_ramp(&self) -> Result<()> {
-        let Colour::Ramp(colours) = &self.colour else { return Ok(()) };
-        if colours.is_empty() || colours.len() > 4096 {
-            return Err(Error::setting("flame.colour", format!("{} colours", colours.len()), "1 to 4096 colours"));
+    /// Checks every value; the error names the key and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        self.check("flame", &())?;
+        let Some(pixels) = self.size_pixels else { return Ok(()) };
+        if self.size.is_some() {
+            return Err(Error::setting("flame.size_pixels", pixels, "not together with flame.size"));
         }
-        match colours.iter().flatten().find(|c| !(0.0..=BRIGHTEST).contains(*c)) {
-            Some(colour) => Err(Error::setting("flame.colour", colour, "linear RGB, 0 to 1e6")),
-            None => Ok(()),
+        if self.mode == Mode::Expected {
+            let allowed = "not with mode = \"expected\", whose table is in metres; use flame.size";
+            return Err(Error::setting("flame.size_pixels", pixels, allowed));
+        }
+        Ok(())
+    }
+}
+
+impl Setting for Colour {
+    type Rule = ();
+
+    fn check(&self, key: &str, (): &()) -> Result<()> {
+        let Colour::Ramp(colours) = self else { return Ok(()) };
+        if colours.is_empty() || colours.len() > 4096 {
+            let given = format!("{} colours", colours.len());
+            return Err(Error::setting(key.to_owned(), given, "1 to 4096 colours"));
+        }
+        colours.iter().try_for_each(|colour| colour.check(key, &Rule::new("linear RGB", 0.0..=BRIGHTEST)))
+    }
+
+    fn allowed((): &()) -> String {
+        "\"physical\", \"displayable\", or an image file (.png, .exr)".to_owned()
+    }
+
+    fn shown(&self) -> Option<String> {
+        match self {
+            Colour::Physical => Some("\"physical\"".to_owned()),
+            Colour::Displayable => Some("\"displayable\"".to_owned()),
+            Colour::Ramp(_) => None,
         }
     }
 }

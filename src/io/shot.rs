@@ -19,6 +19,7 @@
 mod camera;
 mod files;
 mod keys;
+mod print;
 mod read;
 pub(crate) mod texture;
 mod track;
@@ -37,14 +38,16 @@ use super::pattern::PatternError;
 use super::scene::AnimatedMesh;
 use super::{ReadError, file};
 use crate::error::Error;
+use crate::settings::Dial;
 use crate::view::{Camera, Light, LightSource};
 use camera::CameraTrack;
 pub use camera::count_cameras;
 pub use files::FileKey;
+use keys::Keys;
 use track::Track;
 pub(crate) use tree::Tree;
 
-/// The shots inside the program: name and text.
+/// The shots inside the program: name, and text without the comments at settings, which [`builtin_text`] adds.
 pub const BUILTIN: &[(&str, &str)] = &[
     ("builtin:smoke", include_str!("shot/smoke.toml")),
     ("builtin:cloud", include_str!("shot/cloud.toml")),
@@ -80,6 +83,10 @@ pub trait Part: Any + Debug + Send + Sync {
 pub struct Table {
     /// Its name.
     pub name: &'static str,
+    /// Keys of its input, with its name and a dot before them, each with what is allowed.
+    pub inputs: &'static [(&'static str, &'static str)],
+    /// Keys of its settings.
+    pub dials: fn() -> Vec<Dial>,
     /// Keys that take the name of a file.
     pub files: &'static [FileKey],
     /// Pairs of keys that exclude each other: naming one on the command line takes the place of the file's other.
@@ -165,7 +172,7 @@ impl Shot {
     /// the current folder.
     pub fn load(name: &str, sets: &[String], tables: &[&'static Table]) -> Result<Shot, ShotError> {
         let (text, folder) = match name.starts_with("builtin:") {
-            true => (builtin_text(name)?.to_owned(), PathBuf::new()),
+            true => (builtin_text(name, tables)?, PathBuf::new()),
             false => {
                 let path = Path::new(name);
                 let text = read(path).map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
@@ -284,13 +291,17 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// The commented text of a built-in shot.
-pub fn builtin_text(name: &str) -> Result<&'static str, ShotError> {
-    BUILTIN.iter().find(|(builtin, _)| *builtin == name).map(|(_, text)| *text).ok_or_else(|| {
-        let names: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
-        let near = keys::nearest_of(name, &names);
-        let message = format!("no such shot is built in; did you mean {near}? There are: {}", names.join(", "));
-        ShotError::Wrong { place: name.to_owned(), message }
-    })
+pub fn builtin_text(name: &str, tables: &[&'static Table]) -> Result<String, ShotError> {
+    BUILTIN
+        .iter()
+        .find(|(builtin, _)| *builtin == name)
+        .map(|(_, text)| print::commented(text, &Keys::new(tables)))
+        .ok_or_else(|| {
+            let names: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
+            let near = keys::nearest_of(name, &names);
+            let message = format!("no such shot is built in; did you mean {near}? There are: {}", names.join(", "));
+            ShotError::Wrong { place: name.to_owned(), message }
+        })
 }
 
 fn light_track(tree: &Tree, default: Light) -> Result<LightTrack, ShotError> {

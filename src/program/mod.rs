@@ -15,11 +15,13 @@ mod hash;
 mod input;
 pub mod layers;
 pub mod smoke;
+#[cfg(feature = "vignette")]
+mod vignette;
 
 use std::sync::Arc;
 
 use crate::bench::Benchmark;
-use crate::io::shot::{Shot, ShotError, Table};
+use crate::io::shot::{self, Shot, ShotError, Table};
 pub(crate) use hash::{Files, add};
 pub use input::InputError;
 pub(crate) use input::{Brought, Input};
@@ -47,7 +49,13 @@ impl EffectEntry {
 }
 
 /// Every effect, in the order in which they are drawn.
-pub(crate) static EFFECTS: &[&EffectEntry] = &[&blur::ENTRY, &smoke::ENTRY, &flame::ENTRY];
+pub(crate) static EFFECTS: &[&EffectEntry] = &[
+    &blur::ENTRY,
+    &smoke::ENTRY,
+    &flame::ENTRY,
+    #[cfg(feature = "vignette")]
+    &vignette::ENTRY,
+];
 
 /// What measures the effect of this name, or each of them where there is no name.
 pub fn benchmarks(name: Option<&str>) -> Vec<Benchmark> {
@@ -66,4 +74,12 @@ pub fn tables() -> Vec<&'static Table> {
 /// As there.
 pub fn load(name: &str, sets: &[String]) -> Result<Shot, ShotError> {
     Shot::load(name, sets, &tables())
+}
+
+/// The commented text of a built-in shot.
+///
+/// # Errors
+/// There is none of this name.
+pub fn builtin_text(name: &str) -> Result<String, ShotError> {
+    shot::builtin_text(name, &tables())
 }

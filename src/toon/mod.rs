@@ -2,7 +2,6 @@
 
 pub mod settings;
 
-pub(crate) use settings::validate_tones;
 pub use settings::{Operator, Outline, Tone};
 
 /// How far a line of a width reaches from its middle, in whole pixels or samples as the width is.

@@ -1,18 +1,19 @@
 //! The settings of tones and ink.
 
-use crate::error::{Error, Result, within};
+use crate::error::{Error, Result};
+use crate::settings::{Number, Rule, Setting, settings, three, words};
 use crate::shaders::toon::constants::MOST_TONES;
 use crate::view::BRIGHTEST;
 
-/// The operator that finds lines in the depth image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum Operator {
-    /// Diagonal differences (the paper's way, section 3.5).
-    #[default]
-    Roberts,
-    /// Second differences: no false lines on slopes.
-    Second,
+words! {
+    /// The operator that finds lines in the depth image.
+    pub enum Operator {
+        /// Diagonal differences (the paper's way, section 3.5).
+        #[default]
+        Roberts = "roberts",
+        /// Second differences: no false lines on slopes.
+        Second = "second",
+    }
 }
 
 impl Operator {
@@ -22,35 +23,18 @@ impl Operator {
     }
 }
 
-/// The ink line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
-pub struct Outline {
-    /// Darkness w per squared depth step, >= 0; 1: a step of one voxel is black; 0 removes the line.
-    pub strength: f32,
-    /// Width in pixels, 1 to 16; 1 is the stencil alone.
-    pub width: f32,
-    /// Linear RGB, 0 to [`BRIGHTEST`].
-    pub colour: [f32; 3],
-    /// Which differences.
-    pub operator: Operator,
-}
-
-impl Default for Outline {
-    fn default() -> Self {
-        Outline { strength: 1.0, width: 1.5, colour: [0.0; 3], operator: Operator::Roberts }
-    }
-}
-
-impl Outline {
-    /// Checks every value; `names` are the keys of strength, width and colour.
-    pub(crate) fn validate(&self, names: [&'static str; 3]) -> Result<()> {
-        within(names[0], self.strength, 0.0, 1e6, "0 (off) to 1e6")?;
-        within(names[1], self.width, 1.0, 16.0, "pixels, 1 to 16")?;
-        for c in self.colour {
-            within(names[2], c, 0.0, BRIGHTEST, "linear RGB, 0 to 1e6")?;
-        }
-        Ok(())
+settings! {
+    /// The ink line.
+    #[derive(Copy)]
+    pub struct Outline {
+        /// How dark a step in depth is, per its square.
+        strength: f32 = 1.0, "", 0.0..=1e6, "off";
+        /// How broad the line is; 1 is the thinnest.
+        width: f32 = 1.5, "pixels", 1.0..=16.0;
+        /// What it is drawn with.
+        colour: [f32; 3] = [0.0; 3], "linear [red, green, blue]", 0.0..=BRIGHTEST;
+        /// Which differences of depth make a line; "second" ones make no false lines on slopes.
+        operator: Operator = Operator::default();
     }
 }
 
@@ -70,18 +54,33 @@ impl From<(f32, [f32; 3])> for Tone {
     }
 }
 
-/// Checks the tones of the key `name`.
-pub(crate) fn validate_tones(name: &'static str, tones: &[Tone]) -> Result<()> {
-    if tones.is_empty() || tones.len() > MOST_TONES as usize {
-        return Err(Error::setting(name, format!("{} tones", tones.len()), "1 to 256 tones"));
-    }
-    for (i, tone) in tones.iter().enumerate() {
-        if !(0.0..=1.0).contains(&tone.from) || (i > 0 && tone.from <= tones[i - 1].from) {
-            return Err(Error::setting(name, tone.from, "luminances in 0 to 1, ascending"));
+impl Setting for Vec<Tone> {
+    type Rule = ();
+
+    fn check(&self, key: &str, (): &()) -> Result<()> {
+        let refuse = |value: String, allowed: &str| Err(Error::setting(key.to_owned(), value, allowed));
+        if self.is_empty() || self.len() > MOST_TONES as usize {
+            return refuse(format!("{} tones", self.len()), &format!("1 to {MOST_TONES} tones"));
         }
-        if tone.colour.iter().any(|c| !(0.0..=BRIGHTEST).contains(c)) {
-            return Err(Error::setting(name, format!("{:?}", tone.colour), "linear RGB, 0 to 1e6"));
+        for (i, tone) in self.iter().enumerate() {
+            if !(0.0..=1.0).contains(&tone.from) || (i > 0 && tone.from <= self[i - 1].from) {
+                return refuse(tone.from.to_string(), "luminances in 0 to 1, ascending");
+            }
+            tone.colour.check(key, &Rule::new("linear RGB", 0.0..=BRIGHTEST))?;
         }
+        Ok(())
     }
-    Ok(())
+
+    fn allowed((): &()) -> String {
+        format!(
+            "[[from, [red, green, blue]], ...], 1 to {MOST_TONES} tones, from 0 to 1 ascending (the first reads as 0), linear \
+             colours 0 to {}, or an image file (.png, .exr), whose first row they are",
+            Number::shown(BRIGHTEST)
+        )
+    }
+
+    fn shown(&self) -> Option<String> {
+        let one = |tone: &Tone| format!("[{}, {}]", Number::shown(tone.from), three(tone.colour));
+        Some(format!("[{}]", self.iter().map(one).collect::<Vec<_>>().join(", ")))
+    }
 }

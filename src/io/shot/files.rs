@@ -79,14 +79,15 @@ impl Shot {
 
 #[cfg(test)]
 mod tests {
-    use super::super::keys;
+    use super::super::keys::Keys;
 
     #[test]
     fn every_key_that_takes_a_file_is_known() {
         // These say what of another key's file they are about.
         let about = ["camera.name", "camera.animation", "smoke.density_grid", "smoke.velocity_grid", "blur.animation"];
+        let keys = Keys::new(&crate::program::tables());
         let take: Vec<&str> =
-            keys::KEYS.iter().filter(|(_, allowed)| allowed.contains("file")).map(|(k, _)| *k).collect();
+            keys.all().iter().filter(|dial| dial.allowed.contains("file")).map(|dial| dial.key.as_str()).collect();
         let take: Vec<&str> = take.into_iter().filter(|key| !about.contains(key)).collect();
         let mut known: Vec<&str> = super::keys(&crate::program::tables()).map(|key| key.name).collect();
         let mut take = take;

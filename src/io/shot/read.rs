@@ -9,6 +9,7 @@ use super::tree::{self, Kind, Node, Tree};
 use super::{Background, ShotError};
 use crate::io::pattern::LAST_FRAME;
 use crate::io::scene::Pick;
+use crate::settings::DialKind;
 use crate::view::{BRIGHTEST, FARTHEST};
 
 type Result<T> = std::result::Result<T, ShotError>;
@@ -143,7 +144,7 @@ impl Tree {
                 continue;
             }
             let value = match &node.kind {
-                Kind::Table(entries) if HAVE_DEFAULTS.contains(&path.as_str()) => {
+                Kind::Table(entries) if self.keys.find(&path).is_some_and(|key| key.kind == DialKind::Table) => {
                     Value::Table(self.checked::<T>(effect, &format!("{dotted}."), entries, elsewhere)?)
                 }
                 _ => {
@@ -158,9 +159,6 @@ impl Tree {
         Ok(table)
     }
 }
-
-/// Tables each key of which has a default, so that it can be read without the others.
-const HAVE_DEFAULTS: [&str; 5] = ["smoke.outline", "blur.lines", "blur.ghosts", "blur.toon", "blur.toon.outline"];
 
 fn whole(value: &Value) -> Option<u32> {
     value.as_integer().and_then(|n| u32::try_from(n).ok())

@@ -6,6 +6,7 @@ use crate::io::scene;
 use crate::io::tests::Folder;
 use crate::io::volume::Grids;
 use crate::program::{self, blur::Blur, flame::Flame, smoke::Smoke};
+use crate::settings::DialKind;
 use crate::smoke::{Settings, settings};
 
 fn load(text: &str, sets: &[&str]) -> Result<Shot, ShotError> {
@@ -75,22 +76,65 @@ fn an_empty_table_has_every_default() {
 
 #[test]
 fn built_in_shots_name_every_key_of_their_effects() {
-    for (name, text) in BUILTIN {
+    for (name, _) in BUILTIN {
         let shot = program::load(name, &[]).expect("a built-in shot");
-        let shown = shown(text);
-        let has = |key: &str| shown.iter().any(|(shown, ..)| shown == key);
+        let text = program::builtin_text(name).expect("a built-in shot");
+        let shown = shown(&text);
+        let times = |key: &str| shown.iter().filter(|(shown, ..)| shown == key).count();
         let effect = |key: &str, table: &str| key == table || key.starts_with(&format!("{table}."));
         let is_left_out = |key: &str| {
             (["camera.file", "camera.name", "camera.animation"].contains(&key) && !shot.has("blur"))
                 || key.starts_with("smoke.emitter.")
-                || (effect(key, "blur") && !shot.has("blur"))
-                || (effect(key, "smoke") && !shot.has("smoke"))
-                || (effect(key, "flame") && !shot.has("flame"))
+                || program::tables().iter().any(|table| effect(key, table.name) && !shot.has(table.name))
         };
-        for (key, _) in keys::KEYS {
-            assert_ne!(has(key), is_left_out(key), "{name}: {key}");
+        for dial in Keys::new(&program::tables()).all() {
+            assert_eq!(times(&dial.key), usize::from(!is_left_out(&dial.key)), "{name}: {}", dial.key);
         }
     }
+}
+
+#[test]
+fn comments_change_no_value_and_say_range_and_default() {
+    for (name, text) in BUILTIN {
+        let printed = program::builtin_text(name).expect("a built-in shot");
+        let read = |text: &str| text.parse::<toml::Table>().expect(name);
+        assert_eq!(read(&printed), read(text), "{name}");
+        assert!(printed.lines().all(|line| line.len() <= 120), "{name}");
+    }
+    let printed = program::builtin_text("builtin:smoke").expect("a built-in shot");
+    let line = "sigma = 6.0                     # pixels, 0 (off) or 0.1 to 64; default 4. Standard deviation of the Gaussian.";
+    assert!(printed.lines().any(|printed| printed == line), "{printed}");
+}
+
+/// `docs/dials.md`, as the tables of settings have it.
+fn documented() -> String {
+    let mut text =
+        "# Dials\n\nThe settings of each effect: keys of a shot, and fields of `Settings` of the same names. This \
+                    file is written from their tables: `CELFX_WRITE_DOCS=1 cargo test --lib dials` writes it.\n"
+            .to_owned();
+    for Table { name, dials, .. } in program::tables() {
+        if *name == "vignette" {
+            continue;
+        }
+        text += &format!("\n## `[{name}]`\n\n| key | default | allowed | what it does |\n|---|---|---|---|\n");
+        for Dial { key, about, allowed, default, kind } in dials() {
+            if kind != DialKind::Table {
+                let default = default.map_or("none".to_owned(), |default| format!("`{default}`"));
+                text += &format!("| `{key}` | {default} | {allowed} | {about} |\n");
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn the_dials_are_documented() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/dials.md");
+    if std::env::var_os("CELFX_WRITE_DOCS").is_some() {
+        fs::write(path, documented()).expect("the folder of documents");
+    }
+    let written = fs::read_to_string(path).unwrap_or_default();
+    assert!(written == documented(), "{path} is not what the settings say: run this test with CELFX_WRITE_DOCS=1");
 }
 
 #[test]
@@ -147,10 +191,11 @@ fn built_in_shots_say_the_defaults() {
 
 #[test]
 fn what_built_in_shots_show_commented_out_is_valid_too() {
-    for (name, text) in BUILTIN {
+    for (name, _) in BUILTIN {
         let shot = program::load(name, &[]).expect("a built-in shot");
+        let text = program::builtin_text(name).expect("a built-in shot");
         let mut tried = Vec::new();
-        for (key, _, rest) in shown(text).into_iter().filter(|(_, comment, _)| *comment) {
+        for (key, _, rest) in shown(&text).into_iter().filter(|(_, comment, _)| *comment) {
             let value = rest.split_once(" # ").map_or(rest, |(value, _)| value).trim();
             match program::load(name, &[format!("{key}={value}")]) {
                 // Sprites have a size in metres already.
@@ -180,36 +225,6 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         tried.sort_unstable();
         assert_eq!(tried, expected, "{name}");
     }
-}
-
-#[test]
-fn the_list_of_keys_is_that_of_the_settings() {
-    // Serde names all fields of a structure in the message about an unknown one.
-    fn fields<T: serde::de::DeserializeOwned>(table: &str) -> Vec<String> {
-        let Err(error) = toml::from_str::<T>(table) else { return Vec::new() };
-        let names: Vec<String> = error.message().split('`').skip(3).step_by(2).map(str::to_owned).collect();
-        assert!(names.len() > 1, "{error}");
-        names
-    }
-    let known = |table: &str| {
-        let keys = keys::KEYS.iter().map(|(key, _)| *key).filter(|key| keys::parent(key) == Some(table));
-        keys.map(|key| key.rsplit('.').next().unwrap_or(key).to_owned()).collect::<Vec<_>>()
-    };
-    let without =
-        |table, inputs: &[&str]| known(table).into_iter().filter(|k| !inputs.contains(&k.as_str())).collect::<Vec<_>>();
-    let smoke = without("smoke", &["volume", "density_grid", "velocity_grid", "hold"]);
-    assert_eq!(smoke, fields::<Settings>("zzz = 1"));
-    assert_eq!(known("smoke.outline"), fields::<Settings>("outline = { zzz = 1 }"));
-    assert_eq!(known("smoke.emitter"), fields::<Settings>("emitter = { zzz = 1 }"));
-    let flame = without("flame", &["particles", "hold", "colour"]);
-    assert_eq!(flame, fields::<crate::flame::Settings>("zzz = 1"));
-    let blur = without("blur", &["scene", "animation", "images"]);
-    assert_eq!(blur, fields::<crate::blur::Settings>("zzz = 1"));
-    for table in ["lines", "ghosts", "toon"] {
-        let text = format!("{table} = {{ zzz = 1 }}");
-        assert_eq!(known(&format!("blur.{table}")), fields::<crate::blur::Settings>(&text), "{table}");
-    }
-    assert_eq!(known("blur.toon.outline"), fields::<crate::blur::Settings>("toon = { outline = { zzz = 1 } }"));
 }
 
 #[test]

@@ -4,7 +4,8 @@ use toml::Value;
 use toml::de::{DeTable, DeValue};
 
 use super::camera::INSTEAD_OF_FILE;
-use super::{ShotError, Table, keys};
+use super::keys::{self, Keys};
+use super::{ShotError, Table};
 
 /// Where a key was given.
 #[derive(Clone, Debug)]
@@ -36,6 +37,7 @@ pub(crate) struct Tree {
     pub(super) name: String,
     root: Node,
     tables: Vec<&'static Table>,
+    pub(super) keys: Keys,
 }
 
 impl Tree {
@@ -48,7 +50,7 @@ impl Tree {
             ShotError::Wrong { place: format!("{name}:{line}"), message: one_line(e.message()) }
         })?;
         let root = Node { place: Place::Line(1), kind: convert_table(table.get_ref(), &|at| Place::Line(line(at))) };
-        Ok(Tree { name: name.to_owned(), root, tables: tables.to_vec() })
+        Ok(Tree { name: name.to_owned(), root, tables: tables.to_vec(), keys: Keys::new(tables) })
     }
 
     /// Overrides one key as `KEY=VALUE` says. The value is TOML; one that is not, and does not look as if it
@@ -59,8 +61,8 @@ impl Tree {
             return Err(wrong("expected KEY=VALUE, for example smoke.sigma=4".to_owned()));
         };
         let (key, value) = (key.trim(), value.trim());
-        if keys::allowed(key).is_none() {
-            return Err(wrong(unknown(key)));
+        if self.keys.allowed(key).is_none() {
+            return Err(wrong(self.unknown(key)));
         }
         let kind = match DeValue::parse(value) {
             Ok(parsed) => convert(parsed.get_ref(), &|_| Place::Set),
@@ -103,10 +105,13 @@ impl Tree {
         let Kind::Table(entries) = &node.kind else { return Ok(()) };
         for (key, child) in entries {
             let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-            let Some(allowed) = keys::allowed(&path) else {
-                return Err(ShotError::Wrong { place: self.place_of(&child.place, &path), message: unknown(&path) });
+            let Some(allowed) = self.keys.allowed(&path) else {
+                return Err(ShotError::Wrong {
+                    place: self.place_of(&child.place, &path),
+                    message: self.unknown(&path),
+                });
             };
-            if matches!(child.kind, Kind::Table(_)) != keys::is_table(&path) {
+            if matches!(child.kind, Kind::Table(_)) != self.keys.is_table(&path) {
                 return Err(self.wrong(&path, format!("{path} = {}: allowed: {allowed}", shown(child))));
             }
             self.check_node(&path, child)?;
@@ -129,7 +134,11 @@ impl Tree {
     /// The error of a value that key `path` does not take.
     pub(crate) fn not_allowed(&self, path: &str) -> ShotError {
         let value = self.get(path).map_or_else(String::new, |node| format!(" = {}", shown(node)));
-        self.wrong(path, format!("{path}{value}: allowed: {}", keys::allowed(path).unwrap_or("")))
+        self.wrong(path, format!("{path}{value}: allowed: {}", self.keys.allowed(path).unwrap_or("")))
+    }
+
+    fn unknown(&self, path: &str) -> String {
+        format!("{path}: unknown key; did you mean {}?", self.keys.nearest(path))
     }
 
     fn place_of(&self, place: &Place, path: &str) -> String {
@@ -189,10 +198,6 @@ pub(super) fn value(node: &Node) -> Value {
         Kind::Leaf(value) => value.clone(),
         Kind::Table(entries) => Value::Table(entries.iter().map(|(key, child)| (key.clone(), value(child))).collect()),
     }
-}
-
-fn unknown(path: &str) -> String {
-    format!("{path}: unknown key; did you mean {}?", keys::nearest(path))
 }
 
 fn one_line(text: &str) -> String {

@@ -25,8 +25,20 @@ pub struct Blur {
     pub settings: Settings,
 }
 
+/// Keys of its input, each with what is allowed.
+const INPUTS: &[(&str, &str)] = &[
+    ("blur.scene", "\"builtin:run\", \"builtin:spin\" or \"builtin:crossing\", or a file (.glb, .gltf, .npz)"),
+    (
+        "blur.animation",
+        "the name of an animation of the glTF file, its number, from 0, a list of names and numbers, or \"*\" for all",
+    ),
+    ("blur.images", "a pattern of image files, one a frame (\"frames/####.png\", .exr, .jpg)"),
+];
+
 pub(super) const TABLE: Table = Table {
     name: "blur",
+    inputs: INPUTS,
+    dials: Settings::dials,
     files: &[FileKey::one("blur.scene"), FileKey::sequence("blur.images"), FileKey::one("blur.toon.tones")],
     excluding: &[["blur.teeth", "blur.tooth_width"]],
     read,

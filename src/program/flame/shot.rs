@@ -23,8 +23,16 @@ pub struct Flame {
 /// Colours that are no file.
 const COLOURS: &[&str] = &["physical", "displayable"];
 
+/// Keys of its input, each with what is allowed.
+const INPUTS: &[(&str, &str)] = &[
+    ("flame.particles", "\"builtin:random\", or a file or pattern (\"fire.####.npz\")"),
+    ("flame.hold", "true or false"),
+];
+
 pub(super) const TABLE: Table = Table {
     name: "flame",
+    inputs: INPUTS,
+    dials: Settings::dials,
     files: &[FileKey::sequence("flame.particles"), FileKey::or_words("flame.colour", COLOURS)],
     excluding: &[],
     read,

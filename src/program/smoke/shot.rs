@@ -20,8 +20,18 @@ pub struct Smoke {
     pub settings: Settings,
 }
 
+/// Keys of its input, each with what is allowed.
+const INPUTS: &[(&str, &str)] = &[
+    ("smoke.volume", "\"builtin:plume\", \"builtin:cloud\", or a file or pattern (\"smoke.####.npz\")"),
+    ("smoke.density_grid", "the name of an array in the file"),
+    ("smoke.velocity_grid", "the name of an array in the file"),
+    ("smoke.hold", "true or false"),
+];
+
 pub(super) const TABLE: Table = Table {
     name: "smoke",
+    inputs: INPUTS,
+    dials: Settings::dials,
     files: &[FileKey::sequence("smoke.volume"), FileKey::one("smoke.tones")],
     excluding: &[],
     read,

@@ -43,8 +43,8 @@ pub(super) fn measure(session: &mut Session) -> Outcome {
 /// Half of the smooth step from the radius to the corner.
 fn darkness_at(pixel: usize, radius: f64) -> f64 {
     let [width, height] = SIZE.map(|side| side as usize);
-    let [x, y] = [(pixel % width, width), (pixel / width, height)]
-        .map(|(at, side)| (2.0 * at as f64 + 1.0) / side as f64 - 1.0);
+    let [x, y] =
+        [(pixel % width, width), (pixel / width, height)].map(|(at, side)| (2.0 * at as f64 + 1.0) / side as f64 - 1.0);
     let way = ((x.hypot(y) / 2.0_f64.sqrt() - radius) / (1.0 - radius)).clamp(0.0, 1.0);
     0.5 * way * way * (3.0 - 2.0 * way)
 }

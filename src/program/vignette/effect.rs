@@ -9,7 +9,9 @@ use crate::gpu::image::ImageDesc;
 use crate::gpu::resources::Resources;
 use crate::host::{HostImage, Memory};
 use crate::layout::{Sizes, buffers};
-use crate::plan::{Binding, Blend, BufferId, ColourAttachment, Command, ImageId, Pass, Plan, Raster, Resource, Topology, passes};
+use crate::plan::{
+    Binding, Blend, BufferId, ColourAttachment, Command, ImageId, Pass, Plan, Raster, Resource, Topology, passes,
+};
 use crate::shaders::vignette as glsl;
 pub use crate::shaders::vignette::blocks::VignetteParams;
 

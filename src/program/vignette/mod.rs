@@ -14,6 +14,7 @@ use crate::host::HostImage;
 use crate::io::ReadError;
 use crate::io::shot::{Part, Section, Shot, ShotError, Table, setting_error};
 use crate::offline::{Depth, Describe, Effects, Feed, Place, Scene, TARGET_FORMAT};
+use crate::settings::{Setting, settings};
 use effect::{DARKNESS, Desc, Vignette, VignetteKind};
 
 pub(super) static ENTRY: EffectEntry = EffectEntry {
@@ -24,7 +25,24 @@ pub(super) static ENTRY: EffectEntry = EffectEntry {
     benchmark: Benchmark(bench::measure),
 };
 
-const TABLE: Table = Table { name: "vignette", files: &[], excluding: &[], read };
+settings! {
+    /// What a shot says of its vignette.
+    pub struct Settings {
+        /// How dark the corners are.
+        strength: f32 = 0.5, "", 0.0..=1.0, "off";
+        /// Where it begins, as a share of the way from the centre to a corner.
+        radius: f32 = 0.75, "", 0.0..=0.99;
+    }
+}
+
+const TABLE: Table = Table {
+    name: "vignette",
+    inputs: &[],
+    dials: || Setting::dials(&Settings::default()),
+    files: &[],
+    excluding: &[],
+    read,
+};
 
 impl Part for Settings {
     fn check(&self, is_alone: bool) -> Result<(), String> {
@@ -37,7 +55,7 @@ impl Part for Settings {
 
 fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     let settings: Settings = section.tree.settings("vignette", &[])?;
-    settings.validate().map_err(|e| setting_error(section.tree, &e, ""))?;
+    Setting::check(&settings, "vignette", &()).map_err(|e| setting_error(section.tree, &e, ""))?;
     Ok(Arc::new(settings))
 }
 
