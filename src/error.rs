@@ -97,17 +97,3 @@ impl Error {
         Error::Setting { name: name.into(), value: value.to_string(), allowed: allowed.into() }
     }
 }
-
-/// Refuses a setting that is not within `low` and `high`, or is NaN.
-pub(crate) fn within<T: PartialOrd + ToString>(
-    name: &'static str,
-    value: T,
-    low: T,
-    high: T,
-    allowed: &str,
-) -> Result<()> {
-    match (low..=high).contains(&value) {
-        true => Ok(()),
-        false => Err(Error::setting(name, value, allowed)),
-    }
-}

@@ -1,5 +1,5 @@
-//! Tables of settings. A setting stands once: its field, default, unit, range and text are a line of `settings!`, from which
-//! follow the structure, its checks, and the [`Dial`] that shots, messages and documents show.
+//! Tables of settings. A setting stands once: its field, default, unit, range and text are a line of `settings!`. The
+//! structure, its checks and the [`Dial`] that shots, messages and documents show follow from that.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;

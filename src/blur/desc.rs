@@ -4,8 +4,9 @@ use ash::vk;
 
 use crate::blur::mesh::Mesh;
 use crate::blur::settings::Settings;
-use crate::error::{Error, Result, within};
+use crate::error::{Error, Result};
 use crate::host::DepthFormat;
+use crate::settings::Rule;
 use crate::shaders::blur::constants::{BASE_MASK, MOST_SEGMENTS};
 
 /// Triangles that refinement may make, unless a host says otherwise.
@@ -102,7 +103,7 @@ impl Desc {
         if self.toon && self.groups == 0 {
             return Err(Error::setting("blur's normal groups", 0, "at least 1 where frames are drawn"));
         }
-        within("blur's segments", self.segments, 1, MOST_SEGMENTS, "1 to 32")?;
-        within("blur's resident frames", self.frames_resident, 4, 1 << 24, "4 to 16777216")
+        Rule::new("", 1..=MOST_SEGMENTS).check("blur's segments", self.segments)?;
+        Rule::new("", 4..=1 << 24).check("blur's resident frames", self.frames_resident)
     }
 }

@@ -294,7 +294,7 @@ impl Layout {
         self.set(TOON_BUFFER, if desc.toon { BASE_COLOURS + 48 * u64::from(desc.triangles) } else { 0 });
         self.set(
             TRAILING,
-            if desc.settings.lines.count > 0 { size_of::<Trail>() as u64 * u64::from(MOST_LINES) } else { 0 },
+            if desc.settings.lines.are_on() { size_of::<Trail>() as u64 * u64::from(MOST_LINES) } else { 0 },
         );
         // Four samples a pixel.
         self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
@@ -390,7 +390,7 @@ impl Inventory for Layout {
         let outer_drawn = ImageDesc { extent: if desc.outer { drawn.extent } else { [1; 2] }, ..drawn };
         let ghost = ImageDesc {
             name: "blur ghost",
-            extent: if desc.settings.ghosts.count > 0 { extent } else { [1; 2] },
+            extent: if desc.settings.ghosts.are_on() { extent } else { [1; 2] },
             format: GHOST_FORMAT,
             usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
             ..seen

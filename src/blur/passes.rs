@@ -210,7 +210,7 @@ fn from_toon(name: &'static str, to: &[ImageId]) -> Pass {
 /// A frame from what its samples see.
 fn toon(desc: &Desc, image: ImageId) -> Pass {
     let toon = &desc.settings.toon;
-    let inked = u32::from(toon.outline.strength > 0.0);
+    let inked = u32::from(toon.outline.is_on());
     whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise([inked, ink_reach(toon)])
 }
 

@@ -161,7 +161,31 @@ pub const MOST_STRENGTH: f32 = 4.0;
 /// How far lines and after-images reach back at most, in frames.
 pub const MOST_LENGTH: f32 = 8.0;
 
+impl Lines {
+    /// Whether there are any.
+    pub fn are_on(&self) -> bool {
+        self.count > 0
+    }
+}
+
+impl Ghosts {
+    /// Whether there are any.
+    pub fn are_on(&self) -> bool {
+        self.count > 0
+    }
+}
+
 impl Settings {
+    /// Whether anything is smeared.
+    pub fn smears(&self) -> bool {
+        self.strength > 0.0
+    }
+
+    /// Whether there are speed lines or after-images.
+    pub fn draws_behind(&self) -> bool {
+        self.lines.are_on() || self.ghosts.are_on()
+    }
+
     /// `pixels` at 1080 lines, in a picture of `height` lines.
     pub fn scaled(pixels: f32, height: u32) -> f32 {
         pixels * height as f32 / 1080.0
@@ -174,7 +198,7 @@ impl Settings {
 
     /// How far before frame i the trajectory is looked at, in frames, 0 to 11.
     pub fn reach(&self) -> f32 {
-        let lines = if self.lines.count > 0 { self.lines.length } else { 0.0 };
+        let lines = if self.lines.are_on() { self.lines.length } else { 0.0 };
         let ghosts = self.ghosts.count as f32 * self.ghosts.step;
         (self.strength - 1.0).max(0.0) + lines.max(ghosts)
     }
@@ -182,7 +206,7 @@ impl Settings {
     /// Whether triangles that are drawn outside the picture need no refinement. After-images are of the same triangles,
     /// and may be inside.
     pub fn is_clipped(&self) -> bool {
-        self.ghosts.count == 0
+        !self.ghosts.are_on()
     }
 
     /// The keys of `[blur]`, in order.

@@ -51,15 +51,10 @@ pub fn still(desc: &Desc, frame: &Frame) -> Option<&'static str> {
     match &frame.interval {
         None => Some("nothing moves"),
         Some(interval) if interval.counts.clusters == 0 => Some("nothing moves"),
-        Some(_) if desc.settings.strength == 0.0 && !draws_behind(desc) => Some("strength is 0"),
+        Some(_) if !desc.settings.smears() && !desc.settings.draws_behind() => Some("strength is 0"),
         Some(_) if desc.triangles == 0 => Some("the mesh has no triangles"),
         Some(_) => None,
     }
-}
-
-/// Whether there are speed lines or after-images.
-fn draws_behind(desc: &Desc) -> bool {
-    desc.settings.lines.count > 0 || desc.settings.ghosts.count > 0
 }
 
 /// Frames i - 1 to i + 2 where an output needs them and the host has no images of them.
@@ -118,7 +113,7 @@ impl Steps<'_> {
         self.refine();
         self.draw(outer);
         self.frames(frame, outer);
-        if self.desc.settings.strength == 0.0 {
+        if !self.desc.settings.smears() {
             // The target has frame i + 1, and only what is behind the mesh is missing.
             self.skip_picture("strength is 0");
         } else {
@@ -128,7 +123,7 @@ impl Steps<'_> {
         }
         self.ghosts();
         self.lines(interval);
-        let is_composed = self.desc.settings.strength > 0.0;
+        let is_composed = self.desc.settings.smears();
         self.depth(frame, There { is_seen: true, is_composed, ..there });
     }
 
@@ -156,7 +151,7 @@ impl Steps<'_> {
     /// After-images, the earliest first.
     fn ghosts(&mut self) {
         let ghosts = self.desc.settings.ghosts;
-        if ghosts.count == 0 {
+        if !ghosts.are_on() {
             return self.plan.skip(self.passes.ghost, "none are asked for");
         }
         for ghost in (1..=ghosts.count).rev() {
@@ -171,7 +166,7 @@ impl Steps<'_> {
     /// Speed lines.
     fn lines(&mut self, interval: &IntervalInput) {
         let lines = self.desc.settings.lines;
-        if lines.count == 0 {
+        if !lines.are_on() {
             return self.plan.skip(self.passes.lines, "none are asked for");
         }
         let clusters = interval.counts.clusters;
@@ -269,7 +264,7 @@ impl Steps<'_> {
         let Desc { size: [width, height], triangles, .. } = *self.desc;
         let constants = VisibilityConstants { frame: index };
         self.plan.step_with(self.passes.toon_see, Command::Draw { vertices: 3 * triangles }, &constants);
-        if self.desc.settings.toon.outline.strength > 0.0 {
+        if self.desc.settings.toon.outline.is_on() {
             let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
             self.plan.step(self.passes.toon_lines, samples);
         }

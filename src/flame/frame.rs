@@ -79,7 +79,7 @@ impl Frame {
             }
             None => {}
         }
-        if self.accumulate && desc.settings.adaptive > 0.0 {
+        if self.accumulate && desc.settings.is_adaptive() {
             return Err(Error::setting("frame.accumulate", true, "not with flame.adaptive"));
         }
         check_image("target", &self.target, desc.size, desc.target_format)?;

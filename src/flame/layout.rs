@@ -153,7 +153,7 @@ impl Layout {
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
         self.set(MASK, texels * 4);
-        if desc.settings.mode == Mode::Expected {
+        if desc.settings.is_expected() {
             self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
         }
         let arguments: u64 = self.stages.iter().map(|stage| u64::from(2 * stage.parts)).sum();
@@ -172,7 +172,7 @@ impl Layout {
             Mode::Expected => VECTOR * u64::from(UNFINISHED_VECTORS),
         };
         // Between dispatches, the last two bins of each pixel of the expected image, which lean on their neighbours.
-        let is_cut = desc.settings.mode == Mode::Expected && self.stages.iter().any(|stage| stage.parts > 1);
+        let is_cut = desc.settings.is_expected() && self.stages.iter().any(|stage| stage.parts > 1);
         self.set(UNLAID, kept(is_cut, pixels * VECTOR * u64::from(UNLAID_VECTORS + u32::from(desc.layers))));
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);

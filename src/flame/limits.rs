@@ -69,7 +69,7 @@ impl Stage {
 /// Repetitions, or the bins of the expected image, are done in as many dispatches as the longest possible list asks for.
 pub fn stages(desc: &Desc) -> Result<Vec<Stage>> {
     let settings = &desc.settings;
-    let expected = settings.mode == Mode::Expected;
+    let expected = settings.is_expected();
     let particles = u64::from(desc.particles.max(1));
     let cost = Cost::new(desc);
     let visit = u64::from(cost.visit) + (most_count(desc) * u64::from(cost.eighths)).div_ceil(8);
@@ -83,7 +83,7 @@ pub fn stages(desc: &Desc) -> Result<Vec<Stage>> {
         return Ok(vec![Stage { last: settings.repetitions, ..Stage::default() }]);
     }
     let mut ends = Vec::new();
-    if settings.adaptive > 0.0 && !expected {
+    if settings.is_adaptive() && !expected {
         ends.extend((0..).map(|i| FIRST_STAGE << i).take_while(|end| *end < all));
     }
     ends.push(all);
@@ -124,14 +124,16 @@ fn check_raster(desc: &Desc) -> Result<()> {
             let allowed = "1 to 4096 with method = \"raster\"";
             Err(Error::setting("flame.repetitions", repetitions, allowed))
         }
-        _ if adaptive > 0.0 => Err(Error::setting("flame.adaptive", adaptive, "0 with method = \"raster\"")),
+        _ if desc.settings.is_adaptive() => {
+            Err(Error::setting("flame.adaptive", adaptive, "0 with method = \"raster\""))
+        }
         _ => Ok(()),
     }
 }
 
 /// Whether repetitions are drawn, one after the other.
 pub fn is_raster(desc: &Desc) -> bool {
-    desc.settings.mode == Mode::Stochastic && desc.settings.method == Method::Raster
+    !desc.settings.is_expected() && desc.settings.method == Method::Raster
 }
 
 /// The most render particles that a particle can have.

@@ -46,7 +46,7 @@ passes! {
     lamp = Pass::compute("flame.light", &glsl::light::SHADER);
     light = light(desc);
     resolve = Pass::compute("flame.resolve", &glsl::resolve::SHADER)
-        .specialise([u32::from(desc.layers), u32::from(desc.settings.mode == Mode::Expected)]);
+        .specialise([u32::from(desc.layers), u32::from(desc.settings.is_expected())]);
     composite = composite(desc);
 }
 
@@ -65,7 +65,7 @@ fn variant(desc: &Desc, look_up: u32) -> [u32; 5] {
     [
         u32::from(settings.shape == Shape::Cube),
         u32::from(settings.sampling == Sampling::ShuffledSobol),
-        u32::from(settings.flicker > 0.0),
+        u32::from(settings.flickers()),
         look_up,
         u32::from(desc.scene.is_some()),
     ]

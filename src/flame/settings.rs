@@ -122,6 +122,26 @@ pub const HOTTEST: f32 = 1e6;
 pub const MOST_REPETITIONS: u32 = 1 << 20;
 
 impl Settings {
+    /// Whether the image is the one that repetitions converge to.
+    pub fn is_expected(&self) -> bool {
+        self.mode == Mode::Expected
+    }
+
+    /// Whether tiles end when their pixels are exact enough.
+    pub fn is_adaptive(&self) -> bool {
+        self.adaptive > 0.0
+    }
+
+    /// Whether sprites are drawn anew from frame to frame.
+    pub fn flickers(&self) -> bool {
+        self.flicker > 0.0
+    }
+
+    /// Whether the fire tints what is in the scene.
+    pub fn lights(&self) -> bool {
+        self.light > 0.0
+    }
+
     /// Side of a sprite in metres, unless it is given in pixels.
     pub fn sprite(&self) -> f32 {
         self.size.or(self.spread).unwrap_or_default()
@@ -139,7 +159,7 @@ impl Settings {
         if self.size.is_some() {
             return Err(Error::setting("flame.size_pixels", pixels, "not together with flame.size"));
         }
-        if self.mode == Mode::Expected {
+        if self.is_expected() {
             let allowed = "not with mode = \"expected\", whose table is in metres; use flame.size";
             return Err(Error::setting("flame.size_pixels", pixels, allowed));
         }

@@ -14,7 +14,7 @@ use crate::flame::params::{
     PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants, UNORM_16, UNORM_24,
 };
 use crate::flame::passes::Passes;
-use crate::flame::settings::{Mode, Shape};
+use crate::flame::settings::Shape;
 use crate::host::{Background, HostDepth};
 use crate::plan::{Command, Plan, Shader};
 use crate::shaders::flame as glsl;
@@ -167,7 +167,7 @@ impl Steps<'_> {
     /// The table of the expected image, where it is not that of this frame.
     fn kernel(&mut self, frame: &Frame) {
         let settings = &self.desc.settings;
-        if settings.mode == Mode::Stochastic {
+        if !settings.is_expected() {
             return self.plan.skip(self.passes.kernel, "mode is \"stochastic\"");
         }
         // A cube is seen from another side by another camera.
@@ -218,7 +218,7 @@ impl Steps<'_> {
 
     /// What the fire does to the scene around it.
     fn light(&mut self) {
-        if self.desc.settings.light == 0.0 || self.desc.scene.is_none() {
+        if !self.desc.settings.lights() || self.desc.scene.is_none() {
             return self.plan.skip(self.passes.light, "light is 0, or nothing else is in the scene");
         }
         self.plan.step(self.passes.lamp, one_group(&glsl::light::SHADER));

@@ -18,7 +18,7 @@ use crate::smoke::desc::Desc;
 use crate::smoke::frame::Shape;
 use crate::smoke::limits::{LUMINANCE_ENTRIES, ROW_SUM_BYTES};
 use crate::smoke::search::{Pyramid, growth_rows};
-use crate::smoke::settings::{Grow, Shadow};
+use crate::smoke::settings::Grow;
 
 buffers! {
     "smoke"
@@ -147,7 +147,7 @@ impl Layout {
         let per_group = tile_count * u64::from(SLOT_PIXELS) * 8;
         let batch_groups = (ROW_SUM_BYTES / per_group).clamp(1, u64::from(settings.group_count())) as u32;
         let faces = if desc.point_light { 6 } else { 1 };
-        let exact = settings.shadow == Shadow::Exact;
+        let exact = settings.is_exact();
         // As many finest cells as particles, within what one workgroup can sum up in its loop budget.
         let most = if desc.point_light { 6 } else { 7 };
         let finest = (f64::from(settings.particles.max(1)).sqrt().log2().ceil() as u32).min(most);
@@ -255,8 +255,8 @@ impl Layout {
         let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]);
         let blocks = tiles * u64::from(TILE_BLOCKS * TILE_BLOCKS);
         let settings = &desc.settings;
-        let filtered = settings.sigma > 0.0;
-        let inked = settings.outline.strength > 0.0;
+        let filtered = settings.is_filtered();
+        let inked = settings.outline.is_on();
         let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
         let items = u64::from(self.batches) * u64::from(self.batch_capacity);
         self.set(BLOCK_MASKS, blocks * 4);
@@ -306,7 +306,7 @@ impl Inventory for Layout {
     }
 
     fn images(&self, desc: &Desc) -> Vec<ImageDesc> {
-        let map = if desc.settings.shadow == Shadow::Map { desc.settings.shadow_map } else { 1 };
+        let map = if desc.settings.has_shadow_map() { desc.settings.shadow_map } else { 1 };
         let depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let seen = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
         let flat = ImageDesc {

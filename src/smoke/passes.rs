@@ -68,7 +68,7 @@ fn across(layout: &Layout) -> u32 {
 
 /// The faces of the shadow map.
 fn shadow_maps(desc: &Desc, layout: &Layout) -> Vec<Pass> {
-    let faces = if desc.settings.shadow == Shadow::Map { layout.light_faces } else { 0 };
+    let faces = if desc.settings.has_shadow_map() { layout.light_faces } else { 0 };
     (0..faces).map(|face| shadow_map(desc, face)).collect()
 }
 
@@ -113,8 +113,8 @@ fn luminance(desc: &Desc, layout: &Layout) -> Pass {
 fn tone(desc: &Desc) -> Pass {
     let settings = &desc.settings;
     Pass::compute("smoke.tone", &glsl::tone::SHADER).specialise([
-        u32::from(settings.sigma > 0.0),
-        u32::from(settings.outline.strength > 0.0),
+        u32::from(settings.is_filtered()),
+        u32::from(settings.outline.is_on()),
         u32::from(desc.layers),
         toon::ink_reach(settings.outline.width),
     ])

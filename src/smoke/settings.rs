@@ -172,6 +172,26 @@ settings! {
 }
 
 impl Settings {
+    /// Whether luminance is smoothed.
+    pub fn is_filtered(&self) -> bool {
+        self.sigma > 0.0
+    }
+
+    /// Whether spheres shadow each other.
+    pub fn casts_shadows(&self) -> bool {
+        self.shadow != Shadow::None
+    }
+
+    /// Whether shadows are found by rays.
+    pub fn is_exact(&self) -> bool {
+        self.shadow == Shadow::Exact
+    }
+
+    /// Whether shadows are found by a map.
+    pub fn has_shadow_map(&self) -> bool {
+        self.shadow == Shadow::Map
+    }
+
     /// Window of the Gaussian to each side in pixels: `ceil(cutoff * sigma)`; 0 if it is off.
     pub fn window(&self) -> u32 {
         (self.cutoff * self.sigma).ceil() as u32

@@ -226,7 +226,7 @@ impl Steps<'_> {
         }
         self.gaussian();
         let tiles = dispatch(offset_of!(Control, tile_groups));
-        match settings.outline.strength > 0.0 {
+        match settings.outline.is_on() {
             true => self.plan.step(self.passes.outline, tiles),
             false => self.plan.skip(self.passes.outline, "strength is 0"),
         }
@@ -264,7 +264,7 @@ impl Steps<'_> {
     fn clear(&mut self) {
         self.plan.step(self.passes.clear, Command::Fill { buffer: PIXELS, word: 0 });
         self.plan.step(self.passes.clear, Command::Fill { buffer: DEPTH, word: f32::INFINITY.to_bits() });
-        if self.desc.settings.outline.strength > 0.0 {
+        if self.desc.settings.outline.is_on() {
             self.plan.step(self.passes.clear, Command::Fill { buffer: LINES, word: 0 });
         }
         if self.desc.layers {
@@ -277,16 +277,16 @@ impl Steps<'_> {
 
     fn shadow(&mut self) {
         let settings = &self.desc.settings;
-        let reason = match settings.shadow {
-            Shadow::None => Some("shadow is \"none\""),
-            _ => self.moment.same_shadow,
+        let reason = match settings.casts_shadows() {
+            true => self.moment.same_shadow,
+            false => Some("shadow is \"none\""),
         };
         if let Some(reason) = reason {
             self.plan.skip(self.passes.shadow_reset, reason);
             return;
         }
         let live = dispatch(offset_of!(Control, live_groups));
-        if settings.shadow == Shadow::Exact {
+        if settings.is_exact() {
             self.plan.step(self.passes.shadow_reset, Command::Fill { buffer: CELLS, word: 0 });
             self.plan.step(self.passes.shadow_count, live);
             self.plan
@@ -300,7 +300,7 @@ impl Steps<'_> {
     }
 
     fn gaussian(&mut self) {
-        if self.desc.settings.sigma == 0.0 {
+        if !self.desc.settings.is_filtered() {
             self.plan.skip(self.passes.rows, "sigma is 0");
             self.plan.skip(self.passes.columns, "sigma is 0");
             return;

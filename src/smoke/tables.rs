@@ -20,7 +20,7 @@ impl Tables {
             true => (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp() as f32,
             false => 0.0,
         };
-        let weights = match settings.sigma > 0.0 {
+        let weights = match settings.is_filtered() {
             true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
             false => vec![1.0],
         };

@@ -38,6 +38,13 @@ settings! {
     }
 }
 
+impl Outline {
+    /// Whether there is a line.
+    pub fn is_on(&self) -> bool {
+        self.strength > 0.0
+    }
+}
+
 /// One tone: from luminance `from` upwards the colour is `colour`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(from = "(f32, [f32; 3])"))]

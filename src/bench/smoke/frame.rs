@@ -101,7 +101,7 @@ impl Seen {
 
     /// Of all channels of the pixels where there is smoke in one of the two pictures.
     fn accuracy(&self, settings: &Settings, picture: &[[f32; 4]]) -> Accuracy {
-        let luminance = if settings.shadow == Shadow::None { &self.open } else { &self.shadowed };
+        let luminance = if settings.casts_shadows() { &self.shadowed } else { &self.open };
         let [width, height] = self.size.map(|side| side as usize);
         let smooth = gaussian::masked_separable(width, height, luminance, &self.id, settings.sigma, settings.cutoff);
         let tones = tone::tones(self.size, &smooth, &self.id, &settings.tones, settings.tone_softness.into());

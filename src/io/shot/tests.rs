@@ -99,7 +99,7 @@ fn comments_change_no_value_and_say_range_and_default() {
         let printed = program::builtin_text(name).expect("a built-in shot");
         let read = |text: &str| text.parse::<toml::Table>().expect(name);
         assert_eq!(read(&printed), read(text), "{name}");
-        assert!(printed.lines().all(|line| line.len() <= 120), "{name}");
+        assert!(printed.lines().all(|line| line.chars().count() <= 120), "{name}");
     }
     let printed = program::builtin_text("builtin:smoke").expect("a built-in shot");
     let line = "sigma = 6.0                     # pixels, 0 (off) or 0.1 to 64; default 4. Standard deviation of the Gaussian.";

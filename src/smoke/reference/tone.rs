@@ -79,7 +79,7 @@ pub fn outline(size: [u32; 2], depth: &[f64], camera: &Camera, voxel: f64, setti
 /// 1 - l of one pixel: the squared diagonal differences of depth in units of `max(voxel, 8 pixels)`.
 fn stencil(size: [u32; 2], depth: &[f64], footprint: f64, voxel: f64, settings: &Outline, pixel: usize) -> f64 {
     let centre = depth[pixel];
-    if !centre.is_finite() || settings.strength == 0.0 {
+    if !centre.is_finite() || !settings.is_on() {
         return 0.0;
     }
     let [x, y] = place(size, pixel);
