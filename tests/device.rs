@@ -15,7 +15,7 @@ use celfx::gpu::profiler::{Profiler, Timing, queries};
 use celfx::host::Host;
 use celfx::profile::Clock;
 use common::picture::{Picture, Tolerance, compare};
-use common::{TestDevice, device};
+use common::{TestDevice, device, host};
 
 const BYTES: u64 = 1 << 20;
 
@@ -25,12 +25,8 @@ fn buffers<const N: usize>(device: &mut TestDevice) -> [Buffer; N] {
     [(); N].map(|()| unsafe { Buffer::new(&host, allocator, &BufferDesc::storage("test", BYTES)) }.expect("a buffer"))
 }
 
-fn destroy(device: &mut TestDevice, buffers: impl IntoIterator<Item = Buffer>) {
-    let (host, allocator) = device.parts();
-    for mut buffer in buffers {
-        // SAFETY: every submission has been waited for.
-        unsafe { buffer.destroy(&host, allocator) };
-    }
+fn destroy(device: &mut TestDevice, mut buffers: impl AsMut<[Buffer]>) {
+    host::destroy(device, buffers.as_mut(), []);
 }
 
 unsafe fn copy(host: &Host, commands: vk::CommandBuffer, from: &Buffer, to: &Buffer) {
@@ -45,13 +41,8 @@ unsafe fn fill(host: &Host, commands: vk::CommandBuffer, buffer: &Buffer, word: 
 }
 
 unsafe fn transfer_barrier(host: &Host, commands: vk::CommandBuffer) {
-    let barrier = [vk::MemoryBarrier2::default()
-        .src_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
-        .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
-        .dst_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
-        .dst_access_mask(vk::AccessFlags2::TRANSFER_READ | vk::AccessFlags2::TRANSFER_WRITE)];
     // SAFETY: the caller's.
-    unsafe { host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier)) };
+    unsafe { host::barrier(host, commands, host::TRANSFER_WRITTEN, host::TRANSFERRED) };
 }
 
 fn assert_said(said: &[String], what: &str) {
@@ -211,14 +202,10 @@ fn validation_reports_a_missing_barrier_between_dispatches() {
             let [first, second] = [0, 1].map(|i| CopyKernel::new(&device.host(), &buffers[i], &buffers[i + 1]));
             let recorded = device.one_time("dispatch twice", |host, commands| {
                 first.dispatch(host, commands);
-                let barrier = [vk::MemoryBarrier2::default()
-                    .src_stage_mask(vk::PipelineStageFlags2::COMPUTE_SHADER)
-                    .src_access_mask(vk::AccessFlags2::SHADER_STORAGE_WRITE)
-                    .dst_stage_mask(vk::PipelineStageFlags2::COMPUTE_SHADER)
-                    .dst_access_mask(vk::AccessFlags2::SHADER_STORAGE_READ)];
                 if with_barrier {
-                    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-                    host.device.cmd_pipeline_barrier2(commands, &dependency);
+                    let stage = vk::PipelineStageFlags2::COMPUTE_SHADER;
+                    let written = (stage, vk::AccessFlags2::SHADER_STORAGE_WRITE);
+                    host::barrier(host, commands, written, (stage, vk::AccessFlags2::SHADER_STORAGE_READ));
                 }
                 second.dispatch(host, commands);
                 Ok(())

@@ -13,6 +13,9 @@ use celfx::effect::Inventory;
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::plan::{Command, PassId, Plan};
+use celfx::shaders::blur as shaders;
+use celfx::shaders::blur::constants::BLOCK;
+use celfx::smoke::limits::LOOP_BUDGET;
 use celfx::view::{Camera, Light, LightSource};
 
 const RANGE: u64 = 128 << 20;
@@ -284,15 +287,16 @@ fn sizes_follow_from_counts_and_the_device() {
 #[test]
 fn loops_stay_within_their_budget() {
     // What edges look at of hulls: `extent::new_vertices_have_the_extents_of_brute_force` has as much as there may be.
-    // The scan: 256 lanes walk twice over their blocks of the most triangles that there can be, and over each other.
+    // The scan: lanes walk twice over their blocks of the most triangles that there can be, and over each other.
     let layout =
         Layout::new(&Desc { most_triangles: 60_000_000, ..desc(Settings::default()) }, u64::MAX).expect("a layout");
-    let blocks = u64::from(layout.triangles).div_ceil(128).div_ceil(256);
-    assert!(2 * blocks + 256 <= 50_000);
+    let [lanes, ..] = shaders::scan::SHADER.local_size;
+    let blocks = layout.triangles.div_ceil(BLOCK).div_ceil(lanes);
+    assert!(2 * blocks + lanes <= LOOP_BUDGET);
     // Around a pixel, in both frames: the widest skirt that there may be.
     let settings = Settings { skirt: 16.0, ..Settings::default() };
     let reach = 2 * settings.skirt as u32 + 1;
-    assert!(settings.validate().is_ok() && 2 * (reach * reach + reach) <= 48_000);
+    assert!(settings.validate().is_ok() && 2 * (reach * reach + reach) <= LOOP_BUDGET);
     assert!(Settings { skirt: 16.1, ..settings }.validate().is_err());
 }
 

@@ -42,6 +42,17 @@ impl Animation {
         [i.saturating_sub(1), i, i + 1, i + 2].map(|frame| self.view(frame))
     }
 
+    /// The same seen through a window in the picture's middle: pixels are as large and as many of them lie between points,
+    /// but few have to be rendered.
+    pub fn through_window(mut self, size: [u32; 2]) -> Animation {
+        let share = f64::from(size[1]) / f64::from(self.size[1]);
+        for camera in &mut self.cameras {
+            camera.vertical_fov = 2.0 * (share * (camera.vertical_fov.to_radians() / 2.0).tan()).atan().to_degrees();
+        }
+        self.size = size;
+        self
+    }
+
     /// Pixel clip coordinates.
     pub fn clip(&self, frame: usize, point: usize) -> DVec3 {
         let camera = &self.cameras[frame];

@@ -70,9 +70,12 @@ fn worst(animation: &Animation, sides: [u32; 2], i: usize, space: Space) -> Opti
     Some(worst)
 }
 
+/// As much as is rendered of pictures in which only trajectories are looked at.
+const WINDOW: [u32; 2] = [32, 18];
+
 #[test]
 fn offsets_are_those_of_f64() {
-    let animation = swing([9, 7], 26, [1920, 1080], 0.5);
+    let animation = swing([9, 7], 26, [1920, 1080], 0.5).through_window(WINDOW);
     for space in [Space::Homogeneous, Space::Screen] {
         for i in [3, 12, 24] {
             let Some(worst) = worst(&animation, [9, 7], i, space) else { return };
@@ -85,7 +88,7 @@ fn offsets_are_those_of_f64() {
 /// Points to 10,000 pixels from the corner, that move by up to 1000 pixels a frame, to the side and in depth.
 #[test]
 fn offsets_are_exact_far_from_the_picture() {
-    let mut animation = swing([9, 7], 26, [1920, 1080], 0.3);
+    let mut animation = swing([9, 7], 26, [1920, 1080], 0.3).through_window(WINDOW);
     for (frame, pose) in animation.poses.iter_mut().enumerate() {
         for (point, position) in pose.iter_mut().enumerate() {
             let point = point as u32;
@@ -111,7 +114,7 @@ fn poses_make_the_pieces_of_the_interval() {
         (2.0, Space::Screen, 10..11, Some(13)),
         (3.0, Space::Homogeneous, 0..0, Some(7)),
     ] {
-        let (mesh, mut animation) = (grid(sides), swing(sides, 16, [960, 540], 0.3));
+        let (mesh, mut animation) = (grid(sides), swing(sides, 16, [960, 540], 0.3).through_window(WINDOW));
         for frame in held {
             animation.poses[frame] = animation.poses[frame - 1].clone();
             animation.cameras[frame] = animation.cameras[frame - 1];

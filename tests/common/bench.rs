@@ -5,13 +5,13 @@ use ash::vk;
 use celfx::data::Volume;
 use celfx::effect::Inventory;
 use celfx::error::Result;
-use celfx::gpu::buffer::{Buffer, BufferDesc};
-use celfx::gpu::image::{Image, ImageDesc};
+use celfx::gpu::image::Image;
 use celfx::gpu::kernel::Pipelines;
 use celfx::gpu::profiler::Timing;
 use celfx::gpu::recorder::{Recorder, Recording};
 use celfx::gpu::resources::Resources;
-use celfx::host::{Host, HostBuffer, HostImage, ImageState};
+use celfx::gpu::transfer::CLEARED;
+use celfx::host::{HostImage, ImageState};
 use celfx::offline::TARGET_FORMAT;
 use celfx::plan::{BufferId, Plan};
 use celfx::smoke::layout::{self, Layout};
@@ -21,12 +21,19 @@ use celfx::smoke::steps::{Moment, Steps};
 use celfx::smoke::tables::Tables;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Shape, VolumeInput};
 use celfx::view::{Camera, Light};
-use gpu_allocator::MemoryLocation;
 
+use super::host::{self, ALL, ALL_WRITTEN};
 use super::{TestDevice, device};
 
 /// Lavapipe's largest range of a storage buffer, the smallest of the devices that tests run on.
 pub const RANGE: u64 = 128 << 20;
+
+/// How the effect leaves its images, for whatever comes.
+const GENERAL: ImageState = ImageState {
+    stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+    access: vk::AccessFlags2::MEMORY_WRITE,
+    layout: vk::ImageLayout::GENERAL,
+};
 
 /// The effect's passes, and buffers that tests write and read.
 pub struct Bench {
@@ -64,7 +71,7 @@ impl Bench {
         let mut resources = Resources::default();
         let (host, allocator) = device.parts();
         // SAFETY: the handles are the device's own; everything is destroyed before it.
-        let (pipelines, target) = unsafe {
+        let pipelines = unsafe {
             for buffer in layout.buffers() {
                 resources.add_buffer(&host, allocator, &buffer).expect("a buffer");
             }
@@ -78,128 +85,63 @@ impl Bench {
             }
             resources.add_host_image();
             resources.add_host_image();
-            let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
-            let target = ImageDesc {
-                name: "bench target",
-                extent: desc.size,
-                layers: 1,
-                array_view: false,
-                format: TARGET_FORMAT,
-                usage,
-            };
-            let target = Image::new(&host, allocator, &target).expect("a target");
-            (Pipelines::new(&host, &passes.list, &resources).expect("pipelines"), target)
+            Pipelines::new(&host, &passes.list, &resources).expect("pipelines")
         };
+        let target = host::image(&mut device, desc.size, TARGET_FORMAT);
         let recorder = Recorder::new(&resources);
         let plan = Plan::default();
         let (pipelines, target) = (Some(pipelines), Some(target));
         Some(Bench { device, desc, layout, passes, plan, resources, pipelines, recorder, target })
     }
 
-    fn staging(&mut self, bytes: u64, location: MemoryLocation) -> Buffer {
-        let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
-        let desc = BufferDesc { name: "bench staging", size: bytes.max(16), usage, location };
-        let (host, allocator) = self.device.parts();
-        // SAFETY: the handles are the device's own.
-        unsafe { Buffer::new(&host, allocator, &desc) }.expect("a staging buffer")
-    }
-
-    fn upload(&mut self, bytes: &[u8]) -> Buffer {
-        let mut buffer = self.staging(bytes.len() as u64, MemoryLocation::CpuToGpu);
-        buffer.mapped_mut().expect("mapped memory")[..bytes.len()].copy_from_slice(bytes);
-        buffer
-    }
-
-    fn free(&mut self, mut buffer: Buffer) {
-        let (host, allocator) = self.device.parts();
-        // SAFETY: every submission has been waited for.
-        unsafe { buffer.destroy(&host, allocator) };
-    }
-
     /// Writes the start of a buffer.
     pub fn write<T: bytemuck::NoUninit>(&mut self, id: BufferId, values: &[T]) {
-        let bytes: &[u8] = bytemuck::cast_slice(values);
-        let from = self.upload(bytes);
-        let (to, _, size) = self.resources.buffer(id);
-        assert!(bytes.len() as u64 <= size, "{id:?} holds {size} bytes");
-        let regions = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size: bytes.len() as u64 }];
-        let done = self.device.one_time("bench write", |host, commands| {
+        let size = size_of_val(values) as u64;
+        let (to, _, available) = self.resources.buffer(id);
+        assert!(size <= available, "{id:?} holds {available} bytes");
+        let mut from = host::source(&mut self.device, size);
+        host::fill(&mut from, values);
+        host::run(&mut self.device, |host, commands| {
             // SAFETY: both buffers are alive; nothing else is on its way.
             unsafe {
-                full_barrier(host, commands);
+                host::barrier(host, commands, ALL_WRITTEN, ALL);
+                let regions = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size }];
                 host.device.cmd_copy_buffer(commands, from.handle, to, &regions);
-                full_barrier(host, commands);
+                host::barrier(host, commands, ALL_WRITTEN, ALL);
             }
-            Ok(())
         });
-        done.expect("the copy runs");
-        self.free(from);
+        host::destroy(&mut self.device, [&mut from], []);
     }
 
     /// Writes what each pixel has seen: `(slot + 1) << 8 | group`, 0 for nothing. After the first frame.
     pub fn write_seen(&mut self, codes: &[u32]) {
         let [width, height] = self.desc.size;
         assert_eq!(codes.len(), (width * height) as usize);
-        let from = self.upload(bytemuck::cast_slice(codes));
-        let image = self.resources.image(layout::SEEN);
-        let layers = vk::ImageSubresourceLayers {
-            aspect_mask: vk::ImageAspectFlags::COLOR,
-            mip_level: 0,
-            base_array_layer: 0,
-            layer_count: 1,
-        };
-        let extent = vk::Extent3D { width, height, depth: 1 };
-        let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent)];
-        let done = self.device.one_time("bench write seen", |host, commands| {
+        let mut from = host::source(&mut self.device, size_of_val(codes) as u64);
+        host::fill(&mut from, codes);
+        let image = (self.resources.image(layout::SEEN), vk::ImageAspectFlags::COLOR);
+        let regions = [host::image_copy(image.1, self.desc.size)];
+        host::run(&mut self.device, |host, commands| {
             // SAFETY: buffer and image are alive; the image has been in layout GENERAL since the first frame.
             unsafe {
-                let (general, copied) = (vk::ImageLayout::GENERAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-                change_layout(host, commands, image, general, copied);
-                host.device.cmd_copy_buffer_to_image(commands, from.handle, image, copied, &regions);
-                change_layout(host, commands, image, copied, general);
+                host::change(host, commands, image, GENERAL, CLEARED);
+                host.device.cmd_copy_buffer_to_image(commands, from.handle, image.0, CLEARED.layout, &regions);
+                host::change(host, commands, image, CLEARED, GENERAL);
             }
-            Ok(())
         });
-        done.expect("the copy runs");
-        self.free(from);
+        host::destroy(&mut self.device, [&mut from], []);
     }
 
     /// Reads the first `count` values of a buffer.
     pub fn read<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Vec<T> {
-        let (from, _, available) = self.resources.buffer(id);
-        let size = (count * size_of::<T>()) as u64;
-        assert!(size <= available, "{id:?} holds {available} bytes");
-        if size == 0 {
-            return Vec::new();
-        }
-        let to = self.staging(size, MemoryLocation::GpuToCpu);
-        let regions = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size }];
-        let done = self.device.one_time("bench read", |host, commands| {
-            // SAFETY: both buffers are alive; nothing else is on its way.
-            unsafe {
-                full_barrier(host, commands);
-                host.device.cmd_copy_buffer(commands, from, to.handle, &regions);
-                full_barrier(host, commands);
-            }
-            Ok(())
-        });
-        done.expect("the copy runs");
-        let bytes = to.mapped().expect("mapped memory")[..size as usize].to_vec();
-        self.free(to);
-        bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+        host::read(&mut self.device, self.resources.buffer(id), count)
     }
 
     /// Plans a frame, leaves steps out, and runs the rest.
     pub fn run(&mut self, given: &Given) {
         let Volume { dimensions, voxel_size, origin, .. } = *given.volume;
-        let upload = self.upload(bytemuck::cast_slice(&given.volume.density));
-        let density = HostBuffer {
-            buffer: upload.handle,
-            offset: 0,
-            size: upload.size,
-            stage: vk::PipelineStageFlags2::NONE,
-            access: vk::AccessFlags2::NONE,
-        };
+        let mut upload = host::source(&mut self.device, size_of_val(&given.volume.density[..]) as u64);
+        let density = host::fill(&mut upload, &given.volume.density);
         let target = given.rendered.then(|| self.target());
         let restart = given.frames == 0;
         let frame = Frame {
@@ -225,19 +167,12 @@ impl Bench {
         self.resources.set_host_buffer(layout::HOST_DENSITY, Some(density));
         self.resources.set_host_image(layout::TARGET, target);
         self.submit().expect("the frame runs");
-        self.free(upload);
+        host::destroy(&mut self.device, [&mut upload], []);
     }
 
     fn target(&self) -> HostImage {
         let image = self.target.as_ref().expect("a target");
-        let state_out = ImageState {
-            stage: vk::PipelineStageFlags2::ALL_COMMANDS,
-            access: vk::AccessFlags2::MEMORY_WRITE,
-            layout: vk::ImageLayout::GENERAL,
-        };
-        let (image, view) = (image.handle, image.view);
-        let state_in = ImageState::default();
-        HostImage { image, view, format: TARGET_FORMAT, extent: self.desc.size, state_in, state_out }
+        host::host_image(image, self.desc.size, TARGET_FORMAT, ImageState::default(), GENERAL)
     }
 
     fn submit(&mut self) -> Result<()> {
@@ -268,43 +203,4 @@ impl Drop for Bench {
             self.resources.destroy(&host, allocator);
         }
     }
-}
-
-unsafe fn full_barrier(host: &Host, commands: vk::CommandBuffer) {
-    let barriers = [vk::MemoryBarrier2::default()
-        .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
-        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-        .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
-        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
-    let dependency = vk::DependencyInfo::default().memory_barriers(&barriers);
-    // SAFETY: the caller's.
-    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
-}
-
-unsafe fn change_layout(
-    host: &Host,
-    commands: vk::CommandBuffer,
-    image: vk::Image,
-    from: vk::ImageLayout,
-    to: vk::ImageLayout,
-) {
-    let range = vk::ImageSubresourceRange {
-        aspect_mask: vk::ImageAspectFlags::COLOR,
-        base_mip_level: 0,
-        level_count: 1,
-        base_array_layer: 0,
-        layer_count: 1,
-    };
-    let barriers = [vk::ImageMemoryBarrier2::default()
-        .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
-        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-        .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
-        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)
-        .old_layout(from)
-        .new_layout(to)
-        .image(image)
-        .subresource_range(range)];
-    let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-    // SAFETY: the caller's.
-    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
 }

@@ -8,16 +8,15 @@ use celfx::blur::{
 };
 use celfx::error::Result;
 use celfx::gpu::headless::Submission;
-use celfx::gpu::image::{Image, ImageDesc};
+use celfx::gpu::image::Image;
 use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::{
-    CLEARED, COPIED_FROM, Copy, Download, Upload, record_depth, record_picture, record_readback,
-};
+use celfx::gpu::transfer::{CLEARED, COPIED_FROM, Upload, record_depth, record_picture};
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::offline::TARGET_FORMAT;
 use celfx::plan::BufferId;
 use celfx::view::Light;
 
+use super::host;
 use super::{TestDevice, device};
 
 /// An effect of this picture size for this mesh, with every layer kept.
@@ -56,7 +55,6 @@ pub struct BlurRig {
     pub slot: usize,
     /// Whether closed objects are said to be.
     pub are_closed: bool,
-    download: Download,
     is_first: bool,
     /// What frames are drawn with and over, if they are.
     pub toon: Option<(Light, Background)>,
@@ -92,14 +90,7 @@ fn decode(format: vk::Format, channel: usize, byte: u8) -> f32 {
 }
 
 fn make_images(device: &mut TestDevice, desc: &Desc) -> Vec<Image> {
-    let usage =
-        vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
-    let (extent, format) = (desc.size, desc.target_format);
-    let image = ImageDesc { name: "test", extent, layers: 1, array_view: false, format, usage };
-    let (host, allocator) = device.parts();
-    // SAFETY: the handles are the device's own.
-    let make = |_| unsafe { Image::new(&host, allocator, &image).expect("an image") };
-    (0..SLOTS * IMAGES).map(make).collect()
+    (0..SLOTS * IMAGES).map(|_| host::image(device, desc.size, desc.target_format)).collect()
 }
 
 impl BlurRig {
@@ -107,15 +98,8 @@ impl BlurRig {
     pub fn new(desc: Desc, mesh: Mesh) -> Option<BlurRig> {
         let mut device = device()?;
         let images = make_images(&mut device, &desc);
+        let depth = desc.depth.map(|DepthFormat { format, .. }| host::image(&mut device, desc.size, format));
         let (host, allocator) = device.parts();
-        let depth = desc.depth.map(|DepthFormat { format, .. }| {
-            let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
-                | vk::ImageUsageFlags::TRANSFER_SRC
-                | vk::ImageUsageFlags::TRANSFER_DST;
-            let image = ImageDesc { name: "test", extent: desc.size, layers: 1, array_view: false, format, usage };
-            // SAFETY: the handles are the device's own.
-            unsafe { Image::new(&host, allocator, &image).expect("an image") }
-        });
         // SAFETY: the handles are the device's own.
         let blur = unsafe { Blur::new(&host, allocator, desc).expect("the effect can be made") };
         let mut rig = BlurRig {
@@ -124,7 +108,6 @@ impl BlurRig {
             mesh,
             uploads: Default::default(),
             images,
-            download: Download::default(),
             is_first: true,
             toon: None,
             colours: Vec::new(),
@@ -194,12 +177,10 @@ impl BlurRig {
         // SAFETY: the handles are the device's own, and every submission has been waited for.
         let from = unsafe { self.uploads[0][0].write(&host, allocator, "test", &bytes) };
         let (from, image) = (from.expect("an upload"), self.images[IMAGES * self.slot + 1 + frame].handle);
-        let recorded = self.device.one_time("image", |host, commands| {
+        host::run(&mut self.device, |host, commands| {
             // SAFETY: as above.
             unsafe { record_picture(host, commands, &from, image, size) };
-            Ok(())
         });
-        recorded.expect("it runs");
     }
 
     fn upload<T: bytemuck::NoUninit>(&mut self, place: usize, values: &[T]) -> HostBuffer {
@@ -212,45 +193,21 @@ impl BlurRig {
     }
 
     fn host_image(&self, place: usize, state_in: ImageState) -> HostImage {
-        let Image { handle, view, .. } = self.images[IMAGES * self.slot + place];
-        let Desc { size: extent, target_format: format, .. } = *self.desc();
-        HostImage { image: handle, view, format, extent, state_in, state_out: COPIED_FROM }
+        let Desc { size, target_format, .. } = *self.desc();
+        let image = &self.images[IMAGES * self.slot + place];
+        host::host_image(image, size, target_format, state_in, COPIED_FROM)
     }
 
     fn host_depth(&self, view: View) -> Option<DepthInput> {
-        let Image { handle: image, view: image_view, .. } = *self.depth.as_ref()?;
-        let (state_in, state_out) = (CLEARED, COPIED_FROM);
-        let (extent, format) = (self.desc().size, self.desc().depth?.format);
-        let image = HostImage { image, view: image_view, format, extent, state_in, state_out };
+        let (size, format) = (self.desc().size, self.desc().depth?.format);
+        let image = host::host_image(self.depth.as_ref()?, size, format, CLEARED, COPIED_FROM);
         Some(DepthInput { host: HostDepth { image, terms: self.terms }, view })
     }
 
     /// What the last frame left in the host's depth.
     pub fn host_depths(&mut self) -> Vec<f32> {
-        let [width, height] = self.desc().size;
-        let image = self.depth.as_ref().expect("a depth").handle;
-        let aspect_mask = vk::ImageAspectFlags::DEPTH;
-        let layers = vk::ImageSubresourceLayers { aspect_mask, mip_level: 0, base_array_layer: 0, layer_count: 1 };
-        let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(vk::Extent3D {
-            width,
-            height,
-            depth: 1,
-        })];
-        let bytes = 4 * u64::from(width * height);
-        let (host, allocator) = self.device.parts();
-        // SAFETY: the handles are the device's own, and every submission has been waited for.
-        unsafe { self.download.fit(&host, allocator, "test", bytes).expect("memory") };
-        let to = self.download.buffer().expect("a buffer");
-        let read = self.device.one_time("read back", |host, commands| {
-            // SAFETY: as above; the effect left the image in this state, and what reads back makes it visible.
-            unsafe {
-                host.device.cmd_copy_image_to_buffer(commands, image, COPIED_FROM.layout, to.handle, &regions);
-                record_readback(host, commands, &[], &[], to);
-            }
-            Ok(())
-        });
-        read.expect("it runs");
-        self.download.bytes()[..bytes as usize].chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
+        let size = self.desc().size;
+        host::read_image(&mut self.device, self.depth.as_ref().expect("a depth"), size)
     }
 
     /// Makes an output.
@@ -339,45 +296,19 @@ impl BlurRig {
 
     /// Values of one of the effect's buffers.
     pub fn read<T: bytemuck::AnyBitPattern>(&mut self, id: BufferId, count: usize) -> Vec<T> {
-        let (source, offset, size) = self.blur().buffer(id);
-        let bytes = (count * size_of::<T>()) as u64;
-        assert!(bytes <= size, "{id:?} is smaller");
-        let (host, allocator) = self.device.parts();
-        // SAFETY: the handles are the device's own, and every submission has been waited for.
-        unsafe { self.download.fit(&host, allocator, "test", bytes.max(16)).expect("memory") };
-        let to = self.download.buffer().expect("a buffer");
-        let read = self.device.one_time("read back", |host, commands| {
-            let ranges = [Copy { from: (source, offset, bytes), to: 0 }];
-            if bytes > 0 {
-                // SAFETY: as above.
-                unsafe { record_readback(host, commands, &[], &ranges, to) };
-            }
-            Ok(())
-        });
-        read.expect("it runs");
-        self.download.bytes()[..bytes as usize].chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+        let range = self.blur().buffer(id);
+        host::read(&mut self.device, range, count)
     }
 
     /// The picture.
     pub fn picture(&mut self) -> Vec<[f32; 4]> {
-        let size = self.desc().size;
-        let (count, format) = ((size[0] * size[1]) as usize, self.desc().target_format);
-        let (host, allocator) = self.device.parts();
-        // SAFETY: the handles are the device's own, and every submission has been waited for.
-        unsafe { self.download.fit(&host, allocator, "test", 16 * count as u64).expect("memory") };
-        let to = self.download.buffer().expect("a buffer");
-        let target = self.images[IMAGES * self.slot].handle;
-        let read = self.device.one_time("read back", |host, commands| {
-            // SAFETY: as above.
-            unsafe { record_readback(host, commands, &[Copy { from: (target, size), to: 0 }], &[], to) };
-            Ok(())
-        });
-        read.expect("it runs");
-        if format != TARGET_FORMAT {
-            let rows = self.download.bytes()[..4 * count].chunks_exact(4);
-            return rows.map(|row| [0, 1, 2, 3].map(|c| decode(format, c, row[c]))).collect();
+        let (size, format) = (self.desc().size, self.desc().target_format);
+        let target = &self.images[IMAGES * self.slot];
+        if format == TARGET_FORMAT {
+            return host::read_image(&mut self.device, target, size);
         }
-        self.download.bytes()[..16 * count].chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
+        let rows: Vec<[u8; 4]> = host::read_image(&mut self.device, target, size);
+        rows.iter().map(|row| [0, 1, 2, 3].map(|c| decode(format, c, row[c]))).collect()
     }
 
     pub fn control(&mut self) -> Control {
@@ -430,7 +361,6 @@ impl Drop for BlurRig {
             self.blur.iter_mut().for_each(|blur| blur.destroy(&host, allocator));
             self.uploads.iter_mut().flatten().for_each(|upload| upload.destroy(&host, allocator));
             self.images.iter_mut().chain(&mut self.depth).for_each(|image| image.destroy(&host, allocator));
-            self.download.destroy(&host, allocator);
         }
     }
 }

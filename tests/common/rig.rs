@@ -34,12 +34,14 @@ impl Bits {
         self.0.push((name, bytemuck::cast_slice(values).to_vec()));
     }
 
-    /// Names of the layers in which two frames differ, and in how many words.
+    /// Names of the layers in which two frames differ, and in how many words. Both must have the same layers.
+    #[track_caller]
     pub fn differences(&self, other: &Bits) -> Vec<(&'static str, usize)> {
+        let names = |bits: &Bits| bits.0.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+        assert!(!self.0.is_empty() && names(self) == names(other), "{:?}, {:?}", names(self), names(other));
         let pairs = self.0.iter().zip(&other.0);
-        let count = |(a, b): (&(&'static str, Vec<u32>), &(_, Vec<u32>))| {
-            let words = a.1.iter().zip(&b.1).filter(|(a, b)| a != b).count() + a.1.len().abs_diff(b.1.len());
-            (a.0, words)
+        let count = |((name, a), (_, b)): (&(&'static str, Vec<u32>), &(_, Vec<u32>))| {
+            (*name, a.iter().zip(b).filter(|(a, b)| a != b).count() + a.len().abs_diff(b.len()))
         };
         pairs.map(count).filter(|(_, words)| *words > 0).collect()
     }

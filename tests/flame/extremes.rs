@@ -173,6 +173,7 @@ fn cameras_anywhere() {
     let middle = DVec3::new(x, y, z);
     let at = |eye: DVec3| Camera { eye, target: eye - DVec3::new(0.3, 0.2, 1.0), near: 1e-3, ..camera(0.0) };
     let mut total = Tally::default();
+    let Some(mut rig) = FlameRig::new(desc(SIZE, 60, Settings { spread: Some(0.3), ..base() })) else { return };
     for (name, camera) in [
         ("in a particle's middle", at(middle)),
         ("in its ball", at(middle + DVec3::new(0.05, 0.02, 0.1))),
@@ -182,9 +183,8 @@ fn cameras_anywhere() {
         ("thin", Camera { near: 4.0, far: 4.0001, ..camera(0.0) }),
         ("from above", Camera { up: DVec3::X, target: DVec3::ZERO, ..at(DVec3::new(0.0, 4.0, 0.0)) }),
     ] {
-        let desc = desc(SIZE, 60, Settings { spread: Some(0.3), ..base() });
-        let Some(tally) = agrees(name, &desc, &Shot::new(&given, camera)) else { return };
-        total.add(tally);
+        total.add(check(name, &mut rig, &Shot::new(&given, camera)));
+        assert_finite(name, &mut rig);
     }
     total.assert_few("cameras", SHARE);
 }

@@ -77,8 +77,13 @@ impl Case {
     /// Rendered by an effect of its own.
     pub fn render(&self) -> Option<FlameRig> {
         let mut rig = FlameRig::new(self.desc.clone())?;
-        rig.render(&Scene { depth: self.depth.as_deref(), ..scene(Some(&self.particles), self.camera) });
+        self.render_by(&mut rig);
         Some(rig)
+    }
+
+    /// Rendered by an effect that was made for it.
+    pub fn render_by(&self, rig: &mut FlameRig) {
+        rig.render(&Scene { depth: self.depth.as_deref(), ..scene(Some(&self.particles), self.camera) });
     }
 }
 

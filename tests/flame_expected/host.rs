@@ -1,36 +1,23 @@
 //! A host of the flame: targets with states of its own, frames in flight, other sizes, the end.
 
-use std::collections::VecDeque;
-
 use ash::vk;
 use celfx::data::Particles;
 use celfx::error::Error;
 use celfx::flame::{Background, Desc, Flame, Frame, ParticleInput, Settings};
-use celfx::gpu::buffer::{Buffer, BufferDesc};
-use celfx::gpu::headless::Commands;
-use celfx::gpu::image::{Image, ImageDesc};
+use celfx::gpu::buffer::Buffer;
+use celfx::gpu::image::Image;
 use celfx::gpu::profiler::Timing;
-use celfx::host::{Host, HostBuffer, HostImage, ImageState};
-use gpu_allocator::MemoryLocation;
+use celfx::gpu::transfer::{CLEARED, COPIED_FROM};
+use celfx::host::{Host, HostImage, ImageState};
 
 use crate::cases::{Case, plain};
 use crate::common::allocations::allocated;
 use crate::common::flame::ball;
+use crate::common::host::{self, DISCARDED};
 use crate::common::{TestDevice, device, scenes};
 
 pub const FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const SKY: [f32; 4] = [0.2, 0.5, 0.9, 1.0];
-/// How the host's drawing leaves an image, and how it wants it back.
-pub const DRAWN: ImageState = ImageState {
-    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
-    access: vk::AccessFlags2::TRANSFER_WRITE,
-    layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-};
-pub const SHOWN: ImageState = ImageState {
-    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
-    access: vk::AccessFlags2::TRANSFER_READ,
-    layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-};
 
 /// What one frame in flight needs of a host.
 pub struct Slot {
@@ -44,29 +31,18 @@ pub struct Slot {
 
 impl Slot {
     pub fn new(device: &mut TestDevice, size: [u32; 2], particles: u32) -> Slot {
-        let (host, allocator) = device.parts();
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
-            | vk::ImageUsageFlags::TRANSFER_SRC
-            | vk::ImageUsageFlags::TRANSFER_DST;
-        let image = ImageDesc { name: "target", extent: size, layers: 1, array_view: false, format: FORMAT, usage };
-        let (from, to) = (vk::BufferUsageFlags::TRANSFER_SRC, vk::BufferUsageFlags::TRANSFER_DST);
-        let (up, down) = (MemoryLocation::CpuToGpu, MemoryLocation::GpuToCpu);
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let buffer = |name, size, usage, location| BufferDesc { name, size, usage, location };
-        // SAFETY: the handles are the device's own.
-        unsafe {
-            let mut make = |desc| Buffer::new(&host, allocator, &desc).expect("a buffer");
-            let rows = make(buffer("rows", 16 * u64::from(particles), from, up));
-            let ids = make(buffer("ids", 4 * u64::from(particles), from, up));
-            let picture = make(buffer("picture", 4 * pixels, to, down));
-            let target = Image::new(&host, allocator, &image).expect("a target");
-            let backdrop = Image::new(&host, allocator, &ImageDesc { name: "backdrop", ..image }).expect("a backdrop");
-            Slot { size, target, backdrop, rows, ids, picture }
+        Slot {
+            size,
+            target: host::image(device, size, FORMAT),
+            backdrop: host::image(device, size, FORMAT),
+            rows: host::source(device, 16 * u64::from(particles)),
+            ids: host::source(device, 4 * u64::from(particles)),
+            picture: host::sink(device, 4 * u64::from(size[0]) * u64::from(size[1])),
         }
     }
 
     fn image(&self, image: &Image, state_in: ImageState, state_out: ImageState) -> HostImage {
-        HostImage { image: image.handle, view: image.view, format: FORMAT, extent: self.size, state_in, state_out }
+        host::host_image(image, self.size, FORMAT, state_in, state_out)
     }
 
     /// Frame `number` over the target as it is, its particles written, with ids.
@@ -74,23 +50,18 @@ impl Slot {
         let rows: Vec<[f32; 4]> =
             particles.position.iter().zip(&particles.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]).collect();
         let ids = ids(rows.len());
-        let fill = |buffer: &mut Buffer, bytes: &[u8]| {
-            buffer.mapped_mut().expect("mapped memory")[..bytes.len()].copy_from_slice(bytes);
-            let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
-            HostBuffer { buffer: buffer.handle, offset: 0, size: buffer.size, stage, access }
-        };
         let given = ParticleInput {
             count: rows.len() as u32,
             hottest: f32::INFINITY,
-            position_temperature: fill(&mut self.rows, bytemuck::cast_slice(&rows)),
-            ids: Some(fill(&mut self.ids, bytemuck::cast_slice(&ids))),
+            position_temperature: host::fill(&mut self.rows, &rows),
+            ids: Some(host::fill(&mut self.ids, &ids)),
         };
         Frame {
             camera: scenes::camera(25.0 + 3.0 * f64::from(number)),
             particles: Some(given),
             number,
             accumulate: false,
-            target: self.image(&self.target, DRAWN, SHOWN),
+            target: self.image(&self.target, CLEARED, COPIED_FROM),
             background: Background::Keep,
             scene: None,
         }
@@ -101,43 +72,18 @@ impl Slot {
         for image in [&self.target, &self.backdrop] {
             // SAFETY: the caller's.
             unsafe {
-                barrier(
-                    host,
-                    commands,
-                    image.handle,
-                    ImageState { layout: vk::ImageLayout::UNDEFINED, ..SHOWN },
-                    DRAWN,
-                );
+                host::change(host, commands, (image.handle, image.aspect), DISCARDED, CLEARED);
                 let colour = vk::ClearColorValue { float32: SKY };
-                let range = [whole(vk::ImageAspectFlags::COLOR)];
-                host.device.cmd_clear_color_image(commands, image.handle, DRAWN.layout, &colour, &range);
+                let range = [host::whole(image.aspect)];
+                host.device.cmd_clear_color_image(commands, image.handle, CLEARED.layout, &colour, &range);
             }
         }
     }
 
     /// Copies the picture to where the host reads it.
     pub unsafe fn show(&self, host: &Host, commands: vk::CommandBuffer) {
-        let layers = vk::ImageSubresourceLayers {
-            aspect_mask: vk::ImageAspectFlags::COLOR,
-            mip_level: 0,
-            base_array_layer: 0,
-            layer_count: 1,
-        };
-        let [width, height] = self.size;
-        let extent = vk::Extent3D { width, height, depth: 1 };
-        let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent)];
-        let barriers = [vk::MemoryBarrier2::default()
-            .src_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
-            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
-            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
-            .dst_access_mask(vk::AccessFlags2::HOST_READ)];
-        // SAFETY: the caller's; the effect left the image in this layout.
-        unsafe {
-            let (image, to) = (self.target.handle, self.picture.handle);
-            host.device.cmd_copy_image_to_buffer(commands, image, SHOWN.layout, to, &regions);
-            let dependency = vk::DependencyInfo::default().memory_barriers(&barriers);
-            host.device.cmd_pipeline_barrier2(commands, &dependency);
-        }
+        // SAFETY: the caller's; the effect left the image in the state that copies want.
+        unsafe { host::show(host, commands, (self.target.handle, self.target.aspect), self.size, &self.picture) };
     }
 
     pub fn pixels(&self) -> Vec<[u8; 4]> {
@@ -146,39 +92,14 @@ impl Slot {
     }
 
     pub fn destroy(mut self, device: &mut TestDevice) {
-        let (host, allocator) = device.parts();
-        // SAFETY: every submission has been waited for.
-        unsafe {
-            [&mut self.rows, &mut self.ids, &mut self.picture]
-                .into_iter()
-                .for_each(|buffer| buffer.destroy(&host, allocator));
-            [&mut self.target, &mut self.backdrop].into_iter().for_each(|image| image.destroy(&host, allocator));
-        }
+        let buffers = [&mut self.rows, &mut self.ids, &mut self.picture];
+        host::destroy(device, buffers, [&mut self.target, &mut self.backdrop]);
     }
 }
 
 /// Ids that are not rows.
 fn ids(count: usize) -> Vec<u32> {
     (0..count as u32).map(|i| 5 * i + 2).collect()
-}
-
-pub fn whole(aspect_mask: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
-    vk::ImageSubresourceRange { aspect_mask, base_mip_level: 0, level_count: 1, base_array_layer: 0, layer_count: 1 }
-}
-
-unsafe fn barrier(host: &Host, commands: vk::CommandBuffer, image: vk::Image, from: ImageState, to: ImageState) {
-    let barriers = [vk::ImageMemoryBarrier2::default()
-        .src_stage_mask(from.stage)
-        .src_access_mask(from.access)
-        .dst_stage_mask(to.stage)
-        .dst_access_mask(to.access)
-        .old_layout(from.layout)
-        .new_layout(to.layout)
-        .image(image)
-        .subresource_range(whole(vk::ImageAspectFlags::COLOR))];
-    let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-    // SAFETY: the caller's.
-    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
 }
 
 fn effect(size: [u32; 2], settings: Settings) -> Desc {
@@ -205,39 +126,26 @@ fn destroy(device: &mut TestDevice, mut flame: Flame) {
 fn sequence(device: &mut TestDevice, desc: &Desc, in_flight: usize, frames: u32) -> Vec<Vec<[u8; 4]>> {
     let mut flame = make(device, desc.clone());
     let mut slots: Vec<Slot> = (0..in_flight).map(|_| Slot::new(device, desc.size, 80)).collect();
-    let mut on_their_way = VecDeque::new();
-    let mut pictures = Vec::new();
-    for i in 0..frames {
-        let slot = i as usize % in_flight;
-        if on_their_way.len() == in_flight {
-            device.wait(on_their_way.pop_front().expect("a submission")).expect("it ends");
-            pictures.push(slots[slot].pixels());
-        }
+    let record = |host: &Host, commands, slot: &mut Slot, i: u32| {
         // Fewer particles, none, and every other frame those of the frame before.
         let particles = ball([60, 80, 0, 30][i as usize / 2 % 4], 7);
-        let frame = slots[slot].frame(&particles, i);
-        let backdrop = slots[slot].image(&slots[slot].backdrop, DRAWN, SHOWN);
+        let frame = slot.frame(&particles, i);
+        let backdrop = slot.image(&slot.backdrop, CLEARED, COPIED_FROM);
         let background = [Background::Keep, Background::Clear(SKY), Background::Copy(backdrop)][i as usize % 3];
         let given = frame.particles.filter(|_| i % 2 == 0);
         let frame = Frame { background, particles: given, ..frame };
-        let commands: Commands = device.begin().expect("commands");
         // SAFETY: frames are submitted in order to one queue; this slot's last frame has been waited for.
         let allocations = unsafe {
-            let host = device.host();
-            slots[slot].draw(&host, commands.raw());
+            slot.draw(host, commands);
             let before = allocated();
-            flame.record(&host, commands.raw(), &frame, &mut Timing::None).expect("a frame");
+            flame.record(host, commands, &frame, &mut Timing::None).expect("a frame");
             let allocations = allocated() - before;
-            slots[slot].show(&host, commands.raw());
+            slot.show(host, commands);
             allocations
         };
         assert!(i < 2 || allocations == 0, "frame {i}: recording allocated {allocations} times");
-        on_their_way.push_back(device.start(commands, "frame").expect("it starts"));
-    }
-    for (n, submission) in on_their_way.into_iter().enumerate() {
-        device.wait(submission).expect("it ends");
-        pictures.push(slots[(frames as usize - in_flight + n) % in_flight].pixels());
-    }
+    };
+    let pictures = host::in_flight(device, &mut slots, frames, record, Slot::pixels);
     slots.into_iter().for_each(|slot| slot.destroy(device));
     destroy(device, flame);
     pictures
@@ -265,16 +173,14 @@ fn frames_in_flight_are_those_that_are_waited_for() {
 fn one_frame(device: &mut TestDevice, flame: &mut Flame, particles: &Particles) -> Vec<[u8; 4]> {
     let mut slot = Slot::new(device, flame.desc().size, 80);
     let frame = slot.frame(particles, 0);
-    let done = device.one_time("frame", |host, commands| {
+    host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.
         unsafe {
             slot.draw(host, commands);
-            flame.record(host, commands, &frame, &mut Timing::None)?;
+            flame.record(host, commands, &frame, &mut Timing::None).expect("a frame");
             slot.show(host, commands);
         }
-        Ok(())
     });
-    done.expect("a frame");
     let pixels = slot.pixels();
     slot.destroy(device);
     pixels

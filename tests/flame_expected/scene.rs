@@ -5,8 +5,9 @@ use celfx::flame::FlameKind;
 use celfx::flame::params::Particle;
 use celfx::flame::settings::Mode;
 use celfx::flame::{DepthFormat, Desc, Frame, HostDepth, SceneDepth, SceneFormat, Settings};
-use celfx::gpu::buffer::{Buffer, BufferDesc};
+use celfx::gpu::buffer::Buffer;
 use celfx::gpu::profiler::Timing;
+use celfx::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
 use celfx::smoke::{self, Smoke};
 use glam::DVec3;
@@ -15,8 +16,9 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use crate::cases::{Case, plain, settings};
 use crate::common::flame::{FlameRig, ball, scene};
+use crate::common::host::{self, DISCARDED};
 use crate::common::{TestDevice, device, scenes};
-use crate::host::{DRAWN, FORMAT, SHOWN, Slot, make, whole};
+use crate::host::{FORMAT, Slot, make};
 
 /// A depth image of any format, and what is copied into it.
 struct DepthImage {
@@ -61,46 +63,22 @@ impl DepthImage {
                 .image(handle)
                 .view_type(vk::ImageViewType::TYPE_2D)
                 .format(format)
-                .subresource_range(whole(vk::ImageAspectFlags::DEPTH));
+                .subresource_range(host::whole(vk::ImageAspectFlags::DEPTH));
             let view = host.device.create_image_view(&view, None).expect("a view");
-            let words = BufferDesc {
-                name: "depths",
-                size: bytes.len() as u64,
-                usage: vk::BufferUsageFlags::TRANSFER_SRC,
-                location: MemoryLocation::CpuToGpu,
-            };
-            let mut words = Buffer::new(&host, allocator, &words).expect("a buffer");
-            words.mapped_mut().expect("mapped memory").copy_from_slice(bytes);
+            let mut words = host::source(device, bytes.len() as u64);
+            host::fill(&mut words, bytes);
             DepthImage { handle, view, allocation: Some(allocation), words, aspect, size }
         }
     }
 
     /// The host's own drawing.
     unsafe fn draw(&self, host: &Host, commands: vk::CommandBuffer) {
-        let barriers = [vk::ImageMemoryBarrier2::default()
-            .dst_stage_mask(DRAWN.stage)
-            .dst_access_mask(DRAWN.access)
-            .new_layout(DRAWN.layout)
-            .image(self.handle)
-            .subresource_range(whole(self.aspect))];
-        let layers = vk::ImageSubresourceLayers {
-            aspect_mask: vk::ImageAspectFlags::DEPTH,
-            mip_level: 0,
-            base_array_layer: 0,
-            layer_count: 1,
-        };
-        let [width, height] = self.size;
-        let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(vk::Extent3D {
-            width,
-            height,
-            depth: 1,
-        })];
+        let regions = [host::image_copy(vk::ImageAspectFlags::DEPTH, self.size)];
         // SAFETY: the caller's.
         unsafe {
-            let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-            host.device.cmd_pipeline_barrier2(commands, &dependency);
+            host::change(host, commands, (self.handle, self.aspect), DISCARDED, CLEARED);
             let (from, to) = (self.words.handle, self.handle);
-            host.device.cmd_copy_buffer_to_image(commands, from, to, DRAWN.layout, &regions);
+            host.device.cmd_copy_buffer_to_image(commands, from, to, CLEARED.layout, &regions);
         }
     }
 
@@ -179,19 +157,17 @@ fn over_sky(
     let mut flame = make(device, desc);
     let mut slot = Slot::new(device, case.desc.size, case.desc.particles);
     let frame = Frame { scene: Some(scene), ..slot.frame(&case.particles, 0) };
-    let done = device.one_time("frame", |host, commands| {
+    host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.
         unsafe {
             slot.draw(host, commands);
             if let Some(drawn) = drawn {
                 drawn.draw(host, commands);
             }
-            flame.record(host, commands, &frame, &mut Timing::None)?;
+            flame.record(host, commands, &frame, &mut Timing::None).expect("a frame");
             slot.show(host, commands);
         }
-        Ok(())
     });
-    done.expect("a frame");
     let pixels = slot.pixels();
     slot.destroy(device);
     let (host, allocator) = device.parts();
@@ -232,8 +208,8 @@ fn depth_images_of_any_format_hide_what_a_buffer_does() {
                     view: depth.view,
                     format,
                     extent: case.desc.size,
-                    state_in: DRAWN,
-                    state_out: SHOWN,
+                    state_in: CLEARED,
+                    state_out: COPIED_FROM,
                 };
                 let scene = SceneDepth::Image(HostDepth { image, terms });
                 let made = SceneFormat::Image(DepthFormat { format, reversed });
@@ -258,22 +234,10 @@ fn depth_images_of_any_format_hide_what_a_buffer_does() {
 
 /// The picture with view depths in a buffer.
 fn buffer_picture(device: &mut TestDevice, case: &Case, depths: &[f32]) -> Vec<[u8; 4]> {
-    let (host, allocator) = device.parts();
-    let desc = BufferDesc {
-        name: "depths",
-        size: 4 * depths.len() as u64,
-        usage: vk::BufferUsageFlags::TRANSFER_SRC,
-        location: MemoryLocation::CpuToGpu,
-    };
-    // SAFETY: the handles are the device's own.
-    let mut words = unsafe { Buffer::new(&host, allocator, &desc) }.expect("a buffer");
-    words.mapped_mut().expect("mapped memory").copy_from_slice(bytemuck::cast_slice(depths));
-    let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
-    let buffer = HostBuffer { buffer: words.handle, offset: 0, size: words.size, stage, access };
+    let mut words = host::source(device, 4 * depths.len() as u64);
+    let buffer = host::fill(&mut words, depths);
     let picture = over_sky(device, case, SceneFormat::Buffer, SceneDepth::Buffer(buffer), None);
-    let (host, allocator) = device.parts();
-    // SAFETY: every submission has been waited for.
-    unsafe { words.destroy(&host, allocator) };
+    host::destroy(device, [&mut words], []);
     picture
 }
 
@@ -362,33 +326,19 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
     // SAFETY: the handles are the device's own.
     let mut smoke = unsafe { Smoke::new(&host, allocator, smoke_desc) }.expect("smoke");
     let mut flame = make(&mut device, flame_desc);
-    let mut slots: Vec<Slot> = (0..in_flight).map(|_| Slot::new(&mut device, size, 80)).collect();
-    let density = || BufferDesc {
-        name: "density",
-        size: 4 * 8000,
-        usage: vk::BufferUsageFlags::TRANSFER_SRC,
-        location: MemoryLocation::CpuToGpu,
+    let slot = |_| (Slot::new(&mut device, size, 80), host::source(&mut device, 4 * 20 * 20 * 20));
+    let mut slots: Vec<(Slot, Buffer)> = (0..in_flight).map(slot).collect();
+    let (buffer, offset, bytes) = smoke.buffer(smoke::layout::DEPTH);
+    let depth = HostBuffer {
+        buffer,
+        offset,
+        size: bytes,
+        stage: vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER,
+        access: vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::TRANSFER_WRITE,
     };
-    let mut densities: Vec<Buffer> = Vec::new();
-    for _ in 0..in_flight {
-        let (host, allocator) = device.parts();
-        // SAFETY: the handles are the device's own.
-        densities.push(unsafe { Buffer::new(&host, allocator, &density()) }.expect("a buffer"));
-    }
-    let mut on_their_way = std::collections::VecDeque::new();
-    let mut pictures = Vec::new();
-    for i in 0..6_u32 {
-        let slot = i as usize % in_flight;
-        if on_their_way.len() == in_flight {
-            device.wait(on_their_way.pop_front().expect("a submission")).expect("it ends");
-            pictures.push(slots[slot].pixels());
-        }
+    let record = |host: &Host, commands, (slot, density): &mut (Slot, Buffer), i: u32| {
         let volume = scenes::puffs(20, i as f32 / 12.0);
-        densities[slot].mapped_mut().expect("mapped").copy_from_slice(bytemuck::cast_slice(&volume.density));
-        let (stage, access) = (vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE);
-        let density = HostBuffer { buffer: densities[slot].handle, offset: 0, size: 32_000, stage, access };
-        let fire = slots[slot].frame(&ball(80, 7), i);
-        let drawn = HostImage { state_out: SMOKED, ..fire.target };
+        let fire = slot.frame(&ball(80, 7), i);
         let smoke_frame = smoke::Frame {
             sequence: if i == 0 { smoke::Sequence::Restart } else { smoke::Sequence::Advance },
             dt: 1.0 / 24.0,
@@ -398,47 +348,32 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
                 dimensions: volume.dimensions,
                 voxel_size: volume.voxel_size,
                 origin: volume.origin,
-                density,
+                density: host::fill(density, &volume.density),
                 velocity: None,
             }),
-            target: Some(drawn),
+            target: Some(HostImage { state_out: SMOKED, ..fire.target }),
             background: smoke::Background::Keep,
             depth: None,
             edges: None,
         };
-        let (buffer, offset, bytes) = smoke.buffer(smoke::layout::DEPTH);
-        let depth = HostBuffer {
-            buffer,
-            offset,
-            size: bytes,
-            stage: vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER,
-            access: vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::TRANSFER_WRITE,
-        };
-        let fire = Frame {
-            scene: Some(SceneDepth::Buffer(depth)),
-            target: HostImage { state_in: SMOKED, ..fire.target },
-            ..fire
-        };
-        let commands = device.begin().expect("commands");
+        let target = HostImage { state_in: SMOKED, ..fire.target };
+        let fire = Frame { scene: Some(SceneDepth::Buffer(depth)), target, ..fire };
         // SAFETY: frames are submitted in order to one queue; this slot's last frame has been waited for.
         unsafe {
-            let host = device.host();
-            slots[slot].draw(&host, commands.raw());
-            smoke.record(&host, commands.raw(), &smoke_frame, &mut Timing::None).expect("smoke");
-            flame.record(&host, commands.raw(), &fire, &mut Timing::None).expect("fire");
-            slots[slot].show(&host, commands.raw());
+            slot.draw(host, commands);
+            smoke.record(host, commands, &smoke_frame, &mut Timing::None).expect("smoke");
+            flame.record(host, commands, &fire, &mut Timing::None).expect("fire");
+            slot.show(host, commands);
         }
-        on_their_way.push_back(device.start(commands, "frame").expect("it starts"));
+    };
+    let pictures = host::in_flight(&mut device, &mut slots, 6, record, |(slot, _)| slot.pixels());
+    for (slot, mut density) in slots {
+        slot.destroy(&mut device);
+        host::destroy(&mut device, [&mut density], []);
     }
-    for (n, submission) in on_their_way.into_iter().enumerate() {
-        device.wait(submission).expect("it ends");
-        pictures.push(slots[(6 - in_flight + n) % in_flight].pixels());
-    }
-    slots.into_iter().for_each(|slot| slot.destroy(&mut device));
     let (host, allocator) = device.parts();
     // SAFETY: every submission has been waited for.
     unsafe {
-        densities.iter_mut().for_each(|buffer| buffer.destroy(&host, allocator));
         smoke.destroy(&host, allocator);
         flame.destroy(&host, allocator);
     }

@@ -287,11 +287,17 @@ impl<'a> Model<'a> {
 
 /// The device's frame, and the model's of the same mask, particles and bins.
 pub fn both(case: &Case) -> Option<(FlameRig, Vec<Weighed>, Expected)> {
-    let mut rig = case.render()?;
-    let (mask, particles, level) =
-        (cases::device_mask(&mut rig), cases::prepared(case, &mut rig), cases::level(case, &mut rig));
-    let bins = cases::bins(&mut rig);
+    let mut rig = FlameRig::new(case.desc.clone())?;
+    let (weighed, image) = modelled(case, &mut rig);
+    Some((rig, weighed, image))
+}
+
+/// The same of an effect that may have rendered other frames before.
+pub fn modelled(case: &Case, rig: &mut FlameRig) -> (Vec<Weighed>, Expected) {
+    case.render_by(rig);
+    let (mask, particles, level) = (cases::device_mask(rig), cases::prepared(case, rig), cases::level(case, rig));
+    let bins = cases::bins(rig);
     let model = Model::new(case, &mask, level, &particles);
     let image = model.render(bins);
-    Some((rig, model.weighed, image))
+    (model.weighed, image)
 }

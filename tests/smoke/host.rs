@@ -3,24 +3,22 @@
 use ash::vk;
 use celfx::data::Volume;
 use celfx::error::Error;
-use celfx::gpu::buffer::{Buffer, BufferDesc};
-use celfx::gpu::image::{Image, ImageDesc};
+use celfx::gpu::buffer::Buffer;
+use celfx::gpu::image::Image;
 use celfx::gpu::profiler::Timing;
-use celfx::host::{Host, HostBuffer, HostImage, ImageState};
+use celfx::gpu::transfer::COPIED_FROM;
+use celfx::host::{Host, HostBuffer, HostImage};
 use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, VolumeInput};
-use gpu_allocator::MemoryLocation;
 
 use crate::common::allocations::allocated;
+use crate::common::host::{self, DISCARDED};
 use crate::common::scenes::{camera, desc, direction, moving_puffs};
 use crate::common::{TestDevice, device};
 
 pub const SIZE: [u32; 2] = [80, 60];
-pub const COPIED: ImageState = ImageState {
-    stage: vk::PipelineStageFlags2::ALL_TRANSFER,
-    access: vk::AccessFlags2::TRANSFER_READ,
-    layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-};
+/// Voxels of a volume.
+const VOXELS: u64 = 20 * 20 * 20;
 
 pub fn effect() -> Desc {
     Desc { velocity: true, ..desc(SIZE, [20; 3], Settings { particles: 200, ..Settings::default() }) }
@@ -28,6 +26,7 @@ pub fn effect() -> Desc {
 
 /// What one frame in flight needs of a host.
 pub struct Slot {
+    size: [u32; 2],
     density: Buffer,
     velocity: Buffer,
     target: Image,
@@ -36,44 +35,21 @@ pub struct Slot {
 
 impl Slot {
     pub fn new(device: &mut TestDevice, size: [u32; 2]) -> Slot {
-        let (host, allocator) = device.parts();
-        let mut buffer = |name, size, usage, location| {
-            // SAFETY: the handles are the device's own.
-            unsafe { Buffer::new(&host, allocator, &BufferDesc { name, size, usage, location }) }.expect("a buffer")
-        };
-        let source = vk::BufferUsageFlags::TRANSFER_SRC;
-        let density = buffer("density", 4 * 8000, source, MemoryLocation::CpuToGpu);
-        let velocity = buffer("velocity", 12 * 8000, source, MemoryLocation::CpuToGpu);
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let picture = buffer("picture", 16 * pixels, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu);
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
-            | vk::ImageUsageFlags::TRANSFER_SRC
-            | vk::ImageUsageFlags::TRANSFER_DST;
-        let image =
-            ImageDesc { name: "target", extent: size, layers: 1, array_view: false, format: TARGET_FORMAT, usage };
-        // SAFETY: the handles are the device's own.
-        let target = unsafe { Image::new(&host, allocator, &image) }.expect("a target");
-        Slot { density, velocity, target, picture }
+        Slot {
+            size,
+            density: host::source(device, 4 * VOXELS),
+            velocity: host::source(device, 12 * VOXELS),
+            target: host::image(device, size, TARGET_FORMAT),
+            picture: host::sink(device, 16 * u64::from(size[0]) * u64::from(size[1])),
+        }
     }
 
     /// The frame `i` of a sequence, its volume written.
-    pub fn frame(&mut self, i: u32, size: [u32; 2]) -> Frame {
+    pub fn frame(&mut self, i: u32) -> Frame {
         let Volume { dimensions, voxel_size, origin, density, velocity } = moving_puffs(20, i as f32 / 24.0);
-        let fill = |buffer: &mut Buffer, bytes: &[u8]| {
-            buffer.mapped_mut().expect("mapped memory").copy_from_slice(bytes);
-            let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
-            HostBuffer { buffer: buffer.handle, offset: 0, size: buffer.size, stage, access }
-        };
-        let density = fill(&mut self.density, bytemuck::cast_slice(&density));
-        let velocity = fill(&mut self.velocity, bytemuck::cast_slice(velocity.as_deref().expect("velocities")));
-        let target = HostImage {
-            image: self.target.handle,
-            view: self.target.view,
-            format: TARGET_FORMAT,
-            extent: size,
-            state_in: ImageState { layout: vk::ImageLayout::UNDEFINED, ..COPIED },
-            state_out: COPIED,
-        };
+        let density = host::fill(&mut self.density, &density);
+        let velocity = host::fill(&mut self.velocity, velocity.as_deref().expect("velocities"));
+        let target = host::host_image(&self.target, self.size, TARGET_FORMAT, DISCARDED, COPIED_FROM);
         Frame {
             sequence: if i == 0 { Sequence::Restart } else { Sequence::Advance },
             dt: 1.0 / 24.0,
@@ -87,43 +63,18 @@ impl Slot {
         }
     }
 
+    /// Copies the picture to where the host reads it.
+    pub unsafe fn show(&self, host: &Host, commands: vk::CommandBuffer) {
+        // SAFETY: the caller's; the effect left the image in the state that copies want.
+        unsafe { host::show(host, commands, (self.target.handle, self.target.aspect), self.size, &self.picture) };
+    }
+
     pub fn pixels(&self) -> Vec<u8> {
         self.picture.mapped().expect("mapped memory").to_vec()
     }
 
     pub fn destroy(mut self, device: &mut TestDevice) {
-        let (host, allocator) = device.parts();
-        // SAFETY: every submission has been waited for.
-        unsafe {
-            for buffer in [&mut self.density, &mut self.velocity, &mut self.picture] {
-                buffer.destroy(&host, allocator);
-            }
-            self.target.destroy(&host, allocator);
-        }
-    }
-}
-
-/// Copies the picture to where the host reads it.
-pub unsafe fn read(host: &Host, commands: vk::CommandBuffer, slot: &Slot, [width, height]: [u32; 2]) {
-    let layers = vk::ImageSubresourceLayers {
-        aspect_mask: vk::ImageAspectFlags::COLOR,
-        mip_level: 0,
-        base_array_layer: 0,
-        layer_count: 1,
-    };
-    let extent = vk::Extent3D { width, height, depth: 1 };
-    let regions = [vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent)];
-    let barriers = [vk::MemoryBarrier2::default()
-        .src_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
-        .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
-        .dst_stage_mask(vk::PipelineStageFlags2::HOST)
-        .dst_access_mask(vk::AccessFlags2::HOST_READ)];
-    // SAFETY: the caller's; the effect left the image in this layout.
-    unsafe {
-        let (image, layout) = (slot.target.handle, COPIED.layout);
-        host.device.cmd_copy_image_to_buffer(commands, image, layout, slot.picture.handle, &regions);
-        let dependency = vk::DependencyInfo::default().memory_barriers(&barriers);
-        host.device.cmd_pipeline_barrier2(commands, &dependency);
+        host::destroy(device, [&mut self.density, &mut self.velocity, &mut self.picture], [&mut self.target]);
     }
 }
 
@@ -134,32 +85,19 @@ fn sequence(in_flight: usize, frames: u32) -> Option<Vec<Vec<u8>>> {
     // SAFETY: the handles are the device's own, and the device has what is required.
     let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
     let mut slots: Vec<Slot> = (0..in_flight).map(|_| Slot::new(&mut device, SIZE)).collect();
-    let mut on_their_way = std::collections::VecDeque::new();
-    let mut pictures = Vec::new();
-    for i in 0..frames {
-        let slot = i as usize % in_flight;
-        if on_their_way.len() == in_flight {
-            device.wait(on_their_way.pop_front().expect("a submission")).expect("it ends");
-            pictures.push(slots[slot].pixels());
-        }
-        let frame = slots[slot].frame(i, SIZE);
-        let commands = device.begin().expect("commands");
+    let record = |host: &Host, commands, slot: &mut Slot, i| {
+        let frame = slot.frame(i);
         // SAFETY: frames are submitted in order to one queue; this slot's last frame has been waited for.
         let allocations = unsafe {
-            let host = device.host();
             let before = allocated();
-            smoke.record(&host, commands.raw(), &frame, &mut Timing::None).expect("a frame");
+            smoke.record(host, commands, &frame, &mut Timing::None).expect("a frame");
             let allocations = allocated() - before;
-            read(&host, commands.raw(), &slots[slot], SIZE);
+            slot.show(host, commands);
             allocations
         };
         assert!(i < 2 || allocations == 0, "frame {i}: recording allocated {allocations} times");
-        on_their_way.push_back(device.start(commands, "frame").expect("it starts"));
-    }
-    for (n, submission) in on_their_way.into_iter().enumerate() {
-        device.wait(submission).expect("it ends");
-        pictures.push(slots[(frames as usize - in_flight + n) % in_flight].pixels());
-    }
+    };
+    let pictures = host::in_flight(&mut device, &mut slots, frames, record, Slot::pixels);
     slots.into_iter().for_each(|slot| slot.destroy(&mut device));
     let (host, allocator) = device.parts();
     // SAFETY: every submission has been waited for.
@@ -183,16 +121,14 @@ fn frames_in_flight_are_those_that_are_waited_for() {
 /// Renders one frame of an effect that exists.
 fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<u8> {
     let mut slot = Slot::new(device, size);
-    let frame = slot.frame(0, size);
-    let done = device.one_time("frame", |host, commands| {
+    let frame = slot.frame(0);
+    host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.
         unsafe {
-            smoke.record(host, commands, &frame, &mut Timing::None)?;
-            read(host, commands, &slot, size);
+            smoke.record(host, commands, &frame, &mut Timing::None).expect("a frame");
+            slot.show(host, commands);
         }
-        Ok(())
     });
-    done.expect("a frame");
     let pixels = slot.pixels();
     slot.destroy(device);
     pixels
@@ -237,7 +173,7 @@ fn frames_that_do_not_fit_are_refused_by_name() {
     // SAFETY: the handles are the device's own.
     let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
     let mut slot = Slot::new(&mut device, SIZE);
-    let good = slot.frame(0, SIZE);
+    let good = slot.frame(0);
     let volume = good.volume.expect("a volume");
     let target = good.target.expect("a target");
     let with_volume = |volume| Frame { volume: Some(volume), ..good };

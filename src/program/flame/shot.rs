@@ -42,7 +42,7 @@ impl Part for Flame {
     /// Fire lights what else is in the shot.
     fn check(&self, is_alone: bool) -> Result<(), String> {
         let light = self.settings.light;
-        match is_alone && light > 0.0 {
+        match is_alone && self.settings.lights() {
             true => Err(format!(
                 "flame.light = {light}: allowed: only with something for the fire to tint: add a table [smoke] or \
                  [blur], or leave it out"

@@ -27,7 +27,7 @@ fn luminance(made: &Made) -> Vec<f32> {
 
 /// The luminance itself where nothing is smoothed.
 fn smooth(made: &Made) -> LayerData {
-    let is_filtered = made.desc().is_some_and(|desc: &Desc| desc.settings.sigma > 0.0);
+    let is_filtered = made.desc().is_some_and(|desc: &Desc| desc.settings.is_filtered());
     LayerData::Value(if is_filtered { made.image(SMOOTH) } else { luminance(made) })
 }
 
