@@ -243,7 +243,6 @@ fn nothing_is_missing_of_what_a_shot_turns_inside_out() {
     }
     for frame in 2..=FRAMES as u32 {
         let share = share_of_differing(&stage, ["closed.npz", "open.npz"], frame);
-        // A sixth of the outline's pixels, which are some 190 of 6144; a side that is missing is a tenth of them all.
         assert!(share < 0.005, "frame {frame}: {share}");
     }
 }
@@ -306,7 +305,6 @@ fn open_surfaces_are_seen_from_both_sides() {
     for other in ["clockwise.npz", "mixed.npz"] {
         for frame in 1..=FRAMES as u32 {
             let share = share_of_differing(&stage, ["counterclockwise.npz", other], frame);
-            // Which of two sides that meet in an edge a pixel has: of some 400 on outlines and borders, one in thirty.
             assert!(share < 0.002, "{other}, frame {frame}: {share}");
         }
     }

@@ -228,12 +228,15 @@ fn read_back<T: bytemuck::AnyBitPattern>(
             barrier(host, commands, TRANSFER_WRITTEN, HOST_READ);
         }
     });
-    let values = to.mapped().expect("mapped memory")[..bytes as usize]
-        .chunks_exact(size_of::<T>())
-        .map(bytemuck::pod_read_unaligned)
-        .collect();
+    let values = values(&to, bytes as usize / size_of::<T>());
     destroy(device, [&mut to], []);
     values
+}
+
+/// The first values of a [`sink`].
+pub fn values<T: bytemuck::AnyBitPattern>(buffer: &Buffer, count: usize) -> Vec<T> {
+    let bytes = &buffer.mapped().expect("mapped memory")[..count * size_of::<T>()];
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
 }
 
 /// Records frames, each with one of `slots` in turn, and submits them: as many are on their way as there are slots. What

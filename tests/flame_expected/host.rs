@@ -87,8 +87,7 @@ impl Slot {
     }
 
     pub fn pixels(&self) -> Vec<[u8; 4]> {
-        let bytes = self.picture.mapped().expect("mapped memory");
-        bytes.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect()
+        host::values(&self.picture, (self.size[0] * self.size[1]) as usize)
     }
 
     pub fn destroy(mut self, device: &mut TestDevice) {
@@ -132,7 +131,7 @@ fn sequence(device: &mut TestDevice, desc: &Desc, in_flight: usize, frames: u32)
         let frame = slot.frame(&particles, i);
         let backdrop = slot.image(&slot.backdrop, CLEARED, COPIED_FROM);
         let background = [Background::Keep, Background::Clear(SKY), Background::Copy(backdrop)][i as usize % 3];
-        let given = frame.particles.filter(|_| i % 2 == 0);
+        let given = frame.particles.filter(|_| i.is_multiple_of(2));
         let frame = Frame { background, particles: given, ..frame };
         // SAFETY: frames are submitted in order to one queue; this slot's last frame has been waited for.
         let allocations = unsafe {

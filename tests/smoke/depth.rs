@@ -34,8 +34,7 @@ fn a_hosts_depth_occludes_the_smoke_and_takes_its_depth() {
                     slot.show(host, commands);
                 }
             });
-            let alpha: Vec<f32> =
-                slot.pixels().chunks_exact(16).map(|p| bytemuck::pod_read_unaligned(&p[12..])).collect();
+            let alpha: Vec<f32> = slot.pixels().iter().map(|pixel| f32::from_bits(pixel[3])).collect();
             let own = host::read(&mut device, smoke.buffer(layout::DEPTH), PIXELS);
             (alpha, host::read_image::<f32>(&mut device, &image, SIZE), own)
         };

@@ -69,8 +69,9 @@ impl Slot {
         unsafe { host::show(host, commands, (self.target.handle, self.target.aspect), self.size, &self.picture) };
     }
 
-    pub fn pixels(&self) -> Vec<u8> {
-        self.picture.mapped().expect("mapped memory").to_vec()
+    /// Bits of the picture's floats.
+    pub fn pixels(&self) -> Vec<[u32; 4]> {
+        host::values(&self.picture, (self.size[0] * self.size[1]) as usize)
     }
 
     pub fn destroy(mut self, device: &mut TestDevice) {
@@ -79,7 +80,7 @@ impl Slot {
 }
 
 /// Renders a sequence with so many frames on their way; the pictures. Recording allocates nothing after two frames.
-fn sequence(in_flight: usize, frames: u32) -> Option<Vec<Vec<u8>>> {
+fn sequence(in_flight: usize, frames: u32) -> Option<Vec<Vec<[u32; 4]>>> {
     let mut device = device()?;
     let (host, allocator) = device.parts();
     // SAFETY: the handles are the device's own, and the device has what is required.
@@ -119,7 +120,7 @@ fn frames_in_flight_are_those_that_are_waited_for() {
 }
 
 /// Renders one frame of an effect that exists.
-fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<u8> {
+fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<[u32; 4]> {
     let mut slot = Slot::new(device, size);
     let frame = slot.frame(0);
     host::run(device, |host, commands| {
