@@ -33,6 +33,23 @@ use crate::gpu::resources::Resources;
 use crate::host::{Host, Memory};
 use crate::plan::{BufferId, Pass, Plan};
 
+/// How much of a frame's work is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Effort {
+    /// What the frame needs.
+    #[default]
+    Needed,
+    /// All of it: only to prove that leaving work out changes nothing.
+    Everything,
+}
+
+impl Effort {
+    /// Whether work that a frame does not need is left out.
+    pub fn skips(self) -> bool {
+        self == Effort::Needed
+    }
+}
+
 /// What of an effect is its own; all else is [`Effect`]'s.
 pub trait Kind: fmt::Debug + Sized {
     /// Its name: of its folders, its table in a shot, and before the dot of its passes.
@@ -50,7 +67,7 @@ pub trait Kind: fmt::Debug + Sized {
     ///
     /// # Errors
     /// A setting out of range; something larger than a limit.
-    fn new(desc: &Self::Desc, limits: &DeviceLimits) -> Result<Self>;
+    fn new(desc: &Self::Desc, limits: &DeviceLimits, effort: Effort) -> Result<Self>;
 
     /// The same for a picture of another size.
     fn resized(desc: &Self::Desc, size: [u32; 2]) -> Self::Desc;
@@ -112,6 +129,7 @@ pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
 #[derive(Debug)]
 pub struct Effect<K: Kind> {
     desc: K::Desc,
+    effort: Effort,
     kind: K,
     executor: Executor,
 }
@@ -123,7 +141,7 @@ impl<K: Kind> Effect<K> {
     /// A setting out of range, or something larger than `limit`.
     pub fn memory(desc: &K::Desc, limit: u64) -> Result<Memory> {
         let limits = DeviceLimits { storage_range: limit, image_side: u32::MAX };
-        Ok(K::new(desc, &limits)?.layout().memory(desc))
+        Ok(K::new(desc, &limits, Effort::Needed)?.layout().memory(desc))
     }
 
     /// Creates pipelines, buffers and images; leaves nothing behind on error.
@@ -135,11 +153,29 @@ impl<K: Kind> Effect<K> {
     /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on, and `allocator` is its.
     pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: K::Desc) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        let mut kind = K::new(&desc, &unsafe { DeviceLimits::of(host) })?;
+        unsafe { Self::with_effort(host, allocator, desc, Effort::Needed) }
+    }
+
+    /// [`Self::new`], to prove that leaving work out changes nothing.
+    ///
+    /// # Errors
+    /// As there.
+    ///
+    /// # Safety
+    /// As there.
+    #[doc(hidden)]
+    pub unsafe fn with_effort(
+        host: &Host,
+        allocator: &mut Allocator,
+        desc: K::Desc,
+        effort: Effort,
+    ) -> Result<Effect<K>> {
+        // SAFETY: the caller's.
+        let mut kind = K::new(&desc, &unsafe { DeviceLimits::of(host) }, effort)?;
         let description = describe(&mut kind, &desc);
         // SAFETY: the caller's.
         let executor = unsafe { Executor::new(host, allocator, description)? };
-        Ok(Effect { desc, kind, executor })
+        Ok(Effect { desc, effort, kind, executor })
     }
 
     /// Changes the size of the picture. The next frame must bring all that a first one does. On error the effect is as it
@@ -154,7 +190,7 @@ impl<K: Kind> Effect<K> {
         let desc = K::resized(&self.desc, size);
         // SAFETY: the caller's.
         unsafe {
-            let mut old = std::mem::replace(self, Self::new(host, allocator, desc)?);
+            let mut old = std::mem::replace(self, Self::with_effort(host, allocator, desc, self.effort)?);
             old.destroy(host, allocator);
         }
         Ok(())
@@ -194,7 +230,7 @@ impl<K: Kind> Effect<K> {
         frame: &K::Frame<'_>,
         timing: &mut Timing,
     ) -> Result<()> {
-        let Effect { desc, kind, executor } = self;
+        let Effect { desc, kind, executor, .. } = self;
         let plan = executor.plan_mut();
         plan.clear();
         let recorded = kind.plan(desc, frame, plan)?;

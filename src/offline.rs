@@ -14,7 +14,7 @@ use std::time::Duration;
 use ash::vk;
 
 use crate::data::{Particles, Volume};
-use crate::effect::{Effect, Kind};
+use crate::effect::{Effect, Effort, Kind};
 use crate::error::{Error, Result};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::Image;
@@ -125,6 +125,15 @@ impl Offline {
     /// # Errors
     /// No effect, or effects of different sizes; as [`Effect::new`]. The device is lost with it.
     pub fn new(device: Headless, effects: impl Into<Effects>) -> Result<Offline> {
+        Offline::with_effort(device, effects, Effort::Needed)
+    }
+
+    /// [`Offline::new`], to prove that leaving work out changes nothing.
+    ///
+    /// # Errors
+    /// As there.
+    #[doc(hidden)]
+    pub fn with_effort(device: Headless, effects: impl Into<Effects>, effort: Effort) -> Result<Offline> {
         let effects = effects.into();
         let mut offline = Offline {
             device,
@@ -137,18 +146,18 @@ impl Offline {
             pace: Pace::default(),
             is_read: false,
         };
-        offline.create(effects)?;
+        offline.create(effects, effort)?;
         Ok(offline)
     }
 
-    fn create(&mut self, mut effects: Effects) -> Result<()> {
+    fn create(&mut self, mut effects: Effects, effort: Effort) -> Result<()> {
         let is_shared = effects.share_depth();
         let queue_family = self.device.queue_family();
         let (host, allocator) = self.device.parts();
         let Parts { players, target, depth, profiler, .. } = &mut self.parts;
         // SAFETY: the device is this host's own and outlives what is made here.
         unsafe {
-            effects.make(&host, allocator, |name, player| players.push((name, player)))?;
+            effects.make(&host, allocator, effort, |name, player| players.push((name, player)))?;
             let steps: usize = players.iter().map(|(_, player)| player.executor().plan().steps.capacity()).sum();
             *profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
             if is_shared {

@@ -17,6 +17,8 @@ mod outputs;
 mod resume;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/vignette.rs"]
+mod vignette;
 #[path = "cli/winding.rs"]
 mod winding;
 

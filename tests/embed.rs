@@ -198,7 +198,6 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
         layers: false,
         depth: None,
         edges: false,
-        skipping: true,
     };
     let (host, allocator) = device.parts();
     let mut smoke = unsafe { Smoke::new(&host, allocator, desc)? };

@@ -156,7 +156,6 @@ fn desc(settings: Settings) -> Desc {
         layers: false,
         depth: None,
         edges: false,
-        skipping: true,
     }
 }
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use ash::vk;
 
+use crate::effect::Effort;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::capabilities::DeviceLimits;
@@ -107,7 +108,7 @@ impl Rig {
         let (host, allocator) = self.headless.parts();
         // SAFETY: the device's own handles; what is made is destroyed in `clear`.
         unsafe {
-            slot.player.insert(make(&host, allocator, desc)?).executor_mut().set_mode(Mode::Isolated);
+            slot.player.insert(make(&host, allocator, desc, Effort::Needed)?).executor_mut().set_mode(Mode::Isolated);
             slot.target = Some(Image::new(&host, allocator, &image_desc("picture", size))?);
         }
         Ok(id)

@@ -28,7 +28,7 @@ pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
 pub use settings::Settings;
 
-use crate::effect::{DeviceLimits, Effect, Kind};
+use crate::effect::{DeviceLimits, Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::resources::Resources;
 use crate::host::HostBuffer;
@@ -45,6 +45,7 @@ pub type Blur = Effect<BlurKind>;
 pub struct BlurKind {
     layout: Layout,
     passes: Passes,
+    effort: Effort,
     /// The frame whose pose stands in each place.
     resident: Vec<Option<u32>>,
     /// The frame that is drawn in each place.
@@ -59,14 +60,14 @@ impl Kind for BlurKind {
     type Frame<'a> = Frame<'a>;
     type Recorded = ();
 
-    fn new(desc: &Desc, limits: &DeviceLimits) -> Result<BlurKind> {
+    fn new(desc: &Desc, limits: &DeviceLimits, effort: Effort) -> Result<BlurKind> {
         desc.validate()?;
         // Four samples a pixel.
         limits.check_sides(desc.size.map(|side| side.saturating_mul(2)))?;
         let layout = Layout::new(desc, limits.storage_range)?;
         let passes = Passes::new(desc);
         let resident = vec![None; desc.frames_resident as usize];
-        Ok(BlurKind { layout, passes, resident, drawn: Default::default(), has_mesh: false })
+        Ok(BlurKind { layout, passes, effort, resident, drawn: Default::default(), has_mesh: false })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -83,8 +84,8 @@ impl Kind for BlurKind {
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<()> {
         frame.validate(desc, !self.has_mesh, &self.resident)?;
-        let BlurKind { layout, passes, drawn, .. } = self;
-        Steps { plan, passes, desc, layout, drawn }.fill(frame);
+        let BlurKind { layout, passes, effort, drawn, .. } = self;
+        Steps { plan, passes, desc, layout, effort: *effort, drawn }.fill(frame);
         Ok(())
     }
 

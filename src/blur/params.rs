@@ -186,7 +186,7 @@ impl BlurParams {
             outer_images: u32::from(outer[0]) + 2 * u32::from(outer[1]),
             is_drawn: frame.images.is_none().into(),
             is_clipped: settings.is_clipped().into(),
-            is_whole: (desc.layers || desc.depth.is_some() || !desc.skipping).into(),
+            is_whole: (desc.layers || desc.depth.is_some()).into(),
             ..BlurParams::of_views(desc, &interval.views, frame.background)
         }
     }

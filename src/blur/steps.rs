@@ -3,6 +3,7 @@
 use crate::blur::limits::{
     CHOOSE_ROUNDS, DRAWN_PLACES, GRADIENT_DISPATCHES, LIGHT_CANDIDATES, MEAN_DISPATCHES, MOST_KNOTS, MOST_LINES,
 };
+use crate::effect::Effort;
 use std::mem::offset_of;
 
 use crate::blur::desc::Desc;
@@ -29,6 +30,8 @@ pub struct Steps<'a> {
     pub desc: &'a Desc,
     /// Its sizes.
     pub layout: &'a Layout,
+    /// How much of its work is done.
+    pub effort: Effort,
     /// Frames that are drawn already, each in its place.
     pub drawn: &'a [Option<Drawn>; DRAWN_PLACES],
 }
@@ -101,7 +104,10 @@ impl Steps<'_> {
         };
         let [before, _, _, after] = drawn(self.desc, frame);
         let outer = [frame.outer[0].is_some() || before.is_some(), frame.outer[1].is_some() || after.is_some()];
-        let params = BlurParams::new(self.desc, self.layout, interval, frame, outer);
+        let mut params = BlurParams::new(self.desc, self.layout, interval, frame, outer);
+        if !self.effort.skips() {
+            params.is_whole = 1;
+        }
         self.plan.update(self.passes.params, PARAMS, &params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
@@ -227,7 +233,7 @@ impl Steps<'_> {
         let frames = drawn(self.desc, frame);
         let (Some(next), Some(input)) = (frames[2], &frame.toon) else { return there };
         let is_there = |new: &Drawn| self.drawn[new.place(self.desc)] == Some(*new) && !frame.brings(new.frame());
-        let missing = frames.map(|drawn| drawn.filter(|drawn| !(self.desc.skipping && is_there(drawn))));
+        let missing = frames.map(|drawn| drawn.filter(|drawn| !(self.effort.skips() && is_there(drawn))));
         let is_missing = missing != [None; 4];
         if !there.is_projected && is_missing {
             let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);

@@ -26,7 +26,7 @@ pub use frame::{Frame, ParticleInput, SceneDepth};
 pub use settings::Settings;
 pub use spacing::mean_spacing;
 
-use crate::effect::{DeviceLimits, Effect, Kind};
+use crate::effect::{DeviceLimits, Effect, Effort, Kind};
 use crate::error::{Error, Result};
 use crate::gpu::resources::Resources;
 use crate::plan::{Pass, Plan};
@@ -48,6 +48,7 @@ pub struct FlameKind {
     layout: Layout,
     passes: Passes,
     table: Table,
+    effort: Effort,
     /// The largest alpha of the mask.
     max_alpha: f32,
     state: State,
@@ -76,7 +77,7 @@ impl Kind for FlameKind {
     type Frame<'a> = Frame;
     type Recorded = State;
 
-    fn new(desc: &Desc, limits: &DeviceLimits) -> Result<FlameKind> {
+    fn new(desc: &Desc, limits: &DeviceLimits, effort: Effort) -> Result<FlameKind> {
         desc.validate()?;
         limits.check_sides(desc.size)?;
         let table = table(desc);
@@ -84,7 +85,7 @@ impl Kind for FlameKind {
         let passes = Passes::new(desc, &layout, &table);
         // The largest alpha that the device's mask can have, which is the reference's but for rounding.
         let max_alpha = (Mask::new(desc.seed, desc.settings.variants).largest() * 1.000001) as f32;
-        Ok(FlameKind { layout, passes, table, max_alpha, state: State::default() })
+        Ok(FlameKind { layout, passes, table, effort, max_alpha, state: State::default() })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -102,8 +103,9 @@ impl Kind for FlameKind {
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, self.state.camera.is_none())?;
         let (moment, state) = self.moment(desc, frame)?;
-        let FlameKind { layout, passes, table, max_alpha, .. } = self;
-        let params = FlameParams::new(desc, layout, frame, &moment.given, table, *max_alpha);
+        let FlameKind { layout, passes, table, effort, max_alpha, .. } = self;
+        let mut params = FlameParams::new(desc, layout, frame, &moment.given, table, *max_alpha);
+        params.is_skipping = effort.skips().into();
         Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, table);
         Ok(state)
     }

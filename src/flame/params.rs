@@ -91,7 +91,7 @@ impl FlameParams {
             sobol_bits: sobol_bits(settings.repetitions),
             flicker_whole: (flickered >> 16) as u32,
             flicker_fraction: (flickered & 0xffff) as u32,
-            is_skipping: desc.skipping.into(),
+            is_skipping: 1,
             is_in_pixels: settings.size_pixels.is_some().into(),
             has_ids: given.ids.into(),
             sprite_size: settings.size_pixels.unwrap_or(settings.sprite()),

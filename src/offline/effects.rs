@@ -7,7 +7,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::depth::FORMAT;
 use super::player::{self, Depth, Describe, Feed, Player, Sharing};
-use crate::effect::Kind;
+use crate::effect::{Effort, Kind};
 use crate::error::{Error, Result};
 use crate::host::Host;
 
@@ -89,12 +89,13 @@ impl Effects {
         self,
         host: &Host,
         allocator: &mut Allocator,
+        effort: Effort,
         mut take: impl FnMut(&'static str, Box<dyn Player>),
     ) -> Result<()> {
         for effect in self.0 {
             let name = effect.name();
             // SAFETY: the caller's.
-            take(name, unsafe { effect.make(host, allocator)? });
+            take(name, unsafe { effect.make(host, allocator, effort)? });
         }
         Ok(())
     }
@@ -110,7 +111,7 @@ trait Described: fmt::Debug {
     fn as_any(&self) -> &dyn Any;
     /// # Safety
     /// As [`crate::effect::Effect::new`].
-    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator) -> Result<Box<dyn Player>>;
+    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator, effort: Effort) -> Result<Box<dyn Player>>;
 }
 
 impl<D: Describe> Described for D {
@@ -138,8 +139,8 @@ impl<D: Describe> Described for D {
         self
     }
 
-    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator) -> Result<Box<dyn Player>> {
+    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator, effort: Effort) -> Result<Box<dyn Player>> {
         // SAFETY: the caller's.
-        unsafe { player::make(host, allocator, *self) }
+        unsafe { player::make(host, allocator, *self, effort) }
     }
 }

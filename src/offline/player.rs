@@ -7,7 +7,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::Scene;
 use super::depth::PlacedDepth;
-use crate::effect::{Effect, Kind};
+use crate::effect::{Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::executor::Executor;
 use crate::gpu::headless::Headless;
@@ -226,9 +226,14 @@ impl<F: Feed<Kind: 'static>> Player for Fed<F> {
 ///
 /// # Safety
 /// As [`Effect::new`].
-pub(crate) unsafe fn make<D: Describe>(host: &Host, allocator: &mut Allocator, desc: D) -> Result<Box<dyn Player>> {
+pub(crate) unsafe fn make<D: Describe>(
+    host: &Host,
+    allocator: &mut Allocator,
+    desc: D,
+    effort: Effort,
+) -> Result<Box<dyn Player>> {
     // SAFETY: the caller's.
-    let effect = unsafe { Effect::new(host, allocator, desc.fitted(host))? };
+    let effect = unsafe { Effect::with_effort(host, allocator, desc.fitted(host), effort)? };
     Ok(Box::new(Fed::<D::Feed> { effect, feed: D::Feed::default() }))
 }
 

@@ -29,8 +29,6 @@ pub struct Desc {
     pub settings: Settings,
     /// Whether every buffer that is a layer is kept for reading after the frame.
     pub layers: bool,
-    /// Whether to leave out what a frame does not need; off only to prove that it changes nothing.
-    pub skipping: bool,
 }
 
 impl Desc {

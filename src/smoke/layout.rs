@@ -365,7 +365,6 @@ mod tests {
             layers: true,
             depth: None,
             edges: false,
-            skipping: true,
         };
         let limit = 1 << 27;
         let layout = Layout::new(&desc, limit).expect("small");

@@ -22,7 +22,7 @@ pub use desc::Desc;
 pub use frame::{Frame, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
 
-use crate::effect::{DeviceLimits, Effect, Kind};
+use crate::effect::{DeviceLimits, Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::resources::Resources;
 use crate::plan::{Pass, Plan};
@@ -42,6 +42,7 @@ pub struct SmokeKind {
     layout: Layout,
     passes: Passes,
     tables: Tables,
+    effort: Effort,
     state: State,
 }
 
@@ -68,13 +69,13 @@ impl Kind for SmokeKind {
     type Frame<'a> = Frame;
     type Recorded = State;
 
-    fn new(desc: &Desc, limits: &DeviceLimits) -> Result<SmokeKind> {
+    fn new(desc: &Desc, limits: &DeviceLimits, effort: Effort) -> Result<SmokeKind> {
         desc.validate()?;
         limits.check_sides(desc.size)?;
         let layout = Layout::new(desc, limits.storage_range)?;
         let tables = Tables::new(&desc.settings, &layout);
-        let passes = Passes::new(desc, &layout, &tables);
-        Ok(SmokeKind { layout, passes, tables, state: State::default() })
+        let passes = Passes::new(desc, &layout, &tables, effort);
+        Ok(SmokeKind { layout, passes, tables, effort, state: State::default() })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -131,13 +132,14 @@ impl SmokeKind {
         state.unmet = !restart && !advance && (state.unmet || new_volume);
         state.quiet = if restart || (moving && advance) { 0 } else { state.quiet + u32::from(advance) };
         let still = match () {
-            _ if restart || !desc.skipping && advance => None,
+            _ if restart || !self.effort.skips() && advance => None,
             _ if !advance => Some("the same moment again"),
             _ if state.quiet > desc.settings.fade => Some("neither velocity nor density changes"),
             _ => None,
         };
         let same_light = self.state.shadowed == Some(frame.light) && !new_volume;
-        let same_shadow = (still.is_some() && same_light && desc.skipping).then_some("particles and light unchanged");
+        let same_shadow =
+            (still.is_some() && same_light && self.effort.skips()).then_some("particles and light unchanged");
         if frame.target.is_some() {
             state.shadowed = Some(frame.light);
         } else if still.is_none() {

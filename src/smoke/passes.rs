@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::effect::Effort;
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
 use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
@@ -12,7 +13,7 @@ use crate::smoke::tables::Tables;
 use crate::toon;
 
 passes! {
-    (desc: &Desc, layout: &Layout, tables: &Tables), resource;
+    (desc: &Desc, layout: &Layout, tables: &Tables, effort: Effort), resource;
     params = Pass::transfer("smoke.params").updates::<SmokeParams>(PARAMS, 1).updates::<Control>(CONTROL, 1);
     tables = Pass::transfer("smoke.tables")
         .updates::<f32>(WEIGHTS, tables.weights.len())
@@ -45,7 +46,7 @@ passes! {
     shadow_map: Vec<PassId> = shadow_maps(desc, layout);
     occlusion_reset = Pass::transfer("smoke.occlusion").fills(OCCLUSION);
     occluders = Pass::compute("smoke.occlusion", &glsl::occluders::SHADER);
-    quads = Pass::compute("smoke.occlusion", &glsl::quads::SHADER).specialise([u32::from(desc.skipping)]);
+    quads = Pass::compute("smoke.occlusion", &glsl::quads::SHADER).specialise([u32::from(effort.skips())]);
     spheres = spheres(desc);
     tiles = Pass::compute("smoke.tiles", &glsl::tiles::SHADER);
     occupied = Pass::compute("smoke.tiles", &glsl::occupied::SHADER);

@@ -58,7 +58,6 @@ fn desc(settings: Settings) -> Desc {
         seed: 0,
         settings,
         layers: true,
-        skipping: true,
     }
 }
 

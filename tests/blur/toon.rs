@@ -5,6 +5,7 @@ use celfx::blur::motion::{Motion, Pose, Window};
 use celfx::blur::params::BASE_MASK;
 use celfx::blur::settings::{Completion, Toon};
 use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings, layout};
+use celfx::effect::Effort;
 use celfx::io::scene::{AnimatedMesh, Clock};
 use celfx::simulate::mesh::Builtin;
 use celfx::toon::{Operator, Outline, Tone};
@@ -38,7 +39,7 @@ impl Film {
         settings: Settings,
         turned: bool,
     ) -> Option<Film> {
-        Film::make(which, vertices, frames, turned, |mesh| celfx::blur::Desc {
+        Film::make(which, vertices, frames, (turned, Effort::Needed), |mesh| celfx::blur::Desc {
             toon: true,
             ..desc(size, mesh, settings)
         })
@@ -52,7 +53,7 @@ impl Film {
         frames: std::ops::Range<u32>,
         target_format: vk::Format,
     ) -> Option<Film> {
-        Film::make(which, vertices, frames, false, |mesh| celfx::blur::Desc {
+        Film::make(which, vertices, frames, (false, Effort::Needed), |mesh| celfx::blur::Desc {
             toon: true,
             target_format,
             ..desc(size, mesh, Settings::default())
@@ -65,12 +66,11 @@ impl Film {
         size: [u32; 2],
         frames: std::ops::Range<u32>,
         settings: Settings,
-        skipping: bool,
+        effort: Effort,
     ) -> Option<Film> {
-        Film::make(Builtin::Crossing, vertices, frames, false, |mesh| celfx::blur::Desc {
+        Film::make(Builtin::Crossing, vertices, frames, (false, effort), |mesh| celfx::blur::Desc {
             toon: true,
             layers: false,
-            skipping,
             ..desc(size, mesh, settings)
         })
     }
@@ -79,7 +79,7 @@ impl Film {
         which: Builtin,
         vertices: u32,
         frames: std::ops::Range<u32>,
-        turned: bool,
+        (turned, effort): (bool, Effort),
         describe: impl FnOnce(&Mesh) -> celfx::blur::Desc,
     ) -> Option<Film> {
         let scene = AnimatedMesh::builtin(which, vertices, Clock { first: 0, fps: which.fps() });
@@ -113,7 +113,7 @@ impl Film {
         let desc = describe(&mesh);
         let settings = desc.settings.clone();
         let animation = Animation { poses: poses.collect(), cameras: cameras.collect(), size: desc.size };
-        let mut rig = BlurRig::new(desc, mesh.clone())?;
+        let mut rig = BlurRig::with_effort(desc, mesh.clone(), effort)?;
         rig.colours = colours.clone();
         let light = Light::default();
         let mut film = Film { mesh, animation, settings, triangles, colours, rig, light };

@@ -6,6 +6,7 @@ use celfx::blur::{
     Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, GroupInput, HostDepth, Interval, IntervalInput,
     Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View, layout,
 };
+use celfx::effect::Effort;
 use celfx::error::Result;
 use celfx::gpu::headless::Submission;
 use celfx::gpu::image::Image;
@@ -96,12 +97,16 @@ fn make_images(device: &mut TestDevice, desc: &Desc) -> Vec<Image> {
 impl BlurRig {
     /// None where there is no device and tests may do without.
     pub fn new(desc: Desc, mesh: Mesh) -> Option<BlurRig> {
+        BlurRig::with_effort(desc, mesh, Effort::Needed)
+    }
+
+    pub fn with_effort(desc: Desc, mesh: Mesh, effort: Effort) -> Option<BlurRig> {
         let mut device = device()?;
         let images = make_images(&mut device, &desc);
         let depth = desc.depth.map(|DepthFormat { format, .. }| host::image(&mut device, desc.size, format));
         let (host, allocator) = device.parts();
         // SAFETY: the handles are the device's own.
-        let blur = unsafe { Blur::new(&host, allocator, desc).expect("the effect can be made") };
+        let blur = unsafe { Blur::with_effort(&host, allocator, desc, effort).expect("the effect can be made") };
         let mut rig = BlurRig {
             device,
             blur: Some(blur),

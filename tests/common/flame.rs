@@ -1,6 +1,7 @@
 //! The flame effect under validation, and everything that it makes read back.
 
 use celfx::data::Particles;
+use celfx::effect::Effort;
 use celfx::flame::FlameKind;
 use celfx::flame::params::{MASK_SIDE, Particle};
 use celfx::flame::{Desc, Settings, layout};
@@ -33,7 +34,6 @@ pub fn desc(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
         seed: 1,
         settings: Settings { spread: settings.spread.or(Some(0.1)), ..settings },
         layers: true,
-        skipping: true,
     }
 }
 
@@ -66,8 +66,12 @@ pub fn ball(count: u32, key: u32) -> Particles {
 impl FlameRig {
     /// None where there is no device and tests may do without.
     pub fn new(desc: Desc) -> Option<FlameRig> {
+        FlameRig::with_effort(desc, Effort::Needed)
+    }
+
+    pub fn with_effort(desc: Desc, effort: Effort) -> Option<FlameRig> {
         let (headless, verdict) = device()?.split();
-        let offline = Offline::new(headless, desc.clone()).expect("the effect can be made");
+        let offline = Offline::with_effort(headless, desc.clone(), effort).expect("the effect can be made");
         Some(FlameRig { offline, _verdict: verdict, desc, particles: 0 })
     }
 

@@ -1,6 +1,7 @@
 //! The whole effect under validation, and everything that it makes read back.
 
 use celfx::data::Volume;
+use celfx::effect::Effort;
 use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::plan::BufferId;
 use celfx::smoke::SmokeKind;
@@ -50,8 +51,12 @@ impl Bits {
 impl Rig {
     /// None where there is no device and tests may do without.
     pub fn new(desc: Desc) -> Option<Rig> {
+        Rig::with_effort(desc, Effort::Needed)
+    }
+
+    pub fn with_effort(desc: Desc, effort: Effort) -> Option<Rig> {
         let (headless, verdict) = device()?.split();
-        let offline = Offline::new(headless, desc.clone()).expect("the effect can be made");
+        let offline = Offline::with_effort(headless, desc.clone(), effort).expect("the effect can be made");
         Some(Rig { offline, _verdict: verdict, desc })
     }
 

@@ -26,7 +26,6 @@ pub fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
         layers: true,
         depth: None,
         edges: false,
-        skipping: true,
     }
 }
 

@@ -3,6 +3,7 @@
 use std::process::Command;
 
 use celfx::data::Particles;
+use celfx::effect::Effort;
 use celfx::flame::FlameKind;
 use celfx::flame::settings::{Sampling, Shape};
 use celfx::flame::{Desc, SceneFormat, Settings};
@@ -171,8 +172,8 @@ fn skipping_changes_nothing() {
     let negative = Settings { threshold: -1.0, ..base() };
     for (index, settings) in [base(), sparks, tiny, sobol, negative].into_iter().enumerate() {
         let given = Desc { scene: (index == 0).then_some(SceneFormat::Buffer), ..effect(settings) };
-        let frames = |skipping| {
-            let mut rig = FlameRig::new(Desc { skipping, ..given.clone() })?;
+        let frames = |effort| {
+            let mut rig = FlameRig::with_effort(given.clone(), effort)?;
             let frame = |turn| {
                 let depth = given.scene.map(|_| wall.as_slice());
                 rig.render(&Shot { depth, ..Shot::new(&cloud, camera(turn)) }.scene());
@@ -180,7 +181,7 @@ fn skipping_changes_nothing() {
             };
             Some([0.0, 20.0].map(frame))
         };
-        let (Some(on), Some(off)) = (frames(true), frames(false)) else { return };
+        let (Some(on), Some(off)) = (frames(Effort::Needed), frames(Effort::Everything)) else { return };
         for ((on, on_variance), (off, off_variance)) in on.iter().zip(&off) {
             // Nothing is repeated in tiles without particles: that alone is another number of repetitions.
             let pairs = on_variance.iter().zip(off_variance);

@@ -1,6 +1,7 @@
 //! Scenes that several tests render, and what they compare images by.
 
 use celfx::data::Particles;
+use celfx::effect::Effort;
 use celfx::flame::FlameKind;
 use celfx::flame::layout;
 use celfx::flame::params::Control;
@@ -76,7 +77,11 @@ impl Case {
 
     /// Rendered by an effect of its own.
     pub fn render(&self) -> Option<FlameRig> {
-        let mut rig = FlameRig::new(self.desc.clone())?;
+        self.render_with(Effort::Needed)
+    }
+
+    pub fn render_with(&self, effort: Effort) -> Option<FlameRig> {
+        let mut rig = FlameRig::with_effort(self.desc.clone(), effort)?;
         self.render_by(&mut rig);
         Some(rig)
     }

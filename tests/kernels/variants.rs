@@ -3,7 +3,7 @@
 use ash::vk;
 use celfx::blur::BlurKind;
 use celfx::blur::settings::{Completion, Refine, Space};
-use celfx::effect::{DeviceLimits, Kind, describe};
+use celfx::effect::{DeviceLimits, Effort, Kind, describe};
 use celfx::flame::settings::{Colour, Mode, Sampling, Shape};
 use celfx::flame::{self, FlameKind, SceneFormat};
 use celfx::gpu::executor::Description;
@@ -33,7 +33,7 @@ pub fn all() -> Vec<Variant> {
     smoke.chain(flames()).chain(blur).collect()
 }
 
-fn smoke_of([rk2, second, layers, skipping, depth, flat, plain]: [bool; 7], shadow: Shadow) -> Variant {
+fn smoke_of([rk2, second, layers, thorough, depth, flat, plain]: [bool; 7], shadow: Shadow) -> Variant {
     let mut settings = smoke::Settings { shadow, ..smoke::Settings::default() };
     settings.integrator = if rk2 { Integrator::Rk2 } else { Integrator::Euler };
     settings.outline.operator = if second { Operator::Second } else { Operator::Roberts };
@@ -41,8 +41,8 @@ fn smoke_of([rk2, second, layers, skipping, depth, flat, plain]: [bool; 7], shad
     settings.outline.strength = if plain { 0.0 } else { 1.0 };
     settings.sigma = if flat { 0.0 } else { settings.sigma };
     let desc = scenes::desc([16, 16], [8; 3], settings);
-    let desc = smoke::Desc { layers, skipping, depth: depth.then_some(DEPTH), edges: depth, velocity: true, ..desc };
-    described::<SmokeKind>(&desc)
+    let desc = smoke::Desc { layers, depth: depth.then_some(DEPTH), edges: depth, velocity: true, ..desc };
+    described::<SmokeKind>(&desc, if thorough { Effort::Everything } else { Effort::Needed })
 }
 
 fn flames() -> impl Iterator<Item = Variant> {
@@ -60,13 +60,13 @@ fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: 
         ..flame::Settings::default()
     };
     let scene = scene.then_some(SceneFormat::Buffer);
-    described::<FlameKind>(&flame::Desc { scene, layers, ..fire::desc([16, 16], 8, settings) })
+    described::<FlameKind>(&flame::Desc { scene, layers, ..fire::desc([16, 16], 8, settings) }, Effort::Needed)
 }
 
 /// What an effect is made of.
-fn described<K: Kind>(desc: &K::Desc) -> Variant {
+fn described<K: Kind>(desc: &K::Desc, effort: Effort) -> Variant {
     let limits = DeviceLimits { storage_range: RANGE, image_side: 4096 };
-    describe(&mut K::new(desc, &limits).expect("it can be made"), desc)
+    describe(&mut K::new(desc, &limits, effort).expect("it can be made"), desc)
 }
 
 fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], completion: Completion) -> Variant {
@@ -94,7 +94,6 @@ fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], c
         seed: 0,
         settings,
         layers,
-        skipping: true,
     };
-    described::<BlurKind>(&desc)
+    described::<BlurKind>(&desc, Effort::Needed)
 }

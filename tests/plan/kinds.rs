@@ -4,7 +4,7 @@
 use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::{self, BlurKind};
-use celfx::effect::{DeviceLimits, Kind, describe};
+use celfx::effect::{DeviceLimits, Effort, Kind, describe};
 use celfx::flame::{self, FlameKind, ParticleInput, SceneDepth, SceneFormat};
 use celfx::gpu::executor::Description;
 use celfx::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, ImageState, requirements};
@@ -40,7 +40,7 @@ fn backgrounds() -> [Background; 3] {
 
 /// Plans the frames one after the other, as they follow each other, and checks each.
 fn check<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) {
-    let mut kind = K::new(desc, &LIMITS).expect("it can be made");
+    let mut kind = K::new(desc, &LIMITS, Effort::Needed).expect("it can be made");
     let description = describe(&mut kind, desc);
     let mut plan = Plan::for_passes(&description.passes);
     bound(&description);
@@ -240,7 +240,6 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     seed: 1,
                     settings,
                     layers,
-                    skipping: true,
                 };
                 let input =
                     ParticleInput { count: particles, hottest, position_temperature: buffer(), ids: Some(buffer()) };
@@ -297,7 +296,6 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 seed: 0,
                 settings,
                 layers,
-                skipping: true,
             };
             let groups = blur::GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() };
             let mesh = blur::TopologyInput {

@@ -1,6 +1,7 @@
 //! Frames in sequences: skipping changes nothing, a frame alone is the sequence's, and the same seed gives the same bits.
 
 use celfx::data::Volume;
+use celfx::effect::Effort;
 use celfx::smoke::SmokeKind;
 use celfx::smoke::settings::Shadow;
 use celfx::smoke::{Desc, Sequence, Settings};
@@ -18,8 +19,8 @@ fn effect(settings: Settings, velocity: bool) -> Desc {
 /// What a frame is made of.
 type Step<'a> = (Sequence, Camera, Light, Option<&'a Volume>);
 
-fn rendered(desc: &Desc, steps: &[Step]) -> Option<(Vec<Bits>, usize)> {
-    let mut rig = Rig::new(desc.clone())?;
+fn rendered(desc: &Desc, effort: Effort, steps: &[Step]) -> Option<(Vec<Bits>, usize)> {
+    let mut rig = Rig::with_effort(desc.clone(), effort)?;
     let mut run = 0;
     let bits = steps.iter().map(|(sequence, camera, light, volume)| {
         rig.frame(&scene(*sequence, *camera, *light, *volume));
@@ -31,8 +32,8 @@ fn rendered(desc: &Desc, steps: &[Step]) -> Option<(Vec<Bits>, usize)> {
 
 /// Frames with skipping on and off are the same, bit for bit, and skipping saves steps.
 fn assert_skipping(name: &str, desc: &Desc, steps: &[Step], saves: bool) {
-    let Some((on, few)) = rendered(desc, steps) else { return };
-    let Some((off, many)) = rendered(&Desc { skipping: false, ..desc.clone() }, steps) else { return };
+    let Some((on, few)) = rendered(desc, Effort::Needed, steps) else { return };
+    let Some((off, many)) = rendered(desc, Effort::Everything, steps) else { return };
     for (frame, (on, off)) in on.iter().zip(&off).enumerate() {
         assert!(on == off, "{name}, frame {frame}: (layer, words) that differ: {:?}", on.differences(off));
     }

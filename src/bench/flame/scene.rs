@@ -124,7 +124,6 @@ impl Scene {
             seed: SEED,
             settings,
             layers: false,
-            skipping: true,
         }
     }
 

@@ -46,7 +46,6 @@ pub(super) fn desc(size: [u32; 2], volume: &Volume, settings: Settings, layers: 
         layers,
         depth: None,
         edges: false,
-        skipping: true,
     }
 }
 

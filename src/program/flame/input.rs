@@ -102,7 +102,6 @@ impl Input for FlameInput {
             seed: self.shot.seed,
             settings: Settings { spread: Some(spread), ..self.flame.settings.clone() },
             layers,
-            skipping: true,
         }))
     }
 

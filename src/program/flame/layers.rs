@@ -97,7 +97,6 @@ mod tests {
             seed: 0,
             settings,
             layers: true,
-            skipping: true,
         };
         let brought = FlameBrought { particles: None, count: 3 };
         let layers = of(LAYERS, &desc, &bytes, &picture, Some(&brought), (true, &[]));

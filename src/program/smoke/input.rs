@@ -70,7 +70,6 @@ impl Input for SmokeInput {
             layers,
             depth: None,
             edges: false,
-            skipping: true,
         }))
     }
 

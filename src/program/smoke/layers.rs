@@ -55,9 +55,9 @@ mod tests {
     fn desc(sigma: f32) -> Desc {
         let settings = Settings { sigma, ..Settings::default() };
         let (size, target_format, dimensions) = ([2, 1], TARGET_FORMAT, [1; 3]);
-        let (velocity, point_light, layers, skipping) = (false, false, true, true);
+        let (velocity, point_light, layers) = (false, false, true);
         let (depth, edges, seed) = (None, false, 0);
-        Desc { size, target_format, depth, edges, dimensions, velocity, point_light, seed, settings, layers, skipping }
+        Desc { size, target_format, depth, edges, dimensions, velocity, point_light, seed, settings, layers }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::effect::{DeviceLimits, Effect, Inventory, Kind};
+use crate::effect::{DeviceLimits, Effect, Effort, Inventory, Kind};
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
@@ -73,7 +73,7 @@ impl Kind for VignetteKind {
     type Frame<'a> = HostImage;
     type Recorded = ();
 
-    fn new(desc: &Desc, limits: &DeviceLimits) -> Result<VignetteKind> {
+    fn new(desc: &Desc, limits: &DeviceLimits, _: Effort) -> Result<VignetteKind> {
         limits.check_sides(desc.size)?;
         let mut sizes = Sizes::LEAST;
         sizes.set(PARAMS, size_of::<VignetteParams>() as u64);
