@@ -8,6 +8,7 @@ mod kinds;
 
 use ash::vk;
 use celfx::barrier::{Barrier, Tracker};
+use celfx::effect::Effort;
 use celfx::host::{HostImage, ImageState};
 use celfx::plan::{BufferId, Command, ImageId, Kernel, Pass, PassId, Plan, Resource, Usage};
 use celfx::shaders::smoke as glsl;
@@ -172,7 +173,7 @@ impl Effect {
     fn new(desc: Desc) -> Effect {
         let layout = Layout::new(&desc, RANGE).unwrap();
         let tables = Tables::new(&desc.settings, &layout);
-        let passes = Passes::new(&desc, &layout, &tables);
+        let passes = Passes::new(&desc, &layout, &tables, Effort::Needed);
         Effect { desc, layout, plan: Plan::for_passes(&passes.list), passes, tables }
     }
 

@@ -9,6 +9,7 @@ use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
     TopologyInput, Trajectories, View,
 };
+use celfx::effect::Effort;
 use celfx::effect::Inventory;
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
@@ -128,7 +129,7 @@ impl Effect {
     fn fill(&mut self, frame: &Frame) {
         let Effect { desc, layout, passes, plan } = self;
         plan.clear();
-        Steps { plan, passes, desc, layout, drawn: &[None; 4] }.fill(frame);
+        Steps { plan, passes, desc, layout, effort: Effort::Needed, drawn: &[None; 4] }.fill(frame);
     }
 
     fn skipped(&self) -> Vec<(&'static str, &'static str)> {

@@ -3,7 +3,7 @@
 
 use ash::vk;
 use celfx::data::Volume;
-use celfx::effect::Inventory;
+use celfx::effect::{Effort, Inventory};
 use celfx::error::Result;
 use celfx::gpu::image::Image;
 use celfx::gpu::kernel::Pipelines;
@@ -67,7 +67,7 @@ impl Bench {
     pub fn new(desc: Desc) -> Option<Bench> {
         let mut device = device()?;
         let layout = Layout::new(&desc, RANGE).expect("a layout");
-        let passes = Passes::new(&desc, &layout, &Tables::new(&desc.settings, &layout));
+        let passes = Passes::new(&desc, &layout, &Tables::new(&desc.settings, &layout), Effort::Needed);
         let mut resources = Resources::default();
         let (host, allocator) = device.parts();
         // SAFETY: the handles are the device's own; everything is destroyed before it.
