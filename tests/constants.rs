@@ -160,7 +160,7 @@ fn a_second_place_is_found() {
 /// The references read these from the shaders, and would follow where one is changed by mistake.
 #[test]
 fn the_numbers_of_the_methods_are_what_was_decided() {
-    use celfx::shaders::{blur::constants as blur, flame::constants as flame, smoke::constants as smoke};
+    use celfx::low_level::shaders::{blur::constants as blur, flame::constants as flame, smoke::constants as smoke};
     let whole = [
         // Of the refinement: rounds, and those after which tolerances grow; of the tables: bins along a side.
         [blur::ROUNDS, blur::USUAL_ROUNDS, blur::SIDE, blur::BETWEEN, 16, 11, 32, u32::MAX],

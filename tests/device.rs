@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use ash::vk;
 use celfx::error::{Error, Result};
-use celfx::gpu::buffer::{Buffer, BufferDesc};
-use celfx::gpu::debug;
-use celfx::gpu::headless::{self, Headless, Options};
-use celfx::gpu::profiler::{Profiler, Timing, queries};
 use celfx::host::Host;
+use celfx::low_level::gpu::buffer::{Buffer, BufferDesc};
+use celfx::low_level::gpu::debug;
+use celfx::low_level::gpu::headless::{self, Headless, Options};
+use celfx::low_level::gpu::profiler::{Profiler, Timing, queries};
 use celfx::profile::Clock;
 use common::picture::{Picture, Tolerance, compare};
 use common::{TestDevice, device, host};

@@ -6,12 +6,12 @@ mod common;
 
 use ash::vk;
 use celfx::error::Result;
-use celfx::gpu::buffer::{Buffer, BufferDesc};
-use celfx::gpu::headless::{Commands, Headless, Submission};
-use celfx::gpu::image::{Image, ImageDesc};
-use celfx::gpu::profiler::{Timing, queries};
 use celfx::host::{HostBuffer, HostImage, ImageState};
+use celfx::low_level::gpu::buffer::{Buffer, BufferDesc};
+use celfx::low_level::gpu::headless::{Commands, Headless, Submission};
+use celfx::low_level::gpu::image::{Image, ImageDesc};
 use celfx::profile::Clock;
+use celfx::profile::{Timing, queries};
 use celfx::simulate::smoke::Builtin;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, VolumeInput};
 use celfx::view::{Camera, Light};

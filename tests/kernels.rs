@@ -12,11 +12,11 @@ mod ways;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-use celfx::gpu::headless::{Headless, Options};
-use celfx::gpu::kernel::Pipelines;
-use celfx::gpu::resources::Resources;
-use celfx::plan::{Kernel, Pass};
-use celfx::shaders;
+use celfx::low_level::gpu::headless::{Headless, Options};
+use celfx::low_level::gpu::kernel::Pipelines;
+use celfx::low_level::gpu::resources::Resources;
+use celfx::low_level::plan::{Kernel, Pass};
+use celfx::low_level::shaders;
 
 use variants::Variant;
 
@@ -29,7 +29,7 @@ const MOST_MEBIBYTES: u64 = 1024;
 /// gigabytes had billions.
 #[test]
 fn ways_through_loops_do_not_multiply() {
-    let most = |shader: &&&celfx::plan::Shader| ways::most_steps(shader.words) >= ways::MOST_STEPS;
+    let most = |shader: &&&celfx::low_level::plan::Shader| ways::most_steps(shader.words) >= ways::MOST_STEPS;
     let slow: Vec<_> = shaders::ALL.iter().filter(most).map(|shader| shader.file).collect();
     assert!(slow.is_empty(), "{slow:?}: more than {} steps; choose values where loops branch", ways::MOST_STEPS);
 }

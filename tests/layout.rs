@@ -4,12 +4,12 @@
 use ash::vk;
 use celfx::effect::Inventory;
 use celfx::error::Error;
-use celfx::shaders::smoke as shaders;
-use celfx::shaders::smoke::constants::BLOCK;
-use celfx::smoke::layout::{self, Layout};
-use celfx::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
-use celfx::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
-use celfx::smoke::search::{Pyramid, growth_rows};
+use celfx::low_level::shaders::smoke as shaders;
+use celfx::low_level::shaders::smoke::constants::BLOCK;
+use celfx::low_level::smoke::layout::{self, Layout};
+use celfx::low_level::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
+use celfx::low_level::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
+use celfx::low_level::smoke::search::{Pyramid, growth_rows};
 use celfx::smoke::settings::{Emitter, Grow, Placement, Radius, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 use celfx::toon::{Outline, Tone};

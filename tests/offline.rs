@@ -100,10 +100,12 @@ fn smoke_hides_the_fire_behind_it_and_not_the_fire_before_it() {
         offline.frame(&Scene { particles: Some(&particles), ..scene }).expect("rendered");
         let pixels = (SIZE[0] * SIZE[1]) as usize;
         let picture = offline.picture().to_vec();
-        let depth: Vec<f32> =
-            offline.read_as(EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH), pixels).expect("read");
-        let mean: Vec<[f32; 4]> =
-            offline.read_as(EffectBuffer::of::<FlameKind>(flame::layout::MEAN), pixels).expect("read");
+        let depth: Vec<f32> = offline
+            .read_as(EffectBuffer::of::<SmokeKind>(celfx::low_level::smoke::layout::DEPTH), pixels)
+            .expect("read");
+        let mean: Vec<[f32; 4]> = offline
+            .read_as(EffectBuffer::of::<FlameKind>(celfx::low_level::flame::layout::MEAN), pixels)
+            .expect("read");
         let coverage: Vec<f32> = mean.iter().map(|pixel| pixel[3]).collect();
         (picture, depth, coverage)
     };
@@ -128,9 +130,9 @@ fn layers_of_both_come_with_the_frame() {
         return;
     };
     let buffers = [
-        EffectBuffer::of::<FlameKind>(flame::layout::NEAREST),
-        EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH),
-        EffectBuffer::of::<FlameKind>(flame::layout::MASK),
+        EffectBuffer::of::<FlameKind>(celfx::low_level::flame::layout::NEAREST),
+        EffectBuffer::of::<SmokeKind>(celfx::low_level::smoke::layout::DEPTH),
+        EffectBuffer::of::<FlameKind>(celfx::low_level::flame::layout::MASK),
     ];
     offline.set_layers(&buffers).expect("memory");
     let (volume, particles) = (puffs(12, 0.0), ball(100, 3));

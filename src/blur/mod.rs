@@ -5,17 +5,17 @@
 
 pub mod desc;
 pub mod frame;
-pub mod layout;
-pub mod limits;
+pub(crate) mod layout;
+pub(crate) mod limits;
 pub mod mesh;
 pub mod motion;
-pub mod params;
-pub mod passes;
+pub(crate) mod params;
+pub(crate) mod passes;
 #[cfg(any(test, feature = "reference"))]
 pub mod reference;
 pub mod settings;
-pub mod shells;
-pub mod steps;
+pub(crate) mod shells;
+pub(crate) mod steps;
 
 use ash::vk;
 

@@ -6,19 +6,19 @@
 //! image that the repetitions converge to.
 
 mod cie;
-pub mod colour;
+pub(crate) mod colour;
 pub mod desc;
 pub mod frame;
-pub mod layout;
-pub mod limits;
+pub(crate) mod layout;
+pub(crate) mod limits;
 mod mask;
-pub mod params;
-pub mod passes;
+pub(crate) mod params;
+pub(crate) mod passes;
 #[cfg(any(test, feature = "reference"))]
 pub mod reference;
 pub mod settings;
 mod spacing;
-pub mod steps;
+pub(crate) mod steps;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
 pub use desc::{Desc, SceneFormat};

@@ -1,4 +1,4 @@
-//! The only place that calls Vulkan, and the only one with unsafe bodies. It knows no effect.
+//! Buffers, images, pipelines, queries, command buffers: what calls Vulkan. It knows no effect.
 
 pub mod buffer;
 pub mod capabilities;

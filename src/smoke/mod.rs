@@ -6,25 +6,28 @@
 
 pub mod desc;
 pub mod frame;
-pub mod layout;
-pub mod limits;
-pub mod params;
-pub mod passes;
+pub(crate) mod layout;
+pub(crate) mod limits;
+pub(crate) mod params;
+pub(crate) mod passes;
 #[cfg(any(test, feature = "reference"))]
 pub mod reference;
-pub mod search;
+pub(crate) mod search;
 pub mod settings;
-pub mod steps;
-pub mod tables;
+pub(crate) mod steps;
+pub(crate) mod tables;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
 pub use desc::Desc;
 pub use frame::{Frame, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
 
+use ash::vk;
+
 use crate::effect::{DeviceLimits, Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::resources::Resources;
+use crate::host::HostBuffer;
 use crate::plan::{Pass, Plan};
 use crate::view::Light;
 use layout::Layout;
@@ -147,5 +150,17 @@ impl SmokeKind {
         }
         let first = !self.state.begun;
         (Moment { shape: state.shape, restart, new_volume, first, still, same_shadow }, state)
+    }
+}
+
+impl Effect<SmokeKind> {
+    /// View depth of each pixel of the last frame in metres, infinity where there is no smoke: what hides a fire that is
+    /// drawn after it.
+    pub fn depth(&self) -> HostBuffer {
+        let (buffer, offset, size) = self.buffer(layout::DEPTH);
+        // Written by shaders, or cleared where there is no smoke.
+        let stage = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
+        let access = vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::TRANSFER_WRITE;
+        HostBuffer { buffer, offset, size, stage, access }
     }
 }

@@ -1,7 +1,8 @@
 //! What is drawn behind the mesh: speed lines and after-images.
 
+use celfx::blur::Settings;
 use celfx::blur::settings::{Ghosts, Lines};
-use celfx::blur::{Settings, layout};
+use celfx::low_level::blur::layout;
 use celfx::simulate::mesh::Builtin;
 
 use crate::scenes::{natural, spline};

@@ -2,9 +2,7 @@
 
 use std::collections::HashMap;
 
-use celfx::blur::layout;
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::params::BASE_MASK;
 use celfx::blur::reference::complete::complete;
 use celfx::blur::reference::complete::tone::Tones;
 use celfx::blur::reference::distort::{Drawing, Triangle, Vertex, draw, hidden};
@@ -14,6 +12,8 @@ use celfx::blur::reference::visible::{Colour, Frame, Surface, compose, shade};
 use celfx::blur::reference::{distort, scene};
 use celfx::blur::settings::Completion;
 use celfx::blur::{Desc, Interval, Mesh, MeshInput, Settings};
+use celfx::low_level::blur::layout;
+use celfx::low_level::blur::params::BASE_MASK;
 use celfx::simulate::mesh::{Builtin, Model};
 use glam::{DQuat, DVec3};
 

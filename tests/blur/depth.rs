@@ -1,11 +1,11 @@
 //! The host's depth: it hides the mesh where it is nearer, takes the mesh's, and changes nothing else.
 
 use ash::vk;
-use celfx::blur::layout;
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::params::Vertex;
 use celfx::blur::reference::raster::{Clip, Raster, Shape, raster};
 use celfx::blur::{Background, DepthFormat, Desc, HostDepth, Interval, Settings};
+use celfx::low_level::blur::layout;
+use celfx::low_level::blur::params::Vertex;
 use celfx::view::Light;
 
 use crate::common::blur::{BlurRig, Shot, desc};

@@ -4,10 +4,10 @@
 use std::f32::consts::TAU;
 
 use celfx::blur::motion::{Piece, Segment, outline};
-use celfx::blur::params::Vertex;
 use celfx::blur::reference::extent::{Extent, extent, extents};
 use celfx::blur::settings::Ghosts;
 use celfx::blur::{Cluster, Desc, Interval, Mesh, Settings};
+use celfx::low_level::blur::params::Vertex;
 
 use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::scenes::random;

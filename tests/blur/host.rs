@@ -88,12 +88,13 @@ fn targets_of_eight_bits_are_floats_rounded() {
 fn culling_changes_nothing() {
     let Some(mut film) = Film::new(Builtin::Spin, 800, SIZE, 2..8, Settings::default(), false) else { return };
     let picture = film.output(2, true);
-    let culled = film.rig.finished().iter().filter(|triangle| triangle[3] & celfx::blur::params::CULLED != 0).count();
+    let culled =
+        film.rig.finished().iter().filter(|triangle| triangle[3] & celfx::low_level::blur::params::CULLED != 0).count();
     assert!(culled > 50, "{culled} triangles are culled");
     let mut open = Film::new(Builtin::Spin, 800, SIZE, 2..8, Settings::default(), false).expect("a device");
     open.rig.are_closed = false;
     let whole = open.output(2, true);
-    assert!(open.rig.finished().iter().all(|triangle| triangle[3] & celfx::blur::params::CULLED == 0));
+    assert!(open.rig.finished().iter().all(|triangle| triangle[3] & celfx::low_level::blur::params::CULLED == 0));
     let differing = (0..picture.len()).filter(|pixel| picture[*pixel] != whole[*pixel]).count();
     // Where it is smeared, a few of what faces away in both frames is turned over at the outline.
     assert!(differing <= picture.len() / 200, "{differing} pixels");

@@ -1,6 +1,7 @@
 //! Normals of places where many triangles meet, against f64.
 
-use celfx::blur::{Desc, Settings, layout};
+use celfx::blur::{Desc, Settings};
+use celfx::low_level::blur::layout;
 use celfx::view::Camera;
 use glam::DVec3;
 

@@ -1,10 +1,7 @@
 //! Plans, barriers and sizes of the blur, without a device.
 
 use ash::vk;
-use celfx::blur::layout::{self, Layout};
-use celfx::blur::passes::Passes;
 use celfx::blur::settings::Completion;
-use celfx::blur::steps::Steps;
 use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
     TopologyInput, Trajectories, View,
@@ -13,10 +10,13 @@ use celfx::effect::Effort;
 use celfx::effect::Inventory;
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
-use celfx::plan::{Command, PassId, Plan};
-use celfx::shaders::blur as shaders;
-use celfx::shaders::blur::constants::BLOCK;
-use celfx::smoke::limits::LOOP_BUDGET;
+use celfx::low_level::blur::layout::{self, Layout};
+use celfx::low_level::blur::passes::Passes;
+use celfx::low_level::blur::steps::Steps;
+use celfx::low_level::plan::{Command, PassId, Plan};
+use celfx::low_level::shaders::blur as shaders;
+use celfx::low_level::shaders::blur::constants::BLOCK;
+use celfx::low_level::smoke::limits::LOOP_BUDGET;
 use celfx::view::{Camera, Light, LightSource};
 
 const RANGE: u64 = 128 << 20;
@@ -138,7 +138,7 @@ impl Effect {
     }
 
     fn names(&self) -> Vec<&'static str> {
-        let name = |step: &celfx::plan::Step| self.passes.list[usize::from(step.pass.0)].name;
+        let name = |step: &celfx::low_level::plan::Step| self.passes.list[usize::from(step.pass.0)].name;
         let mut names: Vec<_> = self.plan.steps.iter().map(name).collect();
         names.dedup();
         names

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use celfx::blur::params::{BASE_MASK, CULLED, Control, ENDED_BY_BUDGET, Vertex};
 use celfx::blur::reference::extent::extents;
 use celfx::blur::reference::refine::{Refined, Rules, refine};
 use celfx::blur::reference::watertight::border;
 use celfx::blur::settings::{Refine, Space};
 use celfx::blur::{Desc, Interval, Mesh, Settings};
+use celfx::low_level::blur::params::{BASE_MASK, CULLED, Control, ENDED_BY_BUDGET, Vertex};
 use celfx::simulate::mesh::Builtin;
 
 use crate::common::blur::{BlurRig, Shot, desc};

@@ -1,8 +1,8 @@
 //! Meshes that move, and the splines through their poses in f64.
 
 use celfx::blur::motion::{Segment, outline};
-use celfx::blur::params::clip_rows;
 use celfx::blur::{Cluster, Interval, Knot, Mesh, MeshInput, View};
+use celfx::low_level::blur::params::clip_rows;
 use celfx::view::Camera;
 use glam::{DVec2, DVec3};
 

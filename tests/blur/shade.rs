@@ -1,10 +1,10 @@
 //! What is drawn: which triangle a pixel sees, against f64, and the colours that it gets from both frames.
 
-use celfx::blur::layout;
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::params::{BASE_MASK, Vertex};
 use celfx::blur::settings::Completion;
 use celfx::blur::{Interval, Mesh, Settings};
+use celfx::low_level::blur::layout;
+use celfx::low_level::blur::params::{BASE_MASK, Vertex};
 use glam::{DVec2, DVec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};

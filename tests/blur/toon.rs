@@ -2,11 +2,12 @@
 
 use ash::vk;
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::params::BASE_MASK;
 use celfx::blur::settings::{Completion, Toon};
-use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings, layout};
+use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings};
 use celfx::effect::Effort;
 use celfx::io::scene::{AnimatedMesh, Clock};
+use celfx::low_level::blur::layout;
+use celfx::low_level::blur::params::BASE_MASK;
 use celfx::simulate::mesh::Builtin;
 use celfx::toon::{Operator, Outline, Tone};
 use celfx::view::{Light, LightSource};

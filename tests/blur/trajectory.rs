@@ -1,9 +1,9 @@
 //! Splines through resident poses against f64: 1e-4 pixels for what is off from frame i.
 
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::params::Piece;
 use celfx::blur::settings::Space;
 use celfx::blur::{Desc, Settings};
+use celfx::low_level::blur::params::Piece;
 
 use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::scenes::random;

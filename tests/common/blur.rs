@@ -1,20 +1,21 @@
 //! The blur effect under validation, and everything that it makes read back.
 
 use ash::vk;
-use celfx::blur::params::{Control, Piece, Vertex};
 use celfx::blur::{
     Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, GroupInput, HostDepth, Interval, IntervalInput,
-    Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View, layout,
+    Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View,
 };
 use celfx::effect::Effort;
 use celfx::error::Result;
-use celfx::gpu::headless::Submission;
-use celfx::gpu::image::Image;
-use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::{CLEARED, COPIED_FROM, Upload, record_depth, record_picture};
 use celfx::host::{HostBuffer, HostImage, ImageState};
+use celfx::low_level::blur::layout;
+use celfx::low_level::blur::params::{Control, Piece, Vertex};
+use celfx::low_level::gpu::headless::Submission;
+use celfx::low_level::gpu::image::Image;
+use celfx::low_level::gpu::profiler::Timing;
+use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM, Upload, record_depth, record_picture};
+use celfx::low_level::plan::BufferId;
 use celfx::offline::TARGET_FORMAT;
-use celfx::plan::BufferId;
 use celfx::view::Light;
 
 use super::host;
@@ -348,7 +349,7 @@ impl BlurRig {
     /// Names of the steps that ran, each once where it stands several times in a row.
     pub fn steps(&self) -> Vec<&'static str> {
         let blur = self.blur();
-        let name = |step: &celfx::plan::Step| blur.passes()[usize::from(step.pass.0)].name;
+        let name = |step: &celfx::low_level::plan::Step| blur.passes()[usize::from(step.pass.0)].name;
         let mut names: Vec<_> = blur.plan().steps.iter().map(name).collect();
         names.dedup();
         names

@@ -41,7 +41,7 @@ fn fails(name: &'static str) -> bool {
 /// its work before.
 macro_rules! failing {
     ($($field:ident($($argument:ident: $kind:ty),*) of $table:ident: $name:literal, $result:ident, $late:literal;)*) => {
-        /// The device with calls that can fail, for [`celfx::gpu::headless::Options::table`].
+        /// The device with calls that can fail, for [`celfx::low_level::gpu::headless::Options::table`].
         pub fn table(device: ash::Device) -> ash::Device {
             let (mut core, v11) = (device.fp_v1_0().clone(), device.fp_v1_1().clone());
             let (v12, mut core_1_3) = (device.fp_v1_2().clone(), device.fp_v1_3().clone());

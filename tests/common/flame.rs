@@ -3,10 +3,11 @@
 use celfx::data::Particles;
 use celfx::effect::Effort;
 use celfx::flame::FlameKind;
-use celfx::flame::params::{MASK_SIDE, Particle};
-use celfx::flame::{Desc, Settings, layout};
+use celfx::flame::{Desc, Settings};
+use celfx::low_level::flame::layout;
+use celfx::low_level::flame::params::{MASK_SIDE, Particle};
+use celfx::low_level::plan::BufferId;
 use celfx::offline::{EffectBuffer, Offline, Scene, TARGET_FORMAT};
-use celfx::plan::BufferId;
 use celfx::view::Camera;
 
 use super::rig::Bits;

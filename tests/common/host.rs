@@ -4,11 +4,11 @@
 use std::collections::VecDeque;
 
 use ash::vk;
-use celfx::gpu::buffer::{Buffer, BufferDesc};
-use celfx::gpu::headless::Submission;
-use celfx::gpu::image::{Image, ImageDesc};
-use celfx::gpu::transfer::{COPIED_FROM, readback};
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
+use celfx::low_level::gpu::buffer::{Buffer, BufferDesc};
+use celfx::low_level::gpu::headless::Submission;
+use celfx::low_level::gpu::image::{Image, ImageDesc};
+use celfx::low_level::gpu::transfer::{COPIED_FROM, readback};
 use gpu_allocator::MemoryLocation;
 
 use super::TestDevice;

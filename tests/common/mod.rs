@@ -20,8 +20,8 @@ use std::ops::{Deref, DerefMut};
 use std::sync::PoisonError;
 use std::time::Duration;
 
-use celfx::gpu::headless::{Headless, Messages, Options};
-use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
+use celfx::low_level::gpu::headless::{Headless, Messages, Options};
+use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
 /// A device whose end, validated destruction included, fails the test if validation has said anything.
 pub struct TestDevice {

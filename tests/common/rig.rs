@@ -2,12 +2,13 @@
 
 use celfx::data::Volume;
 use celfx::effect::Effort;
+use celfx::low_level::plan::BufferId;
+use celfx::low_level::smoke::layout;
+use celfx::low_level::smoke::params::Particle;
 use celfx::offline::{EffectBuffer, Offline, Scene};
-use celfx::plan::BufferId;
 use celfx::smoke::SmokeKind;
-use celfx::smoke::params::Particle;
 use celfx::smoke::reference;
-use celfx::smoke::{Desc, Sequence, layout};
+use celfx::smoke::{Desc, Sequence};
 use celfx::view::{Camera, Light};
 
 use super::{Verdict, device};

@@ -1,8 +1,8 @@
 //! Volumes, cameras and descriptions that several tests use.
 
 use celfx::data::Volume;
+use celfx::low_level::random::{hash, unit};
 use celfx::offline::TARGET_FORMAT;
-use celfx::random::{hash, unit};
 use celfx::smoke::reference::Grid;
 use celfx::smoke::{Desc, Settings};
 use celfx::view::{Camera, Light, LightSource};

@@ -2,10 +2,10 @@
 //! without.
 
 use celfx::data::Particles;
-use celfx::flame::params;
 use celfx::flame::reference::sums::Sums;
 use celfx::flame::settings::Sampling;
 use celfx::flame::{Desc, Settings};
+use celfx::low_level::flame::params;
 
 use crate::common::flame::{FlameRig, ball, desc, particles};
 use crate::common::scenes::camera;

@@ -2,12 +2,12 @@
 
 use celfx::data::Particles;
 use celfx::flame::FlameKind;
-use celfx::flame::layout;
-use celfx::flame::params::{self, Control, TILE};
 use celfx::flame::reference::mask::Mask;
 use celfx::flame::reference::prepare::{self, Particle, Prepared};
 use celfx::flame::reference::stochastic::{Frame, Rounding, render};
 use celfx::flame::reference::sums::Sums;
+use celfx::low_level::flame::layout;
+use celfx::low_level::flame::params::{self, Control, TILE};
 use celfx::offline::{EffectBuffer, Scene};
 use celfx::view::Camera;
 

@@ -41,7 +41,7 @@ fn over_backdrop_with(desc: &Desc, effort: Effort) -> Option<FlameRig> {
 
 fn steps(rig: &mut FlameRig, name: &str) -> usize {
     let flame = rig.offline().effect::<FlameKind>().expect("a flame");
-    let of_name = |pass: celfx::plan::PassId| flame.passes()[usize::from(pass.0)].name == name;
+    let of_name = |pass: celfx::low_level::plan::PassId| flame.passes()[usize::from(pass.0)].name == name;
     flame.plan().steps.iter().filter(|step| of_name(step.pass)).count()
 }
 

@@ -3,14 +3,14 @@
 use celfx::data::Particles;
 use celfx::effect::Effort;
 use celfx::flame::FlameKind;
-use celfx::flame::layout;
-use celfx::flame::params::Control;
 use celfx::flame::reference::expected::Bins;
 use celfx::flame::reference::mask::{self, Mask};
 use celfx::flame::reference::prepare;
 use celfx::flame::reference::stochastic::Frame;
 use celfx::flame::settings::Mode;
 use celfx::flame::{Desc, Settings};
+use celfx::low_level::flame::layout;
+use celfx::low_level::flame::params::Control;
 use celfx::offline::{EffectBuffer, Scene};
 use celfx::view::Camera;
 use glam::DVec3;
@@ -165,7 +165,7 @@ pub fn level(case: &Case, rig: &mut FlameRig) -> u32 {
 pub fn prepared(case: &Case, rig: &mut FlameRig) -> Vec<prepare::Particle> {
     let brightest = f64::from(f32::from_bits(control(rig).brightest));
     let rows = rig.prepared().into_iter().zip(&case.particles.position).enumerate();
-    let particle = |(row, (given, centre)): (usize, (celfx::flame::params::Particle, &[f32; 3]))| {
+    let particle = |(row, (given, centre)): (usize, (celfx::low_level::flame::params::Particle, &[f32; 3]))| {
         let colour = [0, 1, 2].map(|c| f64::from(given.colour[c]));
         prepare::Particle {
             row: row as u32,

@@ -1,8 +1,9 @@
 //! Colours of particles on the device.
 
-use celfx::flame::params::Particle;
 use celfx::flame::settings::Colour;
-use celfx::flame::{Desc, Settings, colour};
+use celfx::flame::{Desc, Settings};
+use celfx::low_level::flame::colour;
+use celfx::low_level::flame::params::Particle;
 use celfx::view::Camera;
 use glam::DVec3;
 

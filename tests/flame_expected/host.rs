@@ -4,11 +4,11 @@ use ash::vk;
 use celfx::data::Particles;
 use celfx::error::Error;
 use celfx::flame::{Background, Desc, Flame, Frame, ParticleInput, Settings};
-use celfx::gpu::buffer::Buffer;
-use celfx::gpu::image::Image;
-use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::host::{Host, HostImage, ImageState};
+use celfx::low_level::gpu::buffer::Buffer;
+use celfx::low_level::gpu::image::Image;
+use celfx::low_level::gpu::profiler::Timing;
+use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
 
 use crate::cases::{Case, plain};
 use crate::common::allocations::allocated;

@@ -1,8 +1,8 @@
 //! The layer `flame.mask`, and what its levels let pass.
 
 use celfx::flame::Settings;
-use celfx::flame::params::MASK_LEVELS;
 use celfx::flame::reference::mask::{Mask, SIDE};
+use celfx::low_level::flame::params::MASK_LEVELS;
 use celfx::view::Camera;
 use glam::DVec3;
 

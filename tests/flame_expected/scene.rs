@@ -2,13 +2,13 @@
 
 use ash::vk;
 use celfx::flame::FlameKind;
-use celfx::flame::params::Particle;
 use celfx::flame::settings::Mode;
 use celfx::flame::{DepthFormat, Desc, Frame, HostDepth, SceneDepth, SceneFormat, Settings};
-use celfx::gpu::buffer::Buffer;
-use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
+use celfx::low_level::flame::params::Particle;
+use celfx::low_level::gpu::buffer::Buffer;
+use celfx::low_level::gpu::profiler::Timing;
+use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::smoke::{self, Smoke};
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
@@ -328,7 +328,7 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
     let mut flame = make(&mut device, flame_desc);
     let slot = |_| (Slot::new(&mut device, size, 80), host::source(&mut device, 4 * 20 * 20 * 20));
     let mut slots: Vec<(Slot, Buffer)> = (0..in_flight).map(slot).collect();
-    let (buffer, offset, bytes) = smoke.buffer(smoke::layout::DEPTH);
+    let (buffer, offset, bytes) = smoke.buffer(celfx::low_level::smoke::layout::DEPTH);
     let depth = HostBuffer {
         buffer,
         offset,

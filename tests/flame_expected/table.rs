@@ -1,11 +1,13 @@
 //! The table of the expected image and its look-ups in f64, with the nodes, classes and weights of the kernels.
 
-use celfx::flame::params::{FINE_MASK_PLACES, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_PLACES, NARROW};
 use celfx::flame::reference::expected::{Bins, Expected, integrate};
 use celfx::flame::reference::kernel::FLOOR;
 use celfx::flame::reference::mask::Mask;
 use celfx::flame::reference::prepare::Particle;
 use celfx::flame::settings::Shape;
+use celfx::low_level::flame::params::{
+    FINE_MASK_PLACES, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_PLACES, NARROW,
+};
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::cases::{self, Case, SIDE};

@@ -2,13 +2,13 @@
 //! those that its pass declares, and touches what its pass says.
 
 use ash::vk;
-use celfx::barrier::{Barrier, Tracker};
 use celfx::blur::{self, BlurKind};
 use celfx::effect::{DeviceLimits, Effort, Kind, describe};
 use celfx::flame::{self, FlameKind, ParticleInput, SceneDepth, SceneFormat};
-use celfx::gpu::executor::Description;
 use celfx::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, ImageState, requirements};
-use celfx::plan::{Command, DescriptorKind, Kernel, Plan, Resource, Topology, Usage};
+use celfx::low_level::barrier::{Barrier, Tracker};
+use celfx::low_level::gpu::executor::Description;
+use celfx::low_level::plan::{Command, DescriptorKind, Kernel, Plan, Resource, Topology, Usage};
 use celfx::smoke::{self, SmokeKind, VolumeInput};
 use celfx::view::{Camera, Light};
 
@@ -92,11 +92,12 @@ fn declared(plan: &Plan, description: &Description) {
     assert!(plan.data.len() <= bytes, "{} bytes, {bytes} declared", plan.data.len());
 }
 
-fn fits(step: &celfx::plan::Step, description: &Description) {
+fn fits(step: &celfx::low_level::plan::Step, description: &Description) {
     let pass = &description.passes[usize::from(step.pass.0)];
     let pushed = pass.shaders().into_iter().flatten().map(|shader| shader.push_size).max().unwrap_or(0);
     assert_eq!(step.constants_len as u32, pushed, "{}: push constants", pass.name);
-    let size = |id: celfx::plan::BufferId| description.buffers.get(usize::from(id.0)).map_or(u64::MAX, |b| b.size);
+    let size =
+        |id: celfx::low_level::plan::BufferId| description.buffers.get(usize::from(id.0)).map_or(u64::MAX, |b| b.size);
     let fits = match (&pass.kernel, step.command) {
         // Every device can dispatch 65,535 workgroups along an axis, and many no more.
         (Kernel::Compute(shader), Command::Dispatch { threads }) => {

@@ -1,9 +1,10 @@
 //! A host's depth: it occludes the smoke, and the smoke writes its own.
 
 use ash::vk;
-use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::{CLEARED, COPIED_FROM, record_depth};
-use celfx::smoke::{DepthFormat, Desc, Frame, HostDepth, Sequence, Smoke, layout};
+use celfx::low_level::gpu::profiler::Timing;
+use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM, record_depth};
+use celfx::low_level::smoke::layout;
+use celfx::smoke::{DepthFormat, Desc, Frame, HostDepth, Sequence, Smoke};
 
 use crate::common::{device, host};
 use crate::host::{SIZE, Slot, effect};

@@ -1,8 +1,9 @@
 //! Pictures, cameras, volumes and counts at the ends of what is allowed: everything stays finite and agrees.
 
 use celfx::data::Volume;
+use celfx::low_level::smoke::layout;
 use celfx::smoke::settings::{Emitter, Shadow};
-use celfx::smoke::{Desc, Sequence, Settings, layout};
+use celfx::smoke::{Desc, Sequence, Settings};
 use celfx::view::{Camera, FARTHEST, Light, LightSource, NARROWEST, WIDEST};
 use glam::DVec3;
 

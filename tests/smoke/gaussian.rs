@@ -1,9 +1,10 @@
 //! The masked Gaussian against the reference, on images that are hard for separable forms.
 
 use celfx::data::Volume;
-use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
+use celfx::low_level::smoke::layout;
+use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
+use celfx::smoke::Settings;
 use celfx::smoke::reference::gaussian::masked_separable;
-use celfx::smoke::{Settings, layout};
 use celfx::view::{Camera, Light};
 
 use crate::common::bench::{Bench, Given};

@@ -1,14 +1,15 @@
 //! Depth groups and lists against the reference.
 
 use celfx::data::Volume;
+use celfx::low_level::smoke::layout;
+use celfx::low_level::smoke::params::Control;
 use celfx::program;
 use celfx::simulate::smoke::Builtin;
-use celfx::smoke::params::Control;
 use celfx::smoke::reference::groups::Groups;
 use celfx::smoke::reference::particles::Origin;
 use celfx::smoke::reference::render::raycast;
 use celfx::smoke::settings::Shadow;
-use celfx::smoke::{Sequence, Settings, layout};
+use celfx::smoke::{Sequence, Settings};
 use celfx::view::Camera;
 use glam::DVec3;
 

@@ -3,11 +3,11 @@
 use ash::vk;
 use celfx::data::Volume;
 use celfx::error::Error;
-use celfx::gpu::buffer::Buffer;
-use celfx::gpu::image::Image;
-use celfx::gpu::profiler::Timing;
-use celfx::gpu::transfer::COPIED_FROM;
 use celfx::host::{Host, HostBuffer, HostImage};
+use celfx::low_level::gpu::buffer::Buffer;
+use celfx::low_level::gpu::image::Image;
+use celfx::low_level::gpu::profiler::Timing;
+use celfx::low_level::gpu::transfer::COPIED_FROM;
 use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, VolumeInput};
 

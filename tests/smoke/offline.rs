@@ -4,10 +4,11 @@ use std::time::Duration;
 
 use ash::vk;
 use celfx::error::Error;
-use celfx::gpu::headless::{Headless, Options};
+use celfx::low_level::gpu::headless::{Headless, Options};
+use celfx::low_level::smoke::layout;
 use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::smoke::SmokeKind;
-use celfx::smoke::{Sequence, Settings, layout};
+use celfx::smoke::{Sequence, Settings};
 
 use crate::common::device;
 use crate::common::rig::{Rig, scene};

@@ -1,7 +1,7 @@
 //! Births, motion, deaths and fades against the reference.
 
 use celfx::data::Volume;
-use celfx::smoke::params::{DEAD, FULL_SIZE};
+use celfx::low_level::smoke::params::{DEAD, FULL_SIZE};
 use celfx::smoke::reference::birth::{birth, candidates};
 use celfx::smoke::reference::particles::Particles;
 use celfx::smoke::settings::{Emitter, Integrator, Shadow};

@@ -1,10 +1,10 @@
 //! The radius of each search against brute force over every voxel.
 
 use celfx::data::Volume;
-use celfx::smoke::layout;
-use celfx::smoke::params::{FULL_SIZE, Particle};
+use celfx::low_level::smoke::layout;
+use celfx::low_level::smoke::params::{FULL_SIZE, Particle};
+use celfx::low_level::smoke::search::{Pyramid, growth_rows};
 use celfx::smoke::reference::grow;
-use celfx::smoke::search::{Pyramid, growth_rows};
 use celfx::smoke::settings::{Grow, Radius};
 use celfx::smoke::{Settings, Shape};
 use celfx::view::{Camera, Light};

@@ -1,8 +1,9 @@
 //! Shadows against the reference in f64, and the shadow map against the exact ones.
 
+use celfx::low_level::smoke::layout;
 use celfx::smoke::reference::{render, shadow};
 use celfx::smoke::settings::Shadow;
-use celfx::smoke::{Desc, Settings, layout};
+use celfx::smoke::{Desc, Settings};
 use celfx::view::{Camera, Light};
 use glam::DVec3;
 

@@ -1,9 +1,10 @@
 //! What pixels see: depth, group and luminance.
 
 use celfx::data::Volume;
+use celfx::low_level::smoke::layout;
+use celfx::smoke::Settings;
 use celfx::smoke::reference::render::{self, Hit};
 use celfx::smoke::settings::Shadow;
-use celfx::smoke::{Settings, layout};
 use celfx::view::{Camera, Light, LightSource};
 use glam::DVec3;
 

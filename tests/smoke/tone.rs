@@ -1,8 +1,9 @@
 //! Tones and lines, given what they are made from: the smoothed luminance is read back, depth is the test's own.
 
-use celfx::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
+use celfx::low_level::smoke::layout;
+use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
+use celfx::smoke::Settings;
 use celfx::smoke::reference::tone;
-use celfx::smoke::{Settings, layout};
 use celfx::toon::{Operator, Outline, Tone};
 use celfx::view::{Camera, Light};
 

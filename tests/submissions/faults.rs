@@ -5,7 +5,7 @@ use std::time::Duration;
 use ash::vk;
 use celfx::error::Error;
 use celfx::flame;
-use celfx::gpu::headless::{Headless, NoDevice, Options};
+use celfx::low_level::gpu::headless::{Headless, NoDevice, Options};
 use celfx::offline::{EffectBuffer, Effects, Offline, Scene};
 use celfx::smoke::SmokeKind;
 use celfx::smoke::{self, Sequence};
@@ -54,7 +54,7 @@ fn render(headless: Headless) -> celfx::error::Result<()> {
         rendered: true,
         ..Scene::default()
     })?;
-    offline.read(EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH), 64).map(drop)
+    offline.read(EffectBuffer::of::<SmokeKind>(celfx::low_level::smoke::layout::DEPTH), 64).map(drop)
 }
 
 /// Lets each call fail whose number is a multiple of `step`, one a run.

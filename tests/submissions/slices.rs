@@ -58,8 +58,8 @@ fn smoke_and_fire_in_one_submission_and_in_many_are_the_same() {
     for way in WAYS {
         let Some((mut offline, _verdict)) = offline(effects.clone(), way) else { return };
         let layers = [
-            EffectBuffer::of::<SmokeKind>(smoke::layout::DEPTH),
-            EffectBuffer::of::<FlameKind>(flame::layout::NEAREST),
+            EffectBuffer::of::<SmokeKind>(celfx::low_level::smoke::layout::DEPTH),
+            EffectBuffer::of::<FlameKind>(celfx::low_level::flame::layout::NEAREST),
         ];
         offline.set_layers(&layers).expect("memory");
         let mut frames = Frames::new();

@@ -1,15 +1,14 @@
 //! How a scene becomes a frame of smoke.
 
-use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use crate::data::Volume;
 use crate::error::Result;
 use crate::gpu::headless::Headless;
 use crate::gpu::transfer::Upload;
-use crate::host::{Host, HostBuffer};
+use crate::host::Host;
 use crate::offline::{Depth, Describe, Feed, Left, Place, Scene, Sharing};
-use crate::smoke::{Desc, Frame, Smoke, SmokeKind, VolumeInput, layout};
+use crate::smoke::{Desc, Frame, Smoke, SmokeKind, VolumeInput};
 
 impl Describe for Desc {
     type Feed = SmokeFeed;
@@ -62,12 +61,8 @@ impl Feed for SmokeFeed {
         })
     }
 
-    /// Its depth: written by its shaders, or cleared where there is no smoke.
     fn leave(smoke: &Smoke, left: &mut Left) {
-        let (buffer, offset, size) = smoke.buffer(layout::DEPTH);
-        let stage = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
-        let access = vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::TRANSFER_WRITE;
-        left.depth = Some(HostBuffer { buffer, offset, size, stage, access });
+        left.depth = Some(smoke.depth());
     }
 
     unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
