@@ -4,6 +4,7 @@ use crate::blur::desc::Desc;
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Cluster, Interval, Segment};
+pub use crate::blur::motion::{Knot, View};
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image};
@@ -73,24 +74,6 @@ pub struct PoseInput {
     pub count: u32,
     /// Three `f32` a point and frame, frame by frame: world position in metres, finite. Usage: `TRANSFER_SRC`.
     pub positions: HostBuffer,
-}
-
-/// A frame whose pose is on the device, and what sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// Its number.
-    pub frame: u32,
-    /// Its camera.
-    pub camera: Camera,
-}
-
-/// A frame that trajectories go through.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Knot {
-    /// The frame.
-    pub view: View,
-    /// Share of its distance from frame i in each row of each piece: origin, step, moments; segment by segment.
-    pub weights: [[f32; 4]; PIECE_SEGMENTS as usize],
 }
 
 /// Where trajectories come from.

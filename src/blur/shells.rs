@@ -2,7 +2,7 @@
 //!
 //! Which way the corners of a file's triangles go around says nothing: exporters differ, and mirrors turn all of them over.
 
-use crate::blur::params::NONE;
+use crate::shaders::blur::constants::NONE;
 use crate::view::Camera;
 
 /// Share of the largest coordinate by which rounding a position to f32 can move it, with room for sums over triangles.

@@ -6,7 +6,7 @@
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
 use super::cie::{FIRST_NM, MATCHING};
-use super::params::COLDEST;
+use crate::shaders::flame::constants::COLDEST;
 
 /// Entries of a black-body table.
 pub const ENTRIES: usize = 256;

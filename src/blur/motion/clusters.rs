@@ -3,55 +3,18 @@
 //! All that decides is a sum of whole numbers, a smallest or largest value, or a sorted order: it is the same whatever
 //! the order of points and triangles.
 
+use super::movers::{Joined, Mover};
 use super::trace::Traces;
-use super::{Cluster, direction, hull, ldf};
+use super::{direction, hull, ldf};
 use crate::blur::mesh::Mesh;
 use crate::blur::settings::{self, MOST_TEETH, Settings};
 use crate::random::pcg;
+use crate::shaders::blur::blocks::Cluster;
 
-/// Units of a direction: 2^20 a unit vector's length.
-const DIRECTION_UNIT: f64 = 1_048_576.0;
-/// Units of a position or velocity: 2^16 a pixel.
-const PIXEL_UNIT: f64 = 65_536.0;
-/// The largest position or velocity in units, 2^40: 16 million pixels. What is farther counts as there.
-const FARTHEST_PLACE: f64 = 1_099_511_627_776.0;
 /// A mean velocity below this share of the largest one has no direction.
 const NO_MEAN: f64 = 1e-6;
-/// Speeds below this, in pixels per frame, have no direction either.
-const NO_SPEED: f64 = 1e-6;
 /// A part with fewer than one in so many of its object's moving points is a crumb.
 const CRUMB: usize = 200;
-
-/// A point that moves, in whole numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mover {
-    /// Its number in the mesh.
-    pub(super) point: u32,
-    /// Direction of motion: of the velocity, or of the displacement where that is 0.
-    pub(super) direction: [i64; 2],
-    /// Position x, y and velocity x, y.
-    pub(super) place: [i64; 4],
-}
-
-impl Mover {
-    fn new(point: u32, traces: &Traces) -> Mover {
-        let motion = traces.motion[point as usize].map(f64::from);
-        let [mut x, mut y] = [motion[2], motion[3]];
-        if x.hypot(y) < NO_SPEED {
-            [x, y] = traces.moves[point as usize].map(f64::from);
-        }
-        let length = x.hypot(y);
-        Mover {
-            point,
-            direction: [x, y].map(|c| (c / length * DIRECTION_UNIT).round() as i64),
-            place: motion.map(|c| (c * PIXEL_UNIT).round().clamp(-FARTHEST_PLACE, FARTHEST_PLACE) as i64),
-        }
-    }
-
-    fn speed(&self) -> f64 {
-        (self.place[2] as f64).hypot(self.place[3] as f64)
-    }
-}
 
 /// The clusters and the label of each point; `hull` holds their extreme points.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -139,32 +102,6 @@ fn ranks(traces: &Traces, labels: &[u32]) -> Vec<Rank> {
         *rank = (rank.0 + 1, rank.1.wrapping_add(fingerprint(&traces.motion[point])));
     }
     ranks
-}
-
-/// Sets of numbers that are joined two by two.
-pub(super) struct Joined {
-    parent: Vec<u32>,
-}
-
-impl Joined {
-    pub(super) fn new(count: usize) -> Joined {
-        Joined { parent: (0..count as u32).collect() }
-    }
-
-    /// The smallest number of the set of `i`.
-    pub(super) fn root(&mut self, mut i: u32) -> u32 {
-        while self.parent[i as usize] != i {
-            let above = self.parent[self.parent[i as usize] as usize];
-            self.parent[i as usize] = above;
-            i = above;
-        }
-        i
-    }
-
-    pub(super) fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
 }
 
 /// Joins each crumb to the neighbour that shares most edges with it, the largest of those that share as many; all at
@@ -259,28 +196,4 @@ fn teeth(settings: &Settings, height: u32, movers: &[Mover], extremes: &[[f32; 2
         false => width([1.0, 0.0]).max(width([0.0, 1.0])),
     };
     ((width / tooth).round() + 1.0).clamp(2.0, f64::from(MOST_TEETH)) as u32
-}
-
-/// Sorts movers by a value of theirs, and divides them where that leaves the least variance within the two parts
-/// (Otsu). The number of movers in the first part, and the share of the variance that is between the parts. `None` if
-/// all values are equal.
-pub(super) fn otsu(movers: &mut [Mover], value: impl Fn(&Mover) -> f64) -> Option<(usize, f64)> {
-    let mut keyed: Vec<(f64, u32)> = movers.iter().map(value).zip(0..).collect();
-    keyed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let sorted: Vec<Mover> = keyed.iter().map(|(_, place)| movers[*place as usize]).collect();
-    movers.copy_from_slice(&sorted);
-    let count = keyed.len() as f64;
-    let mean = keyed.iter().map(|(value, _)| value).sum::<f64>() / count;
-    let total: f64 = keyed.iter().map(|(value, _)| (value - mean) * (value - mean)).sum();
-    let (mut sum, mut best) = (0.0, None);
-    for (i, pair) in keyed.windows(2).enumerate() {
-        sum += pair[0].0 - mean;
-        let first = (i + 1) as f64;
-        // The sum of all differences from the mean is 0, so that of the second part is the negative.
-        let between = sum * sum * count / (first * (count - first));
-        if pair[0].0 < pair[1].0 && best.is_none_or(|(_, most)| between > most) {
-            best = Some((i + 1, between));
-        }
-    }
-    best.map(|(place, between)| (place, between / total))
 }

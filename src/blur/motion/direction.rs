@@ -1,6 +1,6 @@
 //! Division by the direction of motion, and into parts that are connected on screen.
 
-use super::clusters::{Joined, Mover, otsu};
+use super::movers::{Joined, Mover, otsu};
 use crate::blur::mesh::Mesh;
 
 /// Side of a cell in pixels at 1080 lines: points in one or in neighbouring cells are connected.

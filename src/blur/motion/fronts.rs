@@ -1,6 +1,6 @@
 //! Which side of each triangle is outside, frame by frame: a mirror in the motion turns closed surfaces inside out.
 
-use super::Pose;
+use super::window::Pose;
 use crate::blur::mesh::Mesh;
 use crate::shaders::blur::constants::{CLOSED, FRONT_BITS, FRONTS_A_WORD, TURNED};
 

@@ -2,8 +2,8 @@
 
 use super::projection::Projection;
 use super::spline::{Spline, timeline};
-use super::{Motion, Pose, Window, cuts};
-use crate::blur::frame::{Knot, View};
+use super::window::{Knot, Pose, View, Window};
+use super::{Motion, cuts};
 use crate::blur::limits::MOST_KNOTS;
 use crate::shaders::blur::constants::PIECE_SEGMENTS;
 

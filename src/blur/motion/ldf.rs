@@ -4,7 +4,7 @@
 //! share of the variance that is between the two parts, by turns over the axis and over the cut: it never falls, so that
 //! it ends.
 
-use super::clusters::{Mover, otsu};
+use super::movers::{Mover, otsu};
 
 /// The most rounds of axis and cut.
 const MOST_ROUNDS: usize = 30;

@@ -1,7 +1,7 @@
 //! Natural cubic splines through poses.
 
 use super::projection::Projection;
-use super::{Pose, Segment, WINDOW, Window};
+use super::window::{Pose, Segment, WINDOW, Window};
 
 /// A pose that trajectories go through. Equal poses that follow each other are one.
 #[derive(Clone, Copy, Debug)]

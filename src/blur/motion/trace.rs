@@ -7,8 +7,9 @@ use glam::{DVec2, DVec3};
 
 use super::projection::Projection;
 use super::spline::{Knot, Spline, Timeline, offset};
-use super::{Piece, Segment};
+use super::window::Segment;
 use crate::blur::settings::Space;
+use crate::shaders::blur::blocks::Piece;
 use crate::threads::together;
 
 /// A point that moves less than this many pixels from frame i to frame i + 1 is static.

@@ -1,7 +1,17 @@
 //! The distorted mesh: what each sample sees of it, at which sub-frame time, and where that is in any frame.
 
 use super::raster::{Clip, Raster, Shape, raster, volume};
-use super::scene::Outside;
+
+/// From which side a triangle is seen that is of a closed surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// From both: it is of none, or of a flat one, or of one that may hold the eye.
+    None,
+    /// From where its corners follow each other counter-clockwise.
+    CounterClockwise,
+    /// From where they do so clockwise.
+    Clockwise,
+}
 
 /// A corner of a triangle of the refined mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]

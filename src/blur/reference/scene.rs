@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::distort::{Triangle, Vertex};
+use super::distort::{Outside, Triangle, Vertex};
 use super::path::Path;
 use super::raster::Clip;
 use super::refine::Refined;
@@ -57,17 +57,6 @@ pub fn triangles(refined: &Refined, segments: &[Segment], on_screen: bool) -> Ve
         Triangle { corners: [0, 1, 2].map(corner), base: triangle.base }
     };
     refined.triangles.iter().map(triangle).collect()
-}
-
-/// From which side a triangle is seen that is of a closed surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outside {
-    /// From both: it is of none, or of a flat one, or of one that may hold the eye.
-    None,
-    /// From where its corners follow each other counter-clockwise.
-    CounterClockwise,
-    /// From where they do so clockwise.
-    Clockwise,
 }
 
 /// The outside of each triangle of the mesh in a frame, as `camera` sees it in pictures of `size` pixels. Closed is what

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3, DVec4};
 
 use super::ShotError;
+use super::keys::INSTEAD_OF_FILE;
 use super::track::Track;
 use super::tree::Tree;
 use crate::io::ReadError;
@@ -13,8 +14,6 @@ use crate::io::array::{Archive, Array, Kind};
 use crate::io::scene::{self, AnimatedMesh, Choice, Clock};
 use crate::view::Camera;
 
-/// Keys that `camera.file` takes the place of.
-pub(super) const INSTEAD_OF_FILE: [&str; 4] = ["camera.eye", "camera.target", "camera.up", "camera.vertical_fov"];
 /// Most values of an array of matrices: those of the most frames of a shot.
 const MAX_VALUES: u64 = 16 * 1_000_000;
 const NAME: &str = "view_projection";

@@ -32,6 +32,9 @@ const SHOT: &[(&str, &str)] = &[
     ("light.position", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
 ];
 
+/// Keys that `camera.file` takes the place of.
+pub(super) const INSTEAD_OF_FILE: [&str; 4] = ["camera.eye", "camera.target", "camera.up", "camera.vertical_fov"];
+
 /// The keys of a shot that may have some tables. Of those that are no settings, what they do and their defaults stand in the
 /// built-in shots.
 #[derive(Clone, Debug)]

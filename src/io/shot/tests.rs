@@ -218,7 +218,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         }
         expected.extend(shot.has("flame").then_some("flame.size_pixels"));
         if shot.has("blur") {
-            expected.extend(camera::INSTEAD_OF_FILE);
+            expected.extend(keys::INSTEAD_OF_FILE);
             expected.extend(["blur.animation", "blur.images", "blur.teeth", "camera.animation", "camera.name"]);
         }
         expected.sort_unstable();

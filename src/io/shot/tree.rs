@@ -3,8 +3,7 @@
 use toml::Value;
 use toml::de::{DeTable, DeValue};
 
-use super::camera::INSTEAD_OF_FILE;
-use super::keys::{self, Keys};
+use super::keys::{self, INSTEAD_OF_FILE, Keys};
 use super::{ShotError, Table};
 
 /// Where a key was given.
