@@ -5,6 +5,7 @@ use crate::blur::mesh::MeshInput;
 use crate::blur::reference::{extent, path, spline};
 use crate::blur::settings::{self, Space, Trajectory};
 use crate::random::{hash, unit};
+use crate::view::Camera;
 
 const SIZE: [u32; 2] = [1920, 1080];
 
