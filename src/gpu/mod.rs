@@ -8,6 +8,7 @@ pub mod executor;
 pub mod headless;
 pub mod image;
 pub mod kernel;
+mod module;
 pub mod profiler;
 pub mod raster;
 pub mod recorder;

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::gpu::kernel::{create_module, specialisation};
+use crate::gpu::module::{create_module, specialisation};
 use crate::host::Host;
 use crate::plan::{Blend, Pass, Raster, Topology};
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::budget::Budget;
 use super::data_uri;
-use super::json::{Accessor, Buffer, BufferView, ComponentType, Head, Index, Root, Type};
+use super::json::{Accessor, Buffer, BufferView, ComponentType, Compressed, Head, Index, Root, Type};
 use super::reach::{REACH, beside};
 use super::{Note, extensions, meshopt};
 use crate::io::{ReadError, file};
@@ -128,13 +128,23 @@ impl<'a> Document<'a> {
                 let unpacked = &self.unpacked[index.value()];
                 if unpacked.get().is_none() {
                     // Nobody else fills it in between.
-                    let _ = unpacked.set(meshopt::unpacked(self, &place, compressed)?);
+                    let _ = unpacked.set(self.unpacked(&place, compressed)?);
                 }
                 unpacked.get().map_or(&[][..], Vec::as_slice)
             }
             None => self.part(&place, view.buffer, range)?,
         };
         Ok((bytes, view.byte_stride.map(|stride| stride.0 as usize)))
+    }
+
+    /// The bytes of a compressed buffer view, `place`.
+    fn unpacked(&self, place: &str, compressed: &Compressed) -> Result<Vec<u8>, ReadError> {
+        let count = compressed.count.0;
+        let bytes = self.part(place, compressed.buffer, (compressed.byte_offset.0, compressed.byte_length.0))?;
+        let size = count.saturating_mul(compressed.byte_stride.0);
+        self.budget.work(place, &format!("{count} compressed values"), size)?;
+        self.budget.keep(place, &format!("{count} compressed values"), size)?;
+        meshopt::unpack(bytes, compressed).map_err(|(why, expected)| self.fault(place, why, expected))
     }
 
     /// Bytes of a buffer: so many from an offset on.

@@ -4,33 +4,24 @@ use ::meshopt::{decode_filter_color, decode_filter_exp, decode_filter_oct, decod
 use ::meshopt::{decode_index_buffer, decode_index_sequence, ffi};
 use bytemuck::{cast_slice, cast_slice_mut};
 
-use super::document::Document;
 use super::json::Compressed;
-use crate::io::ReadError;
 
 /// Why bytes could not be unpacked, and what would have been right.
-type Fault = (String, &'static str);
+pub(super) type Fault = (String, &'static str);
 
 const WHOLE: &str = "whole data of that mode, count and stride";
 
-/// The bytes of a compressed buffer view, `place`.
-pub(super) fn unpacked(document: &Document, place: &str, compressed: &Compressed) -> Result<Vec<u8>, ReadError> {
-    let (count, byte_stride) = (compressed.count.0, compressed.byte_stride.0);
-    let bytes = document.part(place, compressed.buffer, (compressed.byte_offset.0, compressed.byte_length.0))?;
-    let size = count.saturating_mul(byte_stride);
-    document.budget.work(place, &format!("{count} compressed values"), size)?;
-    document.budget.keep(place, &format!("{count} compressed values"), size)?;
-    // Within the budget, so within memory.
-    let (count, stride) = (count as usize, byte_stride as usize);
+/// The bytes of a buffer view that is compressed into these, whose size is within memory.
+pub(super) fn unpack(bytes: &[u8], compressed: &Compressed) -> Result<Vec<u8>, Fault> {
+    let (count, stride) = (compressed.count.0 as usize, compressed.byte_stride.0 as usize);
     let filter = compressed.filter.as_deref().filter(|filter| *filter != "NONE");
-    let unpacked = match (&compressed.mode[..], filter) {
+    match (&compressed.mode[..], filter) {
         ("ATTRIBUTES", filter) => attributes(bytes, count, stride, filter),
         ("TRIANGLES" | "INDICES", Some(filter)) => Err((format!("has indices with a filter, `{filter}`"), "no filter")),
         ("TRIANGLES", None) => triangles(bytes, count, stride),
         ("INDICES", None) => indices(bytes, count, stride),
         (mode, _) => Err((format!("has the mode `{mode}`"), "ATTRIBUTES, TRIANGLES or INDICES")),
-    };
-    unpacked.map_err(|(why, expected)| document.fault(place, why, expected))
+    }
 }
 
 fn attributes(bytes: &[u8], count: usize, stride: usize, filter: Option<&str>) -> Result<Vec<u8>, Fault> {
