@@ -14,8 +14,8 @@
 //! | `steps.rs` | which passes a frame takes, in which order, and why others are left out |
 //! | `mod.rs` | its [`Kind`]: how these make an [`Effect`] |
 //!
-//! A setting becomes a pass in `steps.rs`, which fills a [`Plan`]; [`crate::barrier`] derives the barriers between its
-//! steps from what `passes.rs` and the shaders declare; [`crate::gpu::recorder`] walks the list into a command buffer.
+//! A setting becomes a pass in `steps.rs`, which fills a [`Plan`]; [`crate::low_level::barrier`] derives the barriers between its
+//! steps from what `passes.rs` and the shaders declare; [`crate::low_level::gpu::recorder`] walks the list into a command buffer.
 
 use std::fmt;
 
