@@ -25,7 +25,7 @@ macro_rules! buffers {
 }
 pub(crate) use buffers;
 
-/// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
+/// Loop iterations that one invocation may take; lavapipe ends its loops after 65,535.
 pub const LOOP_BUDGET: u32 = 48_000;
 
 /// Workgroups that every device can dispatch along an axis.
