@@ -42,7 +42,7 @@ use steps::{FrameDelta, Steps};
 /// The flame effect. A frame depends on no other, unless it takes the last one's particles or adds to its repetitions.
 pub type Flame = Effect<FlameKind>;
 
-/// What of the flame is its own.
+/// The parts that are the flame's own.
 #[derive(Debug)]
 pub struct FlameKind {
     layout: Layout,
@@ -54,7 +54,7 @@ pub struct FlameKind {
     state: State,
 }
 
-/// What is known of the frames recorded so far.
+/// State kept of the frames recorded so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
     /// The camera of the last frame; none before the first.
@@ -131,7 +131,7 @@ impl Kind for FlameKind {
 }
 
 impl FlameKind {
-    /// What this frame is to the ones before, and the state after it.
+    /// The relation of this frame to the ones before, and the state after it.
     fn delta(&self, desc: &Desc, frame: &Frame) -> Result<(FrameDelta, State)> {
         let mut state = self.state;
         if let Some(particles) = &frame.particles {

@@ -20,7 +20,7 @@ use crate::plan::{Command, Plan, Shader};
 use crate::shaders::flame as glsl;
 use crate::view::Camera;
 
-/// What this frame is to the ones before.
+/// The relation of this frame to the ones before.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameDelta {
     /// Its particles.
@@ -72,7 +72,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }
 
-    /// What follows from particles is left out where none can be seen.
+    /// Skips all that follows from particles where none can be seen.
     fn skip_fire(&mut self, reason: &'static str) {
         let Passes { scene, prepare, count, converge, light, resolve, composite, .. } = self.passes;
         for pass in [scene, prepare, count, converge, light, resolve, composite] {
@@ -216,7 +216,7 @@ impl Steps<'_> {
         }
     }
 
-    /// What the fire does to the scene around it.
+    /// The fire's light on the scene around it.
     fn light(&mut self) {
         if !self.desc.settings.lights() || self.desc.scene.is_none() {
             return self.plan.skip(self.passes.light, "light is 0, or nothing else is in the scene");

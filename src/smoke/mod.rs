@@ -39,7 +39,7 @@ use tables::Tables;
 /// The smoke effect.
 pub type Smoke = Effect<SmokeKind>;
 
-/// What of the smoke is its own.
+/// The parts that are the smoke's own.
 #[derive(Debug)]
 pub struct SmokeKind {
     layout: Layout,
@@ -49,7 +49,7 @@ pub struct SmokeKind {
     state: State,
 }
 
-/// What is known of the frames recorded so far.
+/// State kept of the frames recorded so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
     /// Whether a frame has been recorded.
@@ -122,7 +122,7 @@ impl Kind for SmokeKind {
 }
 
 impl SmokeKind {
-    /// What this frame is to the ones before, and the state after it.
+    /// The relation of this frame to the ones before, and the state after it.
     fn delta(&self, desc: &Desc, frame: &Frame) -> (FrameDelta, State) {
         let restart = frame.sequence == Sequence::Restart;
         let advance = frame.sequence == Sequence::Advance;

@@ -15,7 +15,7 @@ use crate::smoke::search::{Pyramid, chosen_grow, growth_rows};
 use crate::smoke::settings::{Grow, Radius, Shadow};
 use crate::smoke::tables::Tables;
 
-/// What the effect knows of a frame when it chooses the steps.
+/// The relation of a frame to the ones before, from which the effect chooses the steps.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameDelta {
     /// Shape of the volume.
@@ -36,13 +36,13 @@ pub struct FrameDelta {
 pub struct Steps<'a> {
     /// To be filled.
     pub plan: &'a mut Plan,
-    /// What may run.
+    /// The passes that may run.
     pub passes: &'a Passes,
-    /// What the effect was made for.
+    /// The description that the effect was made for.
     pub desc: &'a Desc,
     /// Sizes.
     pub layout: &'a Layout,
-    /// What this frame is to the ones before.
+    /// The relation of this frame to the ones before.
     pub delta: &'a FrameDelta,
 }
 
@@ -242,7 +242,7 @@ impl Steps<'_> {
         }
     }
 
-    /// What covers pixels in part.
+    /// Partial coverage of pixels.
     fn edges(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
         let bytes = size_of::<Edge>() as u64 * u64::from(width) * u64::from(height);
@@ -260,7 +260,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.quads, live);
     }
 
-    /// What reads beyond occupied tiles must find them empty; layers are whole images.
+    /// Clears images where reads beyond occupied tiles must find them empty; layers are whole images.
     fn clear(&mut self) {
         self.plan.step(self.passes.clear, Command::Fill { buffer: PIXELS, word: 0 });
         self.plan.step(self.passes.clear, Command::Fill { buffer: DEPTH, word: f32::INFINITY.to_bits() });
