@@ -31,7 +31,7 @@ impl Barrier {
     }
 }
 
-/// What happened to a resource since the frame began.
+/// Accesses to a resource since the frame began.
 #[derive(Clone, Copy, Debug, Default)]
 struct History {
     /// The last write.

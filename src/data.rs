@@ -1,4 +1,4 @@
-//! What effects are fed with, in memory: volumes, particles, meshes. Files and simulations make these.
+//! Input of effects, in memory: volumes, particles, meshes. Files and simulations make these.
 
 /// A density volume in memory: x runs fastest, then y, then z.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,11 +22,11 @@ pub struct Particles {
     pub position: Vec<[f32; 3]>,
     /// Temperatures in kelvin, above 0 and finite.
     pub temperature: Vec<f32>,
-    /// What keeps a particle's random draws over frames; none: its row.
+    /// Ids that keep a particle's random draws over frames; none: its row.
     pub id: Option<Vec<u32>>,
 }
 
-/// What bounds the particles of a sequence.
+/// Bounds of the particles of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParticleExtent {
     /// Most particles of a frame.
@@ -35,7 +35,7 @@ pub struct ParticleExtent {
     pub hottest: f32,
 }
 
-/// What of an animated mesh does not change.
+/// The constant part of an animated mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
     /// Vertices of each triangle, in either direction: files differ, and mirrors turn them over.

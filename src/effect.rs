@@ -1,4 +1,4 @@
-//! What an effect is, and where its parts are.
+//! An effect on the device, and where its parts are.
 //!
 //! All effects are divided alike:
 //!
@@ -36,7 +36,7 @@ use crate::plan::{BufferId, Pass, Plan};
 /// How much of a frame's work is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Effort {
-    /// What the frame needs.
+    /// The work that the frame needs.
     #[default]
     Needed,
     /// All of it: only to prove that leaving work out changes nothing.
@@ -50,17 +50,17 @@ impl Effort {
     }
 }
 
-/// What of an effect is its own; all else is [`Effect`]'s.
+/// The parts that are an effect's own; all else is [`Effect`]'s.
 pub trait Kind: fmt::Debug + Sized {
     /// Its name: of its folders, its table in a shot, and before the dot of its passes.
     const NAME: &'static str;
-    /// What it is made for, fixed until it is resized.
+    /// Description of the effect, fixed until it is resized.
     type Desc: Clone + fmt::Debug;
     /// Which buffers and images it has.
     type Layout: Inventory<Desc = Self::Desc>;
-    /// What a host says of one frame.
+    /// A host's description of one frame.
     type Frame<'a>;
-    /// What will be known of a frame once it has been recorded.
+    /// The state that is kept of a frame once it has been recorded.
     type Recorded;
 
     /// Checks what it is made for and computes sizes. Pure.
@@ -93,7 +93,7 @@ pub trait Kind: fmt::Debug + Sized {
 
 /// Which buffers and images an effect has, by their ids: own ones first, then those that the host hands over.
 pub trait Inventory {
-    /// What the effect is made for.
+    /// Description of the effect.
     type Desc;
     /// How many buffers the host hands over.
     const HOST_BUFFERS: usize;
@@ -241,7 +241,7 @@ impl<K: Kind> Effect<K> {
         Ok(())
     }
 
-    /// What it is on the device.
+    /// The effect's parts on the device.
     #[cfg(feature = "cli")]
     pub(crate) fn executor(&self) -> &Executor {
         &self.executor
@@ -257,7 +257,7 @@ impl<K: Kind> Effect<K> {
         self.executor.set_mode(mode);
     }
 
-    /// What the effect was made for.
+    /// The description that the effect was made for.
     pub fn desc(&self) -> &K::Desc {
         &self.desc
     }
@@ -272,7 +272,7 @@ impl<K: Kind> Effect<K> {
         self.executor.passes()
     }
 
-    /// What the frame recorded last left out: each pass's name, and why.
+    /// The passes that the frame recorded last left out: each one's name, and why.
     pub fn skipped(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
         self.executor.skipped()
     }

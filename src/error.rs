@@ -1,4 +1,4 @@
-//! What can go wrong, said so that the reader knows what to change.
+//! Errors, said so that the reader knows what to change.
 
 use std::borrow::Cow;
 
@@ -18,19 +18,19 @@ pub enum Error {
         name: Cow<'static, str>,
         /// The value that was given.
         value: String,
-        /// What is allowed, with unit.
+        /// The allowed values, with unit.
         allowed: String,
     },
     /// Something is larger than this device can take.
     #[error("{what} needs {needed}, this device allows {limit}; {advice}")]
     Limit {
-        /// What is too large.
+        /// The quantity that is too large.
         what: &'static str,
-        /// What it needs, with unit.
+        /// The need, with unit.
         needed: u64,
-        /// What the device allows, same unit.
+        /// The device's limit, same unit.
         limit: u64,
-        /// What to change.
+        /// The change that helps.
         advice: &'static str,
     },
     /// An image or a buffer that the host handed over does not fit.
@@ -38,13 +38,13 @@ pub enum Error {
     HostResource {
         /// Which of the host's resources.
         name: &'static str,
-        /// What is wrong with it and what is expected.
+        /// The fault, and what is expected.
         why: String,
     },
     /// The device lacks something; everything that is missing is named at once.
     #[error("the device cannot run celfx: {}", missing.join("; "))]
     Device {
-        /// What is missing, one entry each.
+        /// The missing capabilities, one entry each.
         missing: Vec<String>,
     },
     /// A Vulkan call failed.
@@ -54,13 +54,13 @@ pub enum Error {
         call: &'static str,
         /// The object or pass it was for, if any.
         object: Option<String>,
-        /// What Vulkan returned.
+        /// Vulkan's result.
         result: vk::Result,
     },
     /// The caller of a host without a window asked to stop while it waited.
     #[error("interrupted at {what}")]
     Interrupted {
-        /// What was waited for, or would have been next.
+        /// The work that was waited for, or would have been next.
         what: String,
     },
     /// Device memory could not be had.
@@ -70,7 +70,7 @@ pub enum Error {
         name: String,
         /// Its size in bytes.
         bytes: u64,
-        /// What the allocator said.
+        /// The allocator's error.
         source: gpu_allocator::AllocationError,
     },
 }

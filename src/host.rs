@@ -1,4 +1,4 @@
-//! What a host hands over and what it gets back. Pure data: nothing here calls Vulkan.
+//! Types that a host hands over and gets back. Pure data: nothing here calls Vulkan.
 //!
 //! The host owns instance, device, queue, command buffer and synchronisation; celfx destroys exactly what it
 //! created, submits nothing and waits for nothing.
@@ -30,7 +30,7 @@ pub struct Host<'a> {
     pub pipeline_cache: vk::PipelineCache,
 }
 
-/// What happened last to an image, or what will happen next: stages, accesses and layout.
+/// The last use of an image, or the next one: stages, accesses and layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ImageState {
     /// Stages that touch the image.
@@ -73,10 +73,10 @@ pub struct HostBuffer {
     pub access: vk::AccessFlags2,
 }
 
-/// What is under an effect.
+/// The background of an effect.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Background {
-    /// What the target holds.
+    /// The target's own content.
     #[default]
     Keep,
     /// Linear RGBA, premultiplied; none beyond [`BRIGHTEST`].
@@ -110,7 +110,7 @@ pub struct DepthFormat {
 pub struct HostDepth {
     /// A depth image of the target's size. Usage: `DEPTH_STENCIL_ATTACHMENT` for smoke and blur, `TRANSFER_SRC` for flame.
     pub image: HostImage,
-    /// What it holds at view depth z metres: `terms[0] + terms[1] / z`.
+    /// Terms of the stored value at view depth z metres: `terms[0] + terms[1] / z`.
     pub terms: [f32; 2],
 }
 
@@ -164,9 +164,9 @@ pub(crate) fn check_depth(depth: Option<&HostDepth>, size: [u32; 2], made: Optio
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Memory {
-    /// What must survive from frame to frame.
+    /// Bytes that must survive from frame to frame.
     pub history: u64,
-    /// What is rewritten within each frame.
+    /// Bytes that are rewritten within each frame.
     pub scratch: u64,
 }
 
@@ -219,11 +219,11 @@ pub struct Limits {
 pub struct FormatUse {
     /// The format.
     pub format: vk::Format,
-    /// What it is used as.
+    /// The uses that the format must support.
     pub features: vk::FormatFeatureFlags,
 }
 
-/// What celfx needs of an instance and a device.
+/// Requirements of celfx on an instance and a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Requirements {
@@ -239,7 +239,7 @@ pub struct Requirements {
     pub formats: [FormatUse; 3],
 }
 
-/// What celfx needs, whatever the effect: no optional feature, no extension.
+/// The requirements of celfx, whatever the effect: no optional feature, no extension.
 pub fn requirements() -> Requirements {
     use vk::FormatFeatureFlags as Use;
     Requirements {
@@ -260,7 +260,7 @@ pub fn requirements() -> Requirements {
     }
 }
 
-/// What a physical device supports, of that which [`requirements()`] asks for.
+/// The capabilities of a physical device, as far as [`requirements()`] asks for them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Capabilities {

@@ -1,4 +1,4 @@
-//! What the layouts of all effects share: how large buffers are, and what they are called.
+//! Common parts of all effects' layouts: sizes of buffers, and their names.
 
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
@@ -15,7 +15,7 @@ macro_rules! buffers {
         $(#[doc = concat!("`", $name, "` in the shaders.")] pub const $id: BufferId = BufferId(Order::$id as u16);)*
         /// Number of own buffers.
         pub const BUFFERS: u16 = Order::COUNT as u16;
-        /// What shaders call them.
+        /// Names of the blocks in shaders.
         const BLOCKS: [&str; BUFFERS as usize] = [$($name),*];
         const NAMES: crate::layout::Names<{ BUFFERS as usize }> = crate::layout::Names {
             debug: [$(concat!($effect, " ", $name)),*],
@@ -25,13 +25,13 @@ macro_rules! buffers {
 }
 pub(crate) use buffers;
 
-/// Loop turns that one invocation may take; lavapipe ends its loops after 65,535.
+/// Loop iterations that one invocation may take; lavapipe ends its loops after 65,535.
 pub const LOOP_BUDGET: u32 = 48_000;
 
 /// Workgroups that every device can dispatch along an axis.
 pub const MOST_GROUPS: u64 = 65_535;
 
-/// What an effect's buffers are called.
+/// Names of an effect's buffers.
 pub(crate) struct Names<const N: usize> {
     /// By debuggers.
     pub(crate) debug: [&'static str; N],

@@ -44,9 +44,9 @@ pub struct Scene<'a> {
     pub sequence: Sequence,
     /// Seconds until the next frame.
     pub dt: f32,
-    /// What sees it.
+    /// The camera.
     pub camera: Camera,
-    /// What lights it.
+    /// The light.
     pub light: Light,
     /// Its volume; none if it is the last one.
     pub volume: Option<&'a Volume>,
@@ -55,7 +55,7 @@ pub struct Scene<'a> {
     /// View depth of what hides the fire, in metres a pixel, rows from the top, infinity where nothing is. Given exactly
     /// if the flame was made for a buffer of depths ([`crate::flame::SceneFormat`]) and there is no smoke.
     pub depth: Option<&'a [f32]>,
-    /// What its blur is made from.
+    /// The input of its blur.
     pub blur: Option<BlurScene<'a>>,
     /// Whether the flame adds its repetitions to those of the frame before ([`crate::flame::Frame::accumulate`]).
     pub accumulate: bool,
@@ -65,7 +65,7 @@ pub struct Scene<'a> {
     pub number: u32,
 }
 
-/// What a blurred frame is made from.
+/// The input of a blurred frame.
 #[derive(Clone, Copy, Debug)]
 pub struct BlurScene<'a> {
     /// The mesh's motion.
@@ -93,7 +93,7 @@ pub struct Offline {
     is_read: bool,
 }
 
-/// What must be destroyed by hand.
+/// Parts that must be destroyed by hand.
 #[derive(Default)]
 struct Parts {
     /// By the effect's name, in the order in which they are drawn.
@@ -400,7 +400,7 @@ impl Offline {
         self.parts.players.iter_mut().find_map(|(_, player)| player.effect_mut().downcast_mut())
     }
 
-    /// What an effect left out of the frame recorded last: each pass's name, and why.
+    /// The passes that an effect left out of the frame recorded last: each one's name, and why.
     pub fn skipped(&self, effect: &str) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
         let player = self.parts.players.iter().find(|(name, _)| *name == effect);
         player.into_iter().flat_map(|(_, player)| player.executor().skipped())

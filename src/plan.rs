@@ -14,7 +14,7 @@ pub use pass::*;
 /// Bytes of push constants.
 pub const PUSH_CONSTANT_BYTES: usize = 128;
 
-/// What one step tells the device.
+/// The command of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// So many threads; groups are `div_ceil(threads, local size)`.
@@ -107,7 +107,7 @@ pub enum Command {
 pub struct Step {
     /// The pass that runs.
     pub pass: PassId,
-    /// What it is told.
+    /// Its command.
     pub command: Command,
     /// Push constants.
     pub constants: [u8; PUSH_CONSTANT_BYTES],
@@ -128,9 +128,9 @@ impl Step {
 /// A frame's list, and what is not in it. Kept between frames, so that filling it allocates nothing.
 #[derive(Debug, Default)]
 pub struct Plan {
-    /// What runs, in this order.
+    /// The steps that run, in this order.
     pub steps: Vec<Step>,
-    /// What does not run, and why.
+    /// The passes that do not run, and why.
     pub skipped: Vec<(PassId, &'static str)>,
     /// Bytes that updates write.
     pub data: Vec<u8>,

@@ -1,4 +1,4 @@
-//! What passes cost: times of frames, and their table, CSV and Chrome trace. Pure data: nothing here calls Vulkan.
+//! Costs of passes: times of frames, and their table, CSV and Chrome trace. Pure data: nothing here calls Vulkan.
 //!
 //! Passes may overlap on the device, so the time of a frame is the span from its first begin to its last end, never
 //! the sum of its passes.
@@ -25,9 +25,9 @@ pub struct PassTime {
 pub struct FrameTimes {
     /// The host's number of the frame.
     pub frame: u32,
-    /// What ran. Steps of one name that follow each other are one row.
+    /// Passes that ran. Steps of one name that follow each other are one row.
     pub passes: Vec<PassTime>,
-    /// What did not run: name and reason.
+    /// Passes that did not run: name and reason.
     pub skipped: Vec<(&'static str, &'static str)>,
 }
 
@@ -154,7 +154,7 @@ pub fn table(frames: &[FrameTimes]) -> String {
     text
 }
 
-/// What was skipped, for people: a line for each pass and reason, and in how many of the frames.
+/// Skipped passes, for people: a line for each pass and reason, and in how many of the frames.
 pub fn skips(frames: &[FrameTimes]) -> String {
     let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for frame in frames {

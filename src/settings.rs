@@ -11,17 +11,17 @@ use crate::error::{Error, Result};
 pub struct Dial {
     /// Its name, with a dot behind each table that it is in.
     pub key: String,
-    /// What it does.
+    /// Its effect.
     pub about: String,
-    /// What it may be, with unit.
+    /// Its allowed values, with unit.
     pub allowed: String,
     /// Its default as TOML; none where there is none.
     pub default: Option<String>,
-    /// What it is.
+    /// Its kind.
     pub kind: DialKind,
 }
 
-/// What a [`Dial`] is.
+/// The kind of a [`Dial`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DialKind {
     /// One value.
@@ -32,17 +32,17 @@ pub enum DialKind {
     Group,
 }
 
-/// What a type of settings needs to stand in a table.
+/// A type of settings that can stand in a table.
 pub(crate) trait Setting {
-    /// What a table says of a value: a [`Rule`], or nothing where the type says it all.
+    /// A table's rule for a value: a [`Rule`], or nothing where the type says it all.
     type Rule;
     /// Refuses what is not allowed, by the name of the key.
     fn check(&self, key: &str, rule: &Self::Rule) -> Result<()>;
-    /// What is allowed, with unit.
+    /// The allowed values, with unit.
     fn allowed(rule: &Self::Rule) -> String;
     /// As TOML; none if there is no value.
     fn shown(&self) -> Option<String>;
-    /// What it is.
+    /// The kind of the dial.
     const KIND: DialKind = DialKind::Value;
     /// The keys in it, if it is a table.
     fn dials(&self) -> Vec<Dial> {
@@ -64,7 +64,7 @@ pub(crate) fn dials_of<S: Setting>(key: &str, about: &str, value: &S, rule: &S::
 pub(crate) struct Rule<T> {
     unit: &'static str,
     among: Among<T>,
-    /// What 0 means, which is allowed whatever the range.
+    /// The meaning of 0, which is allowed whatever the range.
     zero: Option<&'static str>,
 }
 
@@ -112,7 +112,7 @@ impl<T: Number> Rule<T> {
         }
     }
 
-    /// What is allowed, with unit.
+    /// The allowed values, with unit.
     pub(crate) fn allowed(&self) -> String {
         let range = match (&self.among, self.zero) {
             (Among::List(list), _) => listed(list.iter().map(|n| n.shown())),
@@ -142,7 +142,7 @@ pub(crate) fn listed(words: impl ExactSizeIterator<Item = String>) -> String {
 
 /// A type of numbers.
 pub(crate) trait Number: Copy + PartialOrd + Default + Display {
-    /// What stands for the unit of those that have none.
+    /// The unit shown for types that have none.
     const UNIT: &'static str = "";
     /// The smallest above 0, and the ends of all finite ones, where they are worth a word.
     const LEAST: Option<Self> = None;

@@ -1,4 +1,4 @@
-//! What an effect is seen by and lit by: [`Camera`] and [`Light`].
+//! The camera and the light of an effect: [`Camera`] and [`Light`].
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -87,17 +87,17 @@ impl Camera {
     }
 }
 
-/// What fields of view are taken.
+/// Allowed fields of view.
 pub(crate) fn vertical_fov() -> Rule<f64> {
     Rule::new("degrees", NARROWEST..=WIDEST)
 }
 
-/// What nearest depths are taken.
+/// Allowed nearest depths.
 pub(crate) fn near() -> Rule<f64> {
     Rule::new("metres", 1e-9..=f64::from(FARTHEST))
 }
 
-/// What ambient shares are taken.
+/// Allowed ambient shares.
 pub(crate) fn ambient() -> Rule<f64> {
     Rule::new("", 0.0..=1.0)
 }

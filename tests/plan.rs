@@ -15,7 +15,7 @@ use celfx::low_level::shaders::smoke as glsl;
 use celfx::low_level::smoke::layout::Layout;
 use celfx::low_level::smoke::params::SmokeParams;
 use celfx::low_level::smoke::passes::Passes;
-use celfx::low_level::smoke::steps::{Moment, Steps};
+use celfx::low_level::smoke::steps::{FrameDelta, Steps};
 use celfx::low_level::smoke::tables::Tables;
 use celfx::smoke::settings::{Grow, Integrator, Radius, Shadow};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
@@ -177,9 +177,9 @@ impl Effect {
         Effect { desc, layout, plan: Plan::for_passes(&passes.list), passes, tables }
     }
 
-    fn moment(&self) -> Moment {
+    fn delta(&self) -> FrameDelta {
         let shape = Shape { dimensions: self.desc.dimensions, voxel_size: [0.1; 3], origin: [0.0; 3] };
-        Moment { shape, restart: true, new_volume: true, first: true, still: None, same_shadow: None }
+        FrameDelta { shape, restart: true, new_volume: true, first: true, still: None, same_shadow: None }
     }
 
     fn frame(&self) -> Frame {
@@ -205,11 +205,11 @@ impl Effect {
         }
     }
 
-    fn fill(&mut self, frame: &Frame, moment: &Moment) {
-        let params = SmokeParams::new(&self.desc, &self.layout, frame, &moment.shape, 0);
+    fn fill(&mut self, frame: &Frame, delta: &FrameDelta) {
+        let params = SmokeParams::new(&self.desc, &self.layout, frame, &delta.shape, 0);
         let Effect { desc, layout, passes, tables, plan } = self;
         plan.clear();
-        Steps { plan, passes, desc, layout, moment }.fill(frame, &params, tables);
+        Steps { plan, passes, desc, layout, delta }.fill(frame, &params, tables);
     }
 
     /// Names of the steps, each once where it stands several times in a row.
@@ -230,7 +230,7 @@ impl Effect {
 fn the_steps_of_a_frame_in_order() {
     // The search is named, so that the order does not hang on which is fastest for this volume.
     let mut effect = Effect::new(desc(Settings { grow: Grow::Field, ..Settings::default() }));
-    effect.fill(&effect.frame(), &effect.moment());
+    effect.fill(&effect.frame(), &effect.delta());
     let expected = [
         "smoke.background",
         "smoke.params",
@@ -259,18 +259,18 @@ fn the_steps_of_a_frame_in_order() {
 }
 
 /// A frame in which `change` has been made, and the reason why `name` is not in it.
-fn skipped(settings: Settings, name: &str, change: impl Fn(&mut Frame, &mut Moment)) -> &'static str {
+fn skipped(settings: Settings, name: &str, change: impl Fn(&mut Frame, &mut FrameDelta)) -> &'static str {
     let mut effect = Effect::new(desc(settings));
-    let (mut frame, mut moment) = (effect.frame(), effect.moment());
-    effect.fill(&frame, &moment);
+    let (mut frame, mut delta) = (effect.frame(), effect.delta());
+    effect.fill(&frame, &delta);
     let before = effect.names().contains(&name);
-    change(&mut frame, &mut moment);
-    effect.fill(&frame, &moment);
+    change(&mut frame, &mut delta);
+    effect.fill(&frame, &delta);
     assert!(!effect.names().contains(&name), "{name} runs");
     let reason = effect.reason(name).unwrap_or_else(|| panic!("{name}: no reason in {:?}", effect.plan.skipped));
     assert!(!reason.is_empty());
     // Where the frame decides and not the settings, the step was there before.
-    let decided_by_frame = frame.target.is_none() || moment.still.is_some() || !moment.new_volume;
+    let decided_by_frame = frame.target.is_none() || delta.still.is_some() || !delta.new_volume;
     assert!(before || !decided_by_frame, "{name} never runs");
     reason
 }
@@ -278,7 +278,7 @@ fn skipped(settings: Settings, name: &str, change: impl Fn(&mut Frame, &mut Mome
 #[test]
 fn what_is_not_needed_is_left_out_and_says_why() {
     let settings = Settings::default;
-    let nothing = |_: &mut Frame, _: &mut Moment| {};
+    let nothing = |_: &mut Frame, _: &mut FrameDelta| {};
     let sharp = Settings { sigma: 0.0, ..settings() };
     assert_eq!(skipped(sharp.clone(), "smoke.rows", nothing), "sigma is 0");
     assert_eq!(skipped(sharp, "smoke.columns", nothing), "sigma is 0");
@@ -287,15 +287,15 @@ fn what_is_not_needed_is_left_out_and_says_why() {
     let lit = Settings { shadow: Shadow::None, ..settings() };
     assert_eq!(skipped(lit, "smoke.shadow", nothing), "shadow is \"none\"");
     for name in ["smoke.volume", "smoke.occupancy"] {
-        assert!(skipped(settings(), name, |_, moment| moment.new_volume = false).contains("unchanged"));
+        assert!(skipped(settings(), name, |_, delta| delta.new_volume = false).contains("unchanged"));
     }
-    assert_eq!(skipped(settings(), "smoke.tables", |_, moment| moment.first = false), "unchanged");
+    assert_eq!(skipped(settings(), "smoke.tables", |_, delta| delta.first = false), "unchanged");
     for name in ["smoke.advect", "smoke.grow"] {
-        assert_eq!(skipped(settings(), name, |_, moment| moment.still = Some("held")), "held");
+        assert_eq!(skipped(settings(), name, |_, delta| delta.still = Some("held")), "held");
     }
-    let same = |_: &mut Frame, moment: &mut Moment| moment.same_shadow = Some("same light");
+    let same = |_: &mut Frame, delta: &mut FrameDelta| delta.same_shadow = Some("same light");
     assert_eq!(skipped(settings(), "smoke.shadow", same), "same light");
-    let keep = |frame: &mut Frame, _: &mut Moment| frame.background = Background::Keep;
+    let keep = |frame: &mut Frame, _: &mut FrameDelta| frame.background = Background::Keep;
     assert_eq!(skipped(settings(), "smoke.background", keep), "the target is kept");
     for name in ["smoke.shadow", "smoke.spheres", "smoke.tiles", "smoke.luminance", "smoke.tone", "smoke.composite"] {
         assert!(skipped(settings(), name, |frame, _| frame.target = None).starts_with("no target"));
@@ -306,7 +306,7 @@ fn what_is_not_needed_is_left_out_and_says_why() {
 #[test]
 fn no_particles_leave_nothing_but_the_background() {
     let mut effect = Effect::new(desc(Settings { particles: 0, ..Settings::default() }));
-    effect.fill(&effect.frame(), &effect.moment());
+    effect.fill(&effect.frame(), &effect.delta());
     assert_eq!(effect.names(), ["smoke.background"]);
 }
 
@@ -343,7 +343,7 @@ fn dispatches_stay_within_every_devices_limit() {
         for grow in [Grow::Chosen, Grow::Pyramid] {
             let settings = Settings { particles, fade: 0, grow, ..Settings::default() };
             let mut effect = Effect::new(Desc { dimensions, velocity: false, ..desc(settings) });
-            effect.fill(&effect.frame(), &effect.moment());
+            effect.fill(&effect.frame(), &effect.delta());
             for step in &effect.plan.steps {
                 let pass = &effect.passes.list[usize::from(step.pass.0)];
                 if let (Kernel::Compute(shader), Command::Dispatch { threads }) = (&pass.kernel, step.command) {

@@ -2,7 +2,7 @@
 #version 460
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) writeonly buffer Results { float results[]; };
-layout(constant_id = 0) const uint TURNS = 1024u;
+layout(constant_id = 0) const uint ITERATIONS = 1024u;
 
 void main() {
     float start = float(gl_GlobalInvocationID.x) * 1e-9;
@@ -10,7 +10,7 @@ void main() {
     for (int i = 0; i < 16; ++i) {
         chains[i] = start + float(i);
     }
-    for (uint turn = 0u; turn < TURNS; ++turn) {
+    for (uint iteration = 0u; iteration < ITERATIONS; ++iteration) {
         // Written out: a loop of its own would be paid for, too. The values stay finite.
         #define STEP(i) chains[i] = chains[i] * 0.99951 + 0.00049;
         STEP(0) STEP(1) STEP(2) STEP(3) STEP(4) STEP(5) STEP(6) STEP(7)

@@ -9,10 +9,10 @@ layout(std430, binding = 5) readonly buffer Triangles { uvec4 triangles[]; };
 #include "picture.glsl"
 
 bool is_behind(ivec2 at, float nearness) {
-    uint name = texelFetch(sampled, at, 0).x;
-    if (name == 0u) {
+    uint triangle_id = texelFetch(sampled, at, 0).x;
+    if (triangle_id == 0u) {
         return true;
     }
-    uvec4 base = triangles[finished[name - 1u].w & BASE_MASK];
+    uvec4 base = triangles[finished[triangle_id - 1u].w & BASE_MASK];
     return is_still(base) && nearness > texelFetch(sampled_depth, at, 0).x;
 }

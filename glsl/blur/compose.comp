@@ -74,8 +74,8 @@ Skirt skirt_of(ivec2 pixel, float farthest) {
             if (!(nearness * STEP > farthest)) {
                 continue;
             }
-            uint name = texelFetch(distorted, other, 0).x;
-            if (name == 0u || is_still(triangles[finished[name - 1u].w & BASE_MASK])) {
+            uint triangle_id = texelFetch(distorted, other, 0).x;
+            if (triangle_id == 0u || is_still(triangles[finished[triangle_id - 1u].w & BASE_MASK])) {
                 continue;
             }
             nearest = way;
@@ -84,17 +84,17 @@ Skirt skirt_of(ivec2 pixel, float farthest) {
         }
     }
     if (skirt.nearness > 0.0) {
-        uint name = texelFetch(distorted, ivec2(skirt.centre), 0).x;
-        skirt.fragment = fragment_at(name, skirt.centre);
+        uint triangle_id = texelFetch(distorted, ivec2(skirt.centre), 0).x;
+        skirt.fragment = fragment_at(triangle_id, skirt.centre);
     }
     return skirt;
 }
 
 // What a frame has beside the mesh, as far from it as a place is now.
 void look_beside(uint frame, Skirt skirt, vec2 place, out vec4 colour, out float weight) {
-    vec3 shares = skirt.fragment.shares;
-    vec3 own = shares.x * corner_of(frame, skirt.fragment.base.x) + shares.y * corner_of(frame, skirt.fragment.base.y)
-        + shares.z * corner_of(frame, skirt.fragment.base.z);
+    vec3 barycentrics = skirt.fragment.barycentrics;
+    vec3 own = barycentrics.x * corner_of(frame, skirt.fragment.base.x) + barycentrics.y * corner_of(frame, skirt.fragment.base.y)
+        + barycentrics.z * corner_of(frame, skirt.fragment.base.z);
     colour = vec4(0.0);
     weight = 0.0;
     if (!(own.z >= params.near)) {

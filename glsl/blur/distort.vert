@@ -4,12 +4,12 @@
 #include "params.glsl"
 layout(std430, binding = 1) readonly buffer Finished { uvec4 finished[]; };
 layout(std430, binding = 2) readonly buffer Vertices { Vertex vertices[]; };
-layout(location = 0) flat out uint name;
+layout(location = 0) flat out uint triangle_id;
 #include "position.glsl"
 
 void main() {
     uint index = uint(gl_VertexIndex) / 3u;
-    name = index + 1u;
+    triangle_id = index + 1u;
     uvec4 triangle = finished[index];
     bool is_hidden = (triangle.w & CULLED) != 0u;
     uint vertex = triangle[uint(gl_VertexIndex) % 3u];

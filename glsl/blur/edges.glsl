@@ -4,7 +4,7 @@ float cross2(vec2 a, vec2 b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// Edge functions of a triangle in clip coordinates at a place of the picture: shares of its corners in what is seen of
+// Edge functions of a triangle in clip coordinates at a place of the picture: barycentrics in what is seen of
 // its plane there, but for their sum, which is 0 where there is no plane.
 vec3 edges_at(vec3 a, vec3 b, vec3 c, vec2 at) {
     vec2 p = a.xy - at * a.z;

@@ -7,13 +7,13 @@ layout(std430, binding = 17) readonly buffer Vertices { Vertex vertices[]; };
 struct Fragment {
     uvec4 base;    // the mesh's triangle
     uint place;    // its number
-    vec3 shares;   // of its corners
+    vec3 barycentrics;  // in it
     float moved;   // k'
 };
 
 // Of a refined triangle at a place of the picture.
-Fragment fragment_at(uint name, vec2 at) {
-    uvec4 triangle = finished[name - 1u];
+Fragment fragment_at(uint triangle_id, vec2 at) {
+    uvec4 triangle = finished[triangle_id - 1u];
     uint place = triangle.w & BASE_MASK;
     uvec4 base = triangles[place];
     Vertex corners[3];
@@ -25,11 +25,11 @@ Fragment fragment_at(uint name, vec2 at) {
     vec2 p = corners[0].drawn - at;
     vec2 q = corners[1].drawn - at;
     vec2 r = corners[2].drawn - at;
-    vec3 shares = vec3(cross2(q, r) / corners[0].drawn_depth, cross2(r, p) / corners[1].drawn_depth,
+    vec3 barycentrics = vec3(cross2(q, r) / corners[0].drawn_depth, cross2(r, p) / corners[1].drawn_depth,
                        cross2(p, q) / corners[2].drawn_depth);
-    float sum = shares.x + shares.y + shares.z;
-    shares = sum != 0.0 ? shares / sum : vec3(1.0 / 3.0);
-    vec2 where = shares.x * places[0] + shares.y * places[1] + shares.z * places[2];
-    float moved = shares.x * corners[0].drawn_time + shares.y * corners[1].drawn_time + shares.z * corners[2].drawn_time;
+    float sum = barycentrics.x + barycentrics.y + barycentrics.z;
+    barycentrics = sum != 0.0 ? barycentrics / sum : vec3(1.0 / 3.0);
+    vec2 where = barycentrics.x * places[0] + barycentrics.y * places[1] + barycentrics.z * places[2];
+    float moved = barycentrics.x * corners[0].drawn_time + barycentrics.y * corners[1].drawn_time + barycentrics.z * corners[2].drawn_time;
     return Fragment(base, place, vec3(1.0 - where.x - where.y, where), moved);
 }

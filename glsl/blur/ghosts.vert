@@ -16,9 +16,9 @@ layout(location = 3) flat out uint object;
 #include "position.glsl"
 #include "base.glsl"
 
-vec3 place_of(uint frame, uvec4 base, vec3 shares) {
+vec3 place_of(uint frame, uvec4 base, vec3 barycentrics) {
     uint first = frame * params.points;
-    return shares.x * clip[first + base.x].xyz + shares.y * clip[first + base.y].xyz + shares.z * clip[first + base.z].xyz;
+    return barycentrics.x * clip[first + base.x].xyz + barycentrics.y * clip[first + base.y].xyz + barycentrics.z * clip[first + base.z].xyz;
 }
 
 void main() {
@@ -26,9 +26,9 @@ void main() {
     uint index = triangle[uint(gl_VertexIndex) % 3u];
     uvec4 base = triangles[triangle.w & BASE_MASK];
     vec2 place = barycentrics_of(index, base);
-    vec3 shares = vec3(1.0 - place.x - place.y, place);
-    previous = place_of(1u, base, shares);
-    next = place_of(2u, base, shares);
+    vec3 barycentrics = vec3(1.0 - place.x - place.y, place);
+    previous = place_of(1u, base, barycentrics);
+    next = place_of(2u, base, barycentrics);
     moved = vertices[index].drawn_time;
     object = base.w >> OBJECT_SHIFT;
     // What stays where it is leaves no image.

@@ -32,7 +32,7 @@ void main() {
     Lesson lesson = lesson_of(1u + frame, at);
     uint object = lesson.base.w >> OBJECT_SHIFT;
     bool is_told = lesson.is_there && object < params.tables;
-    uint bin = is_told ? bin_of(normal_at(frame, lesson.place, lesson.base, lesson.shares)) : NONE;
+    uint bin = is_told ? bin_of(normal_at(frame, lesson.place, lesson.base, lesson.barycentrics)) : NONE;
     if (lane < 5u) {
         gathered[lane] = 0u;
     }

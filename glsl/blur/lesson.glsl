@@ -4,7 +4,7 @@ struct Lesson {
     bool is_there;  // it and its neighbours all see one object, and no outline
     uint place;     // the triangle that it sees
     uvec4 base;     // its corners and object
-    vec3 shares;    // of the corners, at the pixel's centre
+    vec3 barycentrics;  // in it, at the pixel's centre
 };
 
 bool is_same(uint frame, ivec2 at, uint object) {

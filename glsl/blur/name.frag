@@ -1,8 +1,8 @@
 // Which triangle a pixel sees: its number from 1.
 #version 460
-layout(location = 0) flat in uint name;
+layout(location = 0) flat in uint triangle_id;
 layout(location = 0) out uint seen;
 
 void main() {
-    seen = name;
+    seen = triangle_id;
 }

@@ -27,11 +27,11 @@ void main() {
     // Floats that are not negative are in the order of their bits.
     atomicMax(most, floatBitsToUint(largest(frame, begin + lane, end, gl_WorkGroupSize.x)));
     barrier();
-    uint turns = (end - begin + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
+    uint iterations = (end - begin + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
     int bits;
     // A unit's parts are at most half a unit, and all of them are summed up.
-    int part_bits = SUM_BITS - LANE_BITS - findMSB(turns);
-    if (has_units(uintBitsToFloat(most), turns, bits)) {
+    int part_bits = SUM_BITS - LANE_BITS - findMSB(iterations);
+    if (has_units(uintBitsToFloat(most), iterations, bits)) {
         ivec3 whole = ivec3(0);
         ivec3 parts = ivec3(0);
         for (uint i = begin + lane; i < end; i += gl_WorkGroupSize.x) {

@@ -37,10 +37,10 @@ void main() {
     Site site;
     vec4 colours[2];
     float weight;
-    look(2u - frame, lesson.base, lesson.shares, colours[1u - frame], weight);
+    look(2u - frame, lesson.base, lesson.barycentrics, colours[1u - frame], weight);
     colours[frame] = colour_at(1u + frame, at);
     for (uint k = 0u; k < 2u; ++k) {
-        vec3 normal = unit(normal_at(k, lesson.place, lesson.base, lesson.shares));
+        vec3 normal = unit(normal_at(k, lesson.place, lesson.base, lesson.barycentrics));
         weight = normal == vec3(0.0) ? 0.0 : weight;
         site.normals[k] = vec4(normal, 0.0);
     }

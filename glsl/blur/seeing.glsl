@@ -85,11 +85,11 @@ vec4 surface_at(uint frame, ivec2 at, uint object) {
 }
 
 // The colour that a frame shows of a place of a base triangle, and the weight of the taps that see it.
-void look(uint frame, uvec4 triangle, vec3 shares, out vec4 colour, out float weight) {
+void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out float weight) {
     vec3 a = corner_of(frame, triangle.x);
     vec3 b = corner_of(frame, triangle.y);
     vec3 c = corner_of(frame, triangle.z);
-    vec3 own = shares.x * a + shares.y * b + shares.z * c;
+    vec3 own = barycentrics.x * a + barycentrics.y * b + barycentrics.z * c;
     colour = vec4(0.0);
     weight = 0.0;
     if (!(own.z >= params.near)) {

@@ -16,7 +16,7 @@ layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]
 // What the object looks like at the place's normal.
 vec4 typical(Fragment fragment, uint frame) {
     uint object = fragment.base.w >> OBJECT_SHIFT;
-    uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.shares));
+    uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.barycentrics));
     if (object >= params.tables || bin == NONE) {
         return vec4(-1.0);
     }
@@ -46,8 +46,8 @@ vec3 tone_at(uint place, uint frame, vec3 normal) {
 // It changes as the tone does.
 vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     uint object = fragment.base.w >> OBJECT_SHIFT;
-    vec3 hidden = unit(normal_at(frame, fragment.place, fragment.base, fragment.shares));
-    vec3 shown = unit(normal_at(1u - frame, fragment.place, fragment.base, fragment.shares));
+    vec3 hidden = unit(normal_at(frame, fragment.place, fragment.base, fragment.barycentrics));
+    vec3 shown = unit(normal_at(1u - frame, fragment.place, fragment.base, fragment.barycentrics));
     if (params.tables == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(object)) {
         return vec4(-1.0);
     }

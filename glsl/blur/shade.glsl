@@ -25,7 +25,7 @@ Sides sides_of(Fragment fragment, uvec2 frames, uint wanted) {
     for (uint side = 0u; side < 2u; ++side) {
         if ((wanted >> side & 1u) != 0u) {
             float weight;
-            look(frames[side], fragment.base, fragment.shares, sides.colours[side], weight);
+            look(frames[side], fragment.base, fragment.barycentrics, sides.colours[side], weight);
             sides.known |= weight > LEAST_WEIGHT ? 1u << side : 0u;
         }
     }
@@ -83,12 +83,12 @@ void main() {
         pending[gl_LocalInvocationIndex] = 0u;
     }
     barrier();
-    uint name = is_inside ? texelFetch(sampled, at, 0).x : 0u;
+    uint triangle_id = is_inside ? texelFetch(sampled, at, 0).x : 0u;
     uint state = NOTHING_SEEN;
     vec4 colour = vec4(0.0);
     uint index = index_of_sample(at);
-    if (name > 0u) {
-        Fragment fragment = fragment_at(name, 0.5 * (vec2(at) + 0.5));
+    if (triangle_id > 0u) {
+        Fragment fragment = fragment_at(triangle_id, 0.5 * (vec2(at) + 0.5));
         colour = shade(fragment, index, state);
         state |= is_still(fragment.base) ? STILL : 0u;
         if ((state & PENDING) != 0u) {

@@ -16,11 +16,11 @@ layout(std430, binding = 26) readonly buffer Poses { float poses[]; };
 vec4 typical(Fragment fragment, uint frame) {
     uvec4 groups = corner_groups[fragment.place];
     uint first = frame * GROUPS;
-    vec3 normal = fragment.shares.x * unit(normals[first + groups.x].xyz)
-        + fragment.shares.y * unit(normals[first + groups.y].xyz)
-        + fragment.shares.z * unit(normals[first + groups.z].xyz);
+    vec3 normal = fragment.barycentrics.x * unit(normals[first + groups.x].xyz)
+        + fragment.barycentrics.y * unit(normals[first + groups.y].xyz)
+        + fragment.barycentrics.z * unit(normals[first + groups.z].xyz);
     normal = is_turned(frame, fragment.base) ? -normal : normal;
-    return vec4(toned(1u + frame, fragment.place, fragment.base, fragment.shares, unit(normal)), 1.0);
+    return vec4(toned(1u + frame, fragment.place, fragment.base, fragment.barycentrics, unit(normal)), 1.0);
 }
 
 // As the tone of the place changes from the frame that shows it: so an ink line on it stays one.

@@ -19,17 +19,17 @@ void main() {
         return;
     }
     uint index = index_of(at);
-    uint name = texelFetch(distorted, at, 0).x;
+    uint triangle_id = texelFetch(distorted, at, 0).x;
     vec4 colours[2] = vec4[2](vec4(0.0), vec4(0.0));
     uint mask = NOTHING_SEEN;
     float moved = 1.0;
-    if (name > 0u) {
-        Fragment fragment = fragment_at(name, vec2(at) + 0.5);
+    if (triangle_id > 0u) {
+        Fragment fragment = fragment_at(triangle_id, vec2(at) + 0.5);
         mask = 0u;
         moved = fragment.moved;
         for (uint side = 0u; side < 2u; ++side) {
             float weight;
-            look(1u + side, fragment.base, fragment.shares, colours[side], weight);
+            look(1u + side, fragment.base, fragment.barycentrics, colours[side], weight);
             mask |= weight > LEAST_WEIGHT ? 1u << side : 0u;
         }
     }

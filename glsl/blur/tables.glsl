@@ -40,11 +40,11 @@ bool is_turned(uint frame, uvec4 base) {
 }
 
 // The normal that a frame has at a place.
-vec3 normal_at(uint frame, uint place, uvec4 base, vec3 shares) {
+vec3 normal_at(uint frame, uint place, uvec4 base, vec3 barycentrics) {
     uvec4 groups = corner_groups[place];
     uint first = frame * GROUPS;
-    vec3 normal = shares.x * normals[first + groups.x].xyz + shares.y * normals[first + groups.y].xyz
-        + shares.z * normals[first + groups.z].xyz;
+    vec3 normal = barycentrics.x * normals[first + groups.x].xyz + barycentrics.y * normals[first + groups.y].xyz
+        + barycentrics.z * normals[first + groups.z].xyz;
     return is_turned(frame, base) ? -normal : normal;
 }
 

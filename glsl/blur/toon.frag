@@ -35,16 +35,16 @@ vec3 tone_of(uint index, vec2 at) {
     vec3 b = clip[first + triangle.y].xyz;
     vec3 c = clip[first + triangle.z].xyz;
     // Not divided by depth, so that corners may be behind the camera.
-    vec3 shares = edges_at(a, b, c, at);
-    float sum = shares.x + shares.y + shares.z;
-    shares = sum != 0.0 ? shares / sum : vec3(1.0 / 3.0);
+    vec3 barycentrics = edges_at(a, b, c, at);
+    float sum = barycentrics.x + barycentrics.y + barycentrics.z;
+    barycentrics = sum != 0.0 ? barycentrics / sum : vec3(1.0 / 3.0);
     uvec4 groups = corner_groups[index];
-    vec3 normal = shares.x * normal_of(groups.x) + shares.y * normal_of(groups.y) + shares.z * normal_of(groups.z);
+    vec3 normal = barycentrics.x * normal_of(groups.x) + barycentrics.y * normal_of(groups.y) + barycentrics.z * normal_of(groups.z);
     float length_of = length(normal);
     normal = length_of > 0.0 ? normal / length_of : vec3(0.0);
     // The side that is seen.
     normal = sum > 0.0 ? -normal : normal;
-    return toned(constants.frame, index, triangle, shares, normal);
+    return toned(constants.frame, index, triangle, barycentrics, normal);
 }
 
 // The line, widened: the strongest of the samples near enough, fading over the last sample.
@@ -63,11 +63,11 @@ float line_of(ivec2 at) {
 }
 
 vec4 sample_at(ivec2 at) {
-    uint name = texelFetch(sampled, at, 0).x;
-    if (name == 0u) {
+    uint triangle_id = texelFetch(sampled, at, 0).x;
+    if (triangle_id == 0u) {
         return vec4(0.0);
     }
-    vec3 tone = tone_of(name - 1u, 0.5 * (vec2(at) + 0.5));
+    vec3 tone = tone_of(triangle_id - 1u, 0.5 * (vec2(at) + 0.5));
     float line = INKED != 0u ? line_of(at) : 0.0;
     return vec4(mix(tone, toon.ink_colour.rgb, line), 1.0);
 }

@@ -3,7 +3,7 @@
 // that it touches; then invocations are columns of pixels, and test the sprites that touch their block. Nearest wins, then the smaller id, then
 // the first row: nothing depends on the order of the lists. Sums are integers.
 //
-// Loops are such as end at their bottom, and what a loop needs is read before it: on a device that runs invocations in step, a turn that
+// Loops are such as end at their bottom, and what a loop needs is read before it: on a device that runs invocations in step, an iteration that
 // nobody takes still costs what it would have done.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -10,7 +10,7 @@ struct Sprite {
     bool exists;   // ahead of near, before far, and not lost below a pixel
 };
 
-// What all render particles of a frame have in common: read once, because a device may read a uniform anew in each turn of a loop.
+// What all render particles of a frame have in common: read once, because a device may read a uniform anew in each iteration of a loop.
 struct Optics {
     vec3 right;       // rows of the view rotation
     vec3 up;

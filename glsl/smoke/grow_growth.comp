@@ -38,7 +38,7 @@ void main() {
         --k;
     }
     int row_of_shell = int(cursor - rows_before(uint(k)));
-    for (uint turn = 0u; turn < constants.iterations && cursor < constants.last; ++turn) {
+    for (uint iteration = 0u; iteration < constants.iterations && cursor < constants.last; ++iteration) {
         int side = 2 * k + 1;
         if (row_of_shell == side * side) {
             ++k;

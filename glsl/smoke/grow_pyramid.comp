@@ -39,7 +39,7 @@ void main() {
     }
     uint top = uint(findMSB(constants.last)) / 2u;
     uint level = cursor == 0u ? top : min(top, uint(findLSB(cursor)) / 2u);
-    for (uint turn = 0u; turn < constants.iterations && cursor < constants.last; ++turn) {
+    for (uint iteration = 0u; iteration < constants.iterations && cursor < constants.last; ++iteration) {
         int y = int(even_bits(cursor) >> level);
         int z = int(even_bits(cursor >> 1) >> level);
         PyramidLevel nodes = params.levels[level];

@@ -10,9 +10,9 @@ use crate::shaders::bench as glsl;
 
 /// Bytes that are copied: more than caches hold, less than the largest buffer that every device can bind.
 const COPIED: u64 = 112 << 20;
-/// Turns of the arithmetic loop, far below the loop budget of software drivers.
-const TURNS: u32 = 1024;
-/// Multiply-adds a turn; the shader has them written out.
+/// Iterations of the arithmetic loop, far below the loop budget of software drivers.
+const ITERATIONS: u32 = 1024;
+/// Multiply-adds an iteration; the shader has them written out.
 const CHAINS: u64 = 16;
 const THREADS: u32 = 1 << 18;
 
@@ -29,7 +29,7 @@ pub(super) fn measure(session: &mut Session) -> Result<Limits, BenchError> {
             .bind(glsl::copy::TO, BufferId(1)),
         Pass::compute("bench.arithmetic", &glsl::arithmetic::SHADER)
             .bind(glsl::arithmetic::RESULTS, BufferId(2))
-            .specialise([TURNS]),
+            .specialise([ITERATIONS]),
     ];
     let kernels = rig.kernels(buffers, passes)?;
     let plans = [(bytes / 16) as u32, THREADS].into_iter().enumerate().map(|(pass, threads)| {
@@ -45,6 +45,6 @@ pub(super) fn measure(session: &mut Session) -> Result<Limits, BenchError> {
     let times = interleaved(plans.len(), false, |variant| rig.run(kernels, &plans[variant]))?;
     rig.clear();
     let rate = |amount: u64, ms: f64| if ms > 0.0 { amount as f64 / ms / 1e6 } else { 0.0 };
-    let operations = 2 * CHAINS * u64::from(TURNS) * u64::from(THREADS);
+    let operations = 2 * CHAINS * u64::from(ITERATIONS) * u64::from(THREADS);
     Ok(Limits { copy_gb_s: rate(2 * bytes, times[0].gpu_ms), fma_gflop_s: rate(operations, times[1].gpu_ms) })
 }

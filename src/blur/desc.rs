@@ -1,4 +1,4 @@
-//! What the effect is made for.
+//! Description of the effect.
 
 use ash::vk;
 
@@ -12,7 +12,7 @@ use crate::shaders::blur::constants::{BASE_MASK, MOST_SEGMENTS};
 /// Triangles that refinement may make, unless a host says otherwise.
 pub const MOST_TRIANGLES: u32 = 1_000_000;
 
-/// What a blur effect is made for. All of it is fixed until `resize`.
+/// Description of a blur effect. All of it is fixed until `resize`.
 #[derive(Clone, Debug)]
 pub struct Desc {
     /// Pixels of the picture, each at least 1.

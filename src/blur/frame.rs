@@ -1,4 +1,4 @@
-//! What a host says of one output.
+//! A host's description of one output.
 
 use crate::blur::desc::Desc;
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
@@ -110,7 +110,7 @@ pub struct IntervalInput<'a> {
     pub fronts: HostBuffer,
 }
 
-/// What must be known of an [`Interval`] before the device has it.
+/// The facts of an [`Interval`] that must be known before the device has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// [`Interval::generation`].
@@ -147,7 +147,7 @@ impl Counts {
 pub struct ToonInput {
     /// Frame i + 1, as the interval has it if there is one.
     pub view: View,
-    /// What lights them.
+    /// Their light.
     pub light: Light,
 }
 
@@ -169,7 +169,7 @@ impl Drawn {
         self.view.frame
     }
 
-    /// What sees it.
+    /// Its camera.
     pub(super) fn camera(&self) -> &Camera {
         &self.view.camera
     }
@@ -197,7 +197,7 @@ pub struct Frame<'a> {
     pub mesh: Option<TopologyInput>,
     /// Poses of frames that are not on the device yet.
     pub poses: Option<PoseInput>,
-    /// What moves; none: nothing, and the output is the image of frame i + 1.
+    /// The motion; none: nothing moves, and the output is the image of frame i + 1.
     pub interval: Option<IntervalInput<'a>>,
     /// Images of frames i and i + 1: linear light (or a format that is read as such), premultiplied, of the target's size
     /// and format. Usage: `TRANSFER_SRC`. None: they are drawn.

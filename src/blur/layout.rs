@@ -157,7 +157,7 @@ pub const HOST_BACKGROUND: ImageId = ImageId(IMAGES + 6);
 /// Images of the host's.
 pub const HOST_IMAGES: usize = 7;
 
-/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+/// The resource of a shader's binding: each buffer and image goes by one name everywhere.
 pub fn resource(binding: &Binding) -> Option<Resource> {
     let image = match binding.name {
         "seen_previous" => Some(SEEN[0]),

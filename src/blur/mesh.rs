@@ -1,4 +1,4 @@
-//! What never changes of an animated mesh: which vertices are one point, which triangles meet where.
+//! The constant part of an animated mesh: which vertices are one point, which triangles meet where.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -278,7 +278,7 @@ impl Mesh {
         &self.shells
     }
 
-    /// What each of them encloses; one position a point.
+    /// The solid that each of them encloses; one position a point.
     pub(super) fn solids(&self, positions: &[[f32; 3]]) -> Vec<Solid> {
         self.shells.solids(&self.triangles, positions)
     }

@@ -40,7 +40,7 @@ use steps::Steps;
 /// The blur effect, of one mesh. Poses stay on the device from frame to frame.
 pub type Blur = Effect<BlurKind>;
 
-/// What of the blur is its own.
+/// The parts that are the blur's own.
 #[derive(Debug)]
 pub struct BlurKind {
     layout: Layout,
@@ -139,7 +139,7 @@ impl Kind for BlurKind {
 }
 
 impl Effect<BlurKind> {
-    /// What the mesh covers pixels with in the frame recorded last, for a smoke's `Frame::edges` of a frame that is
+    /// The mesh's coverage of pixels in the frame recorded last, for a smoke's `Frame::edges` of a frame that is
     /// recorded after it; none if the host has no depth.
     pub fn edges(&self) -> Option<HostBuffer> {
         self.desc().depth?;

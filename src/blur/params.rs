@@ -1,4 +1,4 @@
-//! What the host tells the kernels of `glsl/blur`. The structures and constants are the shaders' own (build.rs).
+//! Parameters of the kernels of `glsl/blur`. The structures and constants are the shaders' own (build.rs).
 
 use bytemuck::Zeroable;
 use glam::{DMat3, DVec3};
@@ -25,13 +25,13 @@ impl BackgroundConstants {
 }
 
 impl Control {
-    /// What a frame starts with.
+    /// The state at the start of a frame.
     pub fn reset() -> Control {
         Control { draw: [0, 1, 0, 0], ..Control::zeroed() }
     }
 }
 
-/// What a frame's rounds start with: the first has the mesh's triangles, the others none.
+/// The state of a frame's rounds at its start: the first has the mesh's triangles, the others none.
 pub fn rounds(desc: &Desc) -> [Round; ROUNDS as usize + 1] {
     let none = Round { groups: [0, 1, 1, 0], scan: [0, 1, 1, 0], ..Round::zeroed() };
     let mut rounds = [none; ROUNDS as usize + 1];
@@ -45,7 +45,7 @@ pub fn rounds(desc: &Desc) -> [Round; ROUNDS as usize + 1] {
     rounds
 }
 
-/// What completion starts with: dispatches of no groups, that become some where samples need them.
+/// The state of completion at its start: dispatches of no groups, that become some where samples need them.
 pub fn completing(desc: &Desc) -> [u32; COMPLETING_WORDS] {
     let mut words = [0; COMPLETING_WORDS];
     let rows = (2 * desc.size[1]).div_ceil(glsl::border::SHADER.local_size[1]);
@@ -80,7 +80,7 @@ fn row(v: DVec3, w: f64) -> [f32; 4] {
     v.extend(w).as_vec4().to_array()
 }
 
-/// What [`row`] loses in rounding.
+/// The rounding error of [`row`].
 fn low(v: DVec3, w: f64) -> [f32; 4] {
     row(v - v.as_vec3().as_dvec3(), w - f64::from(w as f32))
 }
@@ -149,7 +149,7 @@ impl Knot {
 }
 
 impl BlurParams {
-    /// What an output's kernels are told.
+    /// Parameters of an output, as the kernels read them.
     ///
     /// `outer`: whether frames i - 1 and i + 2 have images.
     pub fn new(desc: &Desc, layout: &Layout, interval: &IntervalInput, frame: &Frame, outer: [bool; 2]) -> BlurParams {
@@ -191,7 +191,7 @@ impl BlurParams {
         }
     }
 
-    /// What the kernels of a frame that stands still are told.
+    /// Parameters of a frame that stands still, as the kernels read them.
     pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: Background) -> BlurParams {
         let mut params = BlurParams {
             views: views.map(|view| View::new(&view, desc)),
@@ -224,7 +224,7 @@ pub fn ink_reach(toon: &Toon) -> u32 {
 }
 
 impl ToonParams {
-    /// What the kernels that draw a frame are told.
+    /// Parameters of the kernels that draw a frame.
     pub fn new(desc: &Desc, camera: &Camera, light: &Light) -> ToonParams {
         let toon = &desc.settings.toon;
         let [r, g, b] = toon.outline.colour;

@@ -252,7 +252,7 @@ fn ghost(desc: &Desc) -> Pass {
     Pass::raster("blur.ghosts", raster)
 }
 
-/// What is blended over the target.
+/// A pass that is blended over the target.
 fn over_target(
     name: &'static str,
     topology: Topology,

@@ -17,7 +17,7 @@ pub struct Shells {
     count: usize,
 }
 
-/// What a shell encloses in a pose.
+/// The solid that a shell encloses in a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid {
     /// Where its volume is measured from.
@@ -33,7 +33,7 @@ pub struct Solid {
 
 impl Shells {
     /// Finds the shells, and which triangles must be turned over so that all that hang together run as the first of them.
-    /// What can't be turned so, as a Moebius strip, stays as it is.
+    /// A surface that can't be turned so, as a Moebius strip, stays as it is.
     pub fn find(triangles: &[[u32; 3]]) -> (Shells, Vec<bool>) {
         let (links, mut is_open) = links(triangles);
         let mut of_triangle = vec![NONE; triangles.len()];
@@ -148,7 +148,7 @@ fn is_degenerate([a, b, c]: &[u32; 3]) -> bool {
     a == b || b == c || c == a
 }
 
-/// What each triangle meets at its edges, and whether one of these is not shared by exactly two.
+/// The neighbours of each triangle at its edges, and whether one of these is not shared by exactly two.
 fn links(triangles: &[[u32; 3]]) -> (Vec<[Option<Link>; 3]>, Vec<bool>) {
     let mut sides: Vec<(u32, u32, u32, u8, bool)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, corners) in (0..).zip(triangles).filter(|(_, corners)| !is_degenerate(corners)) {

@@ -26,7 +26,7 @@ pub struct Steps<'a> {
     pub plan: &'a mut Plan,
     /// The effect's passes.
     pub passes: &'a Passes,
-    /// What it is made for.
+    /// The description that it is made for.
     pub desc: &'a Desc,
     /// Its sizes.
     pub layout: &'a Layout,
@@ -36,14 +36,14 @@ pub struct Steps<'a> {
     pub drawn: &'a [Option<Drawn>; DRAWN_PLACES],
 }
 
-/// What is on the device of frame i + 1.
+/// The data of frame i + 1 that the device has.
 #[derive(Clone, Copy, Debug, Default)]
 struct There {
     /// Parameters and clip coordinates.
     is_projected: bool,
-    /// What the output shows of the mesh, at four samples a pixel.
+    /// The output's view of the mesh, at four samples a pixel.
     is_seen: bool,
-    /// What it covers pixels with.
+    /// Its coverage of pixels.
     is_composed: bool,
     /// Normals, and those of frame i.
     has_normals: bool,
@@ -133,7 +133,7 @@ impl Steps<'_> {
         self.depth(frame, There { is_seen: true, is_composed, ..there });
     }
 
-    /// What follows from motion is left out where nothing moves.
+    /// Skips all that follows from motion where nothing moves.
     fn skip_motion(&mut self, reason: &'static str) {
         let Passes { params, interval, trajectory, extent, seams, begin, visibility: [visibility, _], .. } =
             self.passes;
@@ -145,7 +145,7 @@ impl Steps<'_> {
         }
     }
 
-    /// What makes the smeared picture is left out there, too, and where the picture is frame i + 1's.
+    /// Skips the passes of the smeared picture there, too, and where the picture is frame i + 1's.
     fn skip_picture(&mut self, reason: &'static str) {
         let Passes { tiles, cover, normals, learn, tone, shade, border: [border, _], compose, composite, .. } =
             self.passes;
@@ -195,7 +195,7 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
     }
 
-    /// What the output shows of the mesh, for what is behind it.
+    /// Depth of the mesh in the output, for what is behind it.
     fn depth(&mut self, frame: &Frame, there: There) {
         let (Some(input), Some(pass)) = (&frame.depth, self.passes.depth) else {
             return self.plan.skip(self.passes.depth_params, "the host has no depth");
@@ -207,7 +207,7 @@ impl Steps<'_> {
         self.plan.step_with(pass, Command::Draw { vertices: 4 }, &constants);
     }
 
-    /// What the mesh covers image i + 1 with.
+    /// The mesh's coverage of image i + 1.
     fn surface(&mut self, frame: &Frame, input: &DepthInput, there: There) {
         let Desc { size: [width, height], triangles, points, .. } = *self.desc;
         if !there.is_projected {

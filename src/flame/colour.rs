@@ -116,7 +116,7 @@ pub fn ramp(kelvin: f64, hottest: f64, colours: &[[f32; 3]]) -> [f64; 3] {
     low.lerp(high, place - below as f64).to_array()
 }
 
-/// What the entries of a [`Table`] are, and over what.
+/// The kind of a [`Table`]'s entries, and their axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// Logarithms of [`physical`] colours over 1 / T.
@@ -140,7 +140,7 @@ pub enum Form {
 pub struct Table {
     /// ln(max(component + shift, 1e-12)), or linear RGB; the fourth component is unused. At least 2.
     pub entries: Vec<[f32; 4]>,
-    /// What the entries are.
+    /// The kind of the entries.
     pub form: Form,
     /// Places per unit of t.
     pub scale: f32,

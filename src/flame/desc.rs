@@ -1,4 +1,4 @@
-//! What the effect is made for.
+//! Description of the effect.
 
 use ash::vk;
 
@@ -6,14 +6,14 @@ use crate::error::{Error, Result};
 use crate::flame::settings::{HOTTEST, Settings};
 use crate::host::DepthFormat;
 
-/// What a flame effect is made for. All of it is fixed until `resize`.
+/// Description of a flame effect. All of it is fixed until `resize`.
 #[derive(Clone, Debug)]
 pub struct Desc {
     /// Pixels of the picture, each at least 1.
     pub size: [u32; 2],
     /// Format of the target images; any that can be a colour attachment.
     pub target_format: vk::Format,
-    /// What is in front of the fire and behind it, if frames say so.
+    /// The scene in front of the fire and behind it, if frames say so.
     pub scene: Option<SceneFormat>,
     /// The most particles of a frame.
     pub particles: u32,

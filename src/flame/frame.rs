@@ -1,4 +1,4 @@
-//! What a host says of one frame.
+//! A host's description of one frame.
 
 use crate::error::{Error, Result};
 use crate::flame::desc::{Desc, SceneFormat};
@@ -32,7 +32,7 @@ pub struct ParticleInput {
 /// One frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// What sees it.
+    /// The camera.
     pub camera: Camera,
     /// This frame's particles; none if they are those of the last one recorded. The first frame needs some (their number
     /// may be 0).
@@ -44,7 +44,7 @@ pub struct Frame {
     pub accumulate: bool,
     /// Where it goes. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background.
     pub target: HostImage,
-    /// What is under it.
+    /// The background.
     pub background: Background,
     /// The depth of the scene, given exactly if the effect was made for one.
     pub scene: Option<SceneDepth>,

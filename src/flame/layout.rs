@@ -63,7 +63,7 @@ pub const HOST_SCENE: BufferId = BufferId(BUFFERS + 2);
 pub const LEVELS: ImageId = ImageId(0);
 /// The table of the expected image.
 pub const KERNEL: ImageId = ImageId(1);
-/// What a repetition of the paper's way has drawn: row and depth of the nearest.
+/// The result of a repetition drawn the paper's way: row and depth of the nearest.
 pub const DRAWN: ImageId = ImageId(2);
 /// Its depth buffer.
 pub const DRAWN_DEPTH: ImageId = ImageId(3);
@@ -78,7 +78,7 @@ pub const HOST_DEPTH: ImageId = ImageId(6);
 /// Images of the host's.
 pub const HOST_IMAGES: usize = 3;
 
-/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+/// The resource of a shader's binding: each buffer and image goes by one name everywhere.
 pub fn resource(binding: &Binding) -> Option<Resource> {
     let image = match binding.name {
         "levels" => Some(LEVELS),

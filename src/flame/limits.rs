@@ -10,7 +10,7 @@ use crate::shaders::flame::constants::MOST_COUNT;
 /// Depth buckets of the stochastic mode.
 pub const BUCKETS: u32 = 32;
 /// Loop iterations that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
-pub const TURNS: u32 = 44_000;
+pub const ITERATIONS: u32 = 44_000;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
 pub const FIRST_STAGE: u32 = 16;
 /// The most dispatches of a frame's repetitions.
@@ -73,9 +73,9 @@ pub fn stages(desc: &Desc) -> Result<Vec<Stage>> {
     let particles = u64::from(desc.particles.max(1));
     let cost = Cost::new(desc);
     let visit = u64::from(cost.visit) + (most_count(desc) * u64::from(cost.eighths)).div_ceil(8);
-    let segments = particles.div_ceil((u64::from(TURNS - cost.base) / visit).max(1));
+    let segments = particles.div_ceil((u64::from(ITERATIONS - cost.base) / visit).max(1));
     let of_all = u64::from(cost.base) + particles * visit;
-    let at_once = if segments > 1 { 1 } else { (u64::from(TURNS) / of_all).max(1) };
+    let at_once = if segments > 1 { 1 } else { (u64::from(ITERATIONS) / of_all).max(1) };
     let all = if expected { settings.bins } else { settings.repetitions };
     if is_raster(desc) {
         // No dispatches, but all of the repetitions.

@@ -37,12 +37,12 @@ use mask::Mask;
 use params::{FlameParams, Given};
 use passes::Passes;
 use settings::{Colour, MOST_REPETITIONS};
-use steps::{Moment, Steps};
+use steps::{FrameDelta, Steps};
 
 /// The flame effect. A frame depends on no other, unless it takes the last one's particles or adds to its repetitions.
 pub type Flame = Effect<FlameKind>;
 
-/// What of the flame is its own.
+/// The parts that are the flame's own.
 #[derive(Debug)]
 pub struct FlameKind {
     layout: Layout,
@@ -54,7 +54,7 @@ pub struct FlameKind {
     state: State,
 }
 
-/// What is known of the frames recorded so far.
+/// State kept of the frames recorded so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
     /// The camera of the last frame; none before the first.
@@ -102,11 +102,11 @@ impl Kind for FlameKind {
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, self.state.camera.is_none())?;
-        let (moment, state) = self.moment(desc, frame)?;
+        let (delta, state) = self.delta(desc, frame)?;
         let FlameKind { layout, passes, table, effort, max_alpha, .. } = self;
-        let mut params = FlameParams::new(desc, layout, frame, &moment.given, table, *max_alpha);
+        let mut params = FlameParams::new(desc, layout, frame, &delta.given, table, *max_alpha);
         params.is_skipping = effort.skips().into();
-        Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, table);
+        Steps { plan, passes, desc, layout, delta: &delta }.fill(frame, &params, table);
         Ok(state)
     }
 
@@ -131,8 +131,8 @@ impl Kind for FlameKind {
 }
 
 impl FlameKind {
-    /// What this frame is to the ones before, and the state after it.
-    fn moment(&self, desc: &Desc, frame: &Frame) -> Result<(Moment, State)> {
+    /// The relation of this frame to the ones before, and the state after it.
+    fn delta(&self, desc: &Desc, frame: &Frame) -> Result<(FrameDelta, State)> {
         let mut state = self.state;
         if let Some(particles) = &frame.particles {
             state.given = Given { count: particles.count, ids: particles.ids.is_some(), before: 0 };
@@ -150,7 +150,7 @@ impl FlameKind {
         let make_tables = !state.has_tables && (dark.is_none() || desc.layers);
         state.has_tables |= make_tables;
         state.lit = if dark.is_none() { Some(frame.camera) } else { state.lit };
-        Ok((Moment { given: state.given, camera: self.state.lit, make_tables, dark }, state))
+        Ok((FrameDelta { given: state.given, camera: self.state.lit, make_tables, dark }, state))
     }
 
     /// Only what is the same can be added to.

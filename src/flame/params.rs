@@ -1,4 +1,4 @@
-//! What the host tells the kernels of `glsl/flame`. The structures and constants are the shaders' own (build.rs).
+//! Parameters of the kernels of `glsl/flame`. The structures and constants are the shaders' own (build.rs).
 
 use bytemuck::Zeroable;
 
@@ -17,7 +17,7 @@ pub fn sobol_bits(repetitions: u32) -> u32 {
 }
 
 impl Control {
-    /// What a frame starts with.
+    /// The state at the start of a frame.
     pub fn reset() -> Control {
         Control {
             nearest: NOTHING,
@@ -33,7 +33,7 @@ impl Control {
     }
 }
 
-/// What a frame is besides its [`Frame`].
+/// The facts of a frame besides its [`Frame`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Given {
     /// Particles.
@@ -45,7 +45,7 @@ pub struct Given {
 }
 
 impl FlameParams {
-    /// What a frame's kernels are told.
+    /// Parameters of a frame, as the kernels read them.
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, table: &Table, max_alpha: f32) -> Self {
         let settings = &desc.settings;
         let CameraRows { eye, rows, lens } = CameraRows::new(&frame.camera, desc.size);

@@ -59,7 +59,7 @@ fn form(table: &Table) -> u32 {
     }
 }
 
-/// What kernels that make sprites are specialised by.
+/// Specialisation constants of kernels that make sprites.
 fn variant(desc: &Desc, look_up: u32) -> [u32; 5] {
     let settings = &desc.settings;
     [
@@ -104,7 +104,7 @@ fn raster(desc: &Desc) -> Pass {
     Pass::raster("flame.raster", raster).specialise(variant(desc, EITHER))
 }
 
-/// What the fire does to the scene around it.
+/// The fire's light on the scene around it.
 fn light(desc: &Desc) -> Pass {
     let raster = Raster {
         topology: Topology::Quads,

@@ -8,7 +8,7 @@ use crate::flame::colour::Table;
 use crate::flame::desc::{Desc, SceneFormat};
 use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
-use crate::flame::limits::{Cost, Stage, TURNS, is_raster};
+use crate::flame::limits::{Cost, ITERATIONS, Stage, is_raster};
 use crate::flame::params::{
     AccumulateConstants, AddConstants, Control, FLOATS, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
     PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants, UNORM_16, UNORM_24,
@@ -20,9 +20,9 @@ use crate::plan::{Command, Plan, Shader};
 use crate::shaders::flame as glsl;
 use crate::view::Camera;
 
-/// What this frame is to the ones before.
+/// The relation of this frame to the ones before.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment {
+pub struct FrameDelta {
     /// Its particles.
     pub given: Given,
     /// The camera of the last frame that saw fire.
@@ -39,7 +39,7 @@ pub(super) struct Steps<'a> {
     pub(super) passes: &'a Passes,
     pub(super) desc: &'a Desc,
     pub(super) layout: &'a Layout,
-    pub(super) moment: &'a Moment,
+    pub(super) delta: &'a FrameDelta,
 }
 
 impl Steps<'_> {
@@ -47,11 +47,11 @@ impl Steps<'_> {
         self.background(&frame.background);
         self.particles(frame);
         self.clear();
-        let dark = self.moment.dark;
-        if self.moment.make_tables || dark.is_none() {
+        let dark = self.delta.dark;
+        if self.delta.make_tables || dark.is_none() {
             self.plan.update(self.passes.params, PARAMS, params);
         }
-        if self.moment.make_tables {
+        if self.delta.make_tables {
             self.plan.update_slice(self.passes.tables, COLOURS, &table.entries);
             self.mask();
         } else {
@@ -72,7 +72,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }
 
-    /// What follows from particles is left out where none can be seen.
+    /// Skips all that follows from particles where none can be seen.
     fn skip_fire(&mut self, reason: &'static str) {
         let Passes { scene, prepare, count, converge, light, resolve, composite, .. } = self.passes;
         for pass in [scene, prepare, count, converge, light, resolve, composite] {
@@ -109,7 +109,7 @@ impl Steps<'_> {
         if !self.desc.layers {
             return self.plan.skip(self.passes.clear, "no layers are kept");
         }
-        let particles = self.moment.dark.map(|_| PARTICLES);
+        let particles = self.delta.dark.map(|_| PARTICLES);
         for buffer in [PICTURE, MEAN, VARIANCE].into_iter().chain(particles) {
             self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
         }
@@ -150,13 +150,13 @@ impl Steps<'_> {
 
     /// Particles by tile and depth.
     fn lists(&mut self) {
-        let particles = Command::Dispatch { threads: [self.moment.given.count, 1, 1] };
+        let particles = Command::Dispatch { threads: [self.delta.given.count, 1, 1] };
         self.plan.step(self.passes.prepare, particles);
         self.plan.step(self.passes.range, particles);
         self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.plan.step(self.passes.count, particles);
         let Cost { base, visit, eighths } = Cost::new(self.desc);
-        let constants = ScanConstants { budget: TURNS, base, visit, eighths };
+        let constants = ScanConstants { budget: ITERATIONS, base, visit, eighths };
         self.plan.step_with(self.passes.scan, one_group(&glsl::scan::SHADER), &constants);
         self.plan.step(self.passes.fill, particles);
         if let Some(stage) = self.layout.stages.first() {
@@ -171,9 +171,9 @@ impl Steps<'_> {
             return self.plan.skip(self.passes.kernel, "mode is \"stochastic\"");
         }
         // A cube is seen from another side by another camera.
-        let turned = settings.shape == Shape::Cube && self.moment.camera != Some(frame.camera);
-        let force = u32::from(self.moment.camera.is_none() || turned);
-        let threads = [self.moment.given.count, 1, 1];
+        let turned = settings.shape == Shape::Cube && self.delta.camera != Some(frame.camera);
+        let force = u32::from(self.delta.camera.is_none() || turned);
+        let threads = [self.delta.given.count, 1, 1];
         self.plan.step(self.passes.weigh, Command::Dispatch { threads });
         let once = one_group(&glsl::rebuild::SHADER);
         self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
@@ -183,7 +183,7 @@ impl Steps<'_> {
 
     fn repetitions(&mut self) {
         if is_raster(self.desc) {
-            return self.drawn(self.moment.given.before);
+            return self.drawn(self.delta.given.before);
         }
         for (index, stage) in self.layout.stages.iter().enumerate() {
             if index > 0 {
@@ -216,7 +216,7 @@ impl Steps<'_> {
         }
     }
 
-    /// What the fire does to the scene around it.
+    /// The fire's light on the scene around it.
     fn light(&mut self) {
         if !self.desc.settings.lights() || self.desc.scene.is_none() {
             return self.plan.skip(self.passes.light, "light is 0, or nothing else is in the scene");

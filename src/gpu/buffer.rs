@@ -8,14 +8,14 @@ use crate::error::{Error, Result};
 use crate::gpu::debug;
 use crate::host::Host;
 
-/// What a buffer is to be.
+/// Description of a buffer.
 #[derive(Clone, Copy, Debug)]
 pub struct BufferDesc {
     /// Debug name.
     pub name: &'static str,
     /// Bytes, above 0.
     pub size: u64,
-    /// What it is used for.
+    /// Its usage.
     pub usage: vk::BufferUsageFlags,
     /// Where it lives.
     pub location: MemoryLocation,

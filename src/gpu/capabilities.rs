@@ -18,7 +18,7 @@ pub unsafe fn check_device(instance: &ash::Instance, physical_device: vk::Physic
     requirements().missing(&unsafe { capabilities(instance, physical_device) })
 }
 
-/// What a physical device supports.
+/// The capabilities of a physical device.
 ///
 /// # Safety
 ///

@@ -1,4 +1,4 @@
-//! What a list of passes is on the device: buffers and images, pipelines, and the recorder that walks plans of them.
+//! A list of passes on the device: buffers and images, pipelines, and the recorder that walks plans of them.
 
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
@@ -68,7 +68,7 @@ impl Executor {
         &self.passes
     }
 
-    /// What plans name, for the host to hand over its own.
+    /// The resources that plans name, for the host to hand over its own.
     pub fn resources_mut(&mut self) -> &mut Resources {
         &mut self.resources
     }
@@ -88,7 +88,7 @@ impl Executor {
         &mut self.plan
     }
 
-    /// What the plan left out: each pass's name, and why.
+    /// The passes that the plan left out: each one's name, and why.
     pub fn skipped(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
         self.plan.skipped.iter().map(|(pass, reason)| (self.passes[usize::from(pass.0)].name, *reason))
     }

@@ -22,7 +22,7 @@ use commands::Queue;
 use devices::Candidate;
 use instance::Instance;
 
-/// What to open.
+/// Options of a device to open.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Core and synchronisation validation; what the layer says is collected in [`Headless::messages`].
@@ -35,7 +35,7 @@ pub struct Options {
     /// Asked before each submission and every tenth of a second while one is waited for, with how long that has been:
     /// whether to go on. Once it says no, nothing is submitted any more, and what runs gets a second to end.
     pub go_on: fn(Duration) -> bool,
-    /// What all calls of the device then go through. For tests, which let calls fail.
+    /// Wrapper that all calls of the device then go through. For tests, which let calls fail.
     #[doc(hidden)]
     pub table: fn(ash::Device) -> ash::Device,
 }
@@ -46,7 +46,7 @@ impl Default for Options {
     }
 }
 
-/// What helps wherever there is no device.
+/// Advice wherever there is no device.
 const INSTALL: &str = "install a Vulkan driver; on Debian and Ubuntu: apt install libvulkan1 mesa-vulkan-drivers \
     (it brings lavapipe, which needs no GPU)";
 
@@ -72,7 +72,7 @@ pub enum NoDevice {
     BrokenDriver {
         /// The call that failed.
         call: &'static str,
-        /// What it returned.
+        /// Its result.
         result: vk::Result,
     },
     /// Validation was asked for, and its layer is not installed.
@@ -84,7 +84,7 @@ pub enum NoDevice {
     /// No device matches what was asked for.
     #[error("no Vulkan device matches \"{wanted}\"; there are:\n{devices}")]
     NoMatch {
-        /// What was asked for.
+        /// The device asked for.
         wanted: String,
         /// The devices, one a line.
         devices: String,
@@ -100,7 +100,7 @@ pub enum NoDevice {
     NotOpened {
         /// Its name.
         device: String,
-        /// What failed.
+        /// The failure.
         why: String,
     },
 }
@@ -113,7 +113,7 @@ pub struct Headless {
     queue: Queue,
 }
 
-/// What a [`Host`] borrows.
+/// The objects that a [`Host`] borrows.
 struct Opened {
     candidate: Candidate,
     device: ash::Device,
@@ -189,7 +189,7 @@ impl Headless {
         Ok(Headless { allocator: ManuallyDrop::new(allocator), opened, queue })
     }
 
-    /// What an effect is made and recorded with.
+    /// The host that an effect is made and recorded with.
     pub fn host(&self) -> Host<'_> {
         self.opened.host()
     }
@@ -209,7 +209,7 @@ impl Headless {
         &self.opened.candidate.info
     }
 
-    /// What validation has said so far, warnings and errors; empty without validation. The messages outlive `self`, so
+    /// Messages of validation so far, warnings and errors; empty without validation. The messages outlive `self`, so
     /// that those about its destruction can be read too.
     pub fn messages(&self) -> Messages {
         self.opened.instance.messages.clone()

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::gpu::debug;
 use crate::host::Host;
 
-/// What an image is to be: two-dimensional, one mip level, single-sampled, optimal tiling.
+/// Description of an image: two-dimensional, one mip level, single-sampled, optimal tiling.
 #[derive(Clone, Copy, Debug)]
 pub struct ImageDesc {
     /// Debug name.
@@ -21,7 +21,7 @@ pub struct ImageDesc {
     pub array_view: bool,
     /// Format; `D32_SFLOAT` makes a depth image.
     pub format: vk::Format,
-    /// What it is used for.
+    /// Its usage.
     pub usage: vk::ImageUsageFlags,
 }
 

@@ -192,7 +192,7 @@ impl Profiler {
     }
 
     /// Opens frame number `frame` in `slot` (0 to frames in flight - 1) and resets its queries on the device.
-    /// What the slot held and nobody collected is dropped.
+    /// Times in the slot that nobody collected are dropped.
     ///
     /// # Safety
     ///

@@ -38,7 +38,7 @@ impl Stream for vk::CommandBuffer {
     }
 }
 
-/// What a plan is recorded with.
+/// The context in which a plan is recorded.
 pub struct Recording<'a> {
     /// The host's handles.
     pub host: &'a Host<'a>,
@@ -48,7 +48,7 @@ pub struct Recording<'a> {
     pub passes: &'a [Pass],
     /// Their Vulkan side.
     pub pipelines: &'a Pipelines,
-    /// What the ids stand for.
+    /// The resources that the ids stand for.
     pub resources: &'a mut Resources,
 }
 
@@ -226,7 +226,7 @@ unsafe fn barrier(host: &Host, commands: vk::CommandBuffer, barrier: &Barrier) {
     unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
 }
 
-/// What a step is recorded with.
+/// The context in which a step is recorded.
 struct Walk<'a> {
     host: &'a Host<'a>,
     commands: vk::CommandBuffer,

@@ -1,4 +1,4 @@
-//! What plans' ids stand for: the effect's own buffers and images, and those that the host hands over each frame.
+//! The resources behind plans' ids: the effect's own buffers and images, and those that the host hands over each frame.
 
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;

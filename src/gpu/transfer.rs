@@ -1,4 +1,4 @@
-//! What a host without a window moves to and from the device: volumes and pictures up, frames and layers down.
+//! Transfers of a host without a window: volumes and pictures to the device, frames and layers from it.
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -89,7 +89,7 @@ impl Download {
         self.0.as_ref()
     }
 
-    /// What the device copied, once it has been waited for.
+    /// The bytes that the device copied, once it has been waited for.
     pub fn bytes(&self) -> &[u8] {
         self.0.as_ref().and_then(Buffer::mapped).unwrap_or_default()
     }
@@ -138,7 +138,7 @@ pub fn readback(name: &'static str, size: u64) -> BufferDesc {
 /// Where a copy of an image or of a range of a buffer starts in the buffer that it goes to.
 #[derive(Clone, Copy, Debug)]
 pub struct Copy<T> {
-    /// What is copied.
+    /// The source of the copy.
     pub from: T,
     /// Bytes; a multiple of 16.
     pub to: u64,

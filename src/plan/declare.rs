@@ -24,7 +24,7 @@ impl Declare {
 
 /// A pass, or several that are of a kind.
 pub trait Declared {
-    /// What they go by.
+    /// Their ids.
     type Ids;
 
     /// Adds them to the list.
@@ -70,7 +70,7 @@ macro_rules! passes {
         ($($argument:ident: $type:ty),*), $resource:path;
         $($(#[$doc:meta])* $name:ident $(: $ids:ty)? = $pass:expr;)*
     ) => {
-        /// What the effect declares: its passes, and which is which.
+        /// The effect's declared passes, and which is which.
         #[derive(Debug)]
         pub struct Passes {
             /// By [`PassId`].

@@ -1,4 +1,4 @@
-//! What passes are: shaders with their bindings, attachments, and everything that a pass touches.
+//! Passes: shaders with their bindings, attachments, and everything that a pass touches.
 
 use ash::vk;
 
@@ -15,7 +15,7 @@ pub enum Stage {
     Fragment,
 }
 
-/// What a shader does with a binding, as its `readonly` and `writeonly` qualifiers say.
+/// A shader's access to a binding, as its `readonly` and `writeonly` qualifiers say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
     /// Reads only.
@@ -48,7 +48,7 @@ pub struct Binding {
     pub number: u32,
     /// Descriptor type.
     pub kind: DescriptorKind,
-    /// What the shader does with it.
+    /// The shader's access to it.
     pub access: Access,
 }
 
@@ -144,7 +144,7 @@ impl Usage {
         writes: vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_WRITE,
     };
 
-    /// What `stage` does with a binding.
+    /// The usage of a binding in `stage`.
     pub fn of_binding(stage: Stage, binding: &Binding) -> Usage {
         let stage = match stage {
             Stage::Compute => vk::PipelineStageFlags2::COMPUTE_SHADER,
@@ -194,7 +194,7 @@ pub struct DepthAttachment {
     pub format: vk::Format,
     /// Clear value, or none to keep what is there.
     pub clear: Option<f32>,
-    /// What passes.
+    /// The comparison that a fragment must pass.
     pub compare: vk::CompareOp,
     /// Whether what passes stays; else it is only tested.
     pub write: bool,
@@ -227,7 +227,7 @@ pub enum Blend {
     Brighten,
 }
 
-/// What a render pass draws. Vertex shaders make their vertices from `gl_VertexIndex`.
+/// Primitives of a render pass. Vertex shaders make their vertices from `gl_VertexIndex`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topology {
     /// Quads as triangle strips of four vertices, one an instance.
@@ -239,7 +239,7 @@ pub enum Topology {
 /// Shaders and fixed state of a render pass; nothing is culled.
 #[derive(Debug)]
 pub struct Raster {
-    /// What it draws.
+    /// Its primitives.
     pub topology: Topology,
     /// Vertex shader.
     pub vertex: &'static Shader,
@@ -253,7 +253,7 @@ pub struct Raster {
     pub extent: [u32; 2],
 }
 
-/// What a pass runs.
+/// The shaders of a pass.
 #[derive(Debug)]
 pub enum Kernel {
     /// A compute shader.
@@ -273,7 +273,7 @@ pub struct PassId(pub u16);
 pub struct Pass {
     /// Label, profile row: `effect.pass`.
     pub name: &'static str,
-    /// What runs.
+    /// Its shaders.
     pub kernel: Kernel,
     /// Descriptors.
     pub bindings: Vec<(Binding, Resource)>,

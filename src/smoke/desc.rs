@@ -1,4 +1,4 @@
-//! What the effect is made for.
+//! Description of the effect.
 
 use ash::vk;
 
@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::host::DepthFormat;
 use crate::smoke::settings::Settings;
 
-/// What a smoke effect is made for. All of it is fixed until `resize`.
+/// Description of a smoke effect. All of it is fixed until `resize`.
 #[derive(Clone, Debug)]
 pub struct Desc {
     /// Pixels of the picture, each at least 1.

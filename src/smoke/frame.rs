@@ -1,4 +1,4 @@
-//! What a host says of one frame.
+//! A host's description of one frame.
 
 use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image};
@@ -39,19 +39,19 @@ pub struct Frame {
     pub sequence: Sequence,
     /// Seconds until the next frame, above 0, at most 1e6.
     pub dt: f32,
-    /// What sees it.
+    /// The camera.
     pub camera: Camera,
-    /// What lights it.
+    /// The light.
     pub light: Light,
     /// This frame's volume; none if it is the last one recorded. The first frame needs one.
     pub volume: Option<VolumeInput>,
     /// Where it goes; none only moves the particles on. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background.
     pub target: Option<HostImage>,
-    /// What is under it.
+    /// The background.
     pub background: Background,
     /// The host's depth, given exactly if the effect was made for one and there is a target.
     pub depth: Option<HostDepth>,
-    /// What covers pixels in part and is not in `depth`: the edges of a blurred mesh, as `Blur::edges`. Smoke
+    /// Partial coverage that is not in `depth`: the edges of a blurred mesh, as `Blur::edges`. Smoke
     /// behind is blended with it. 16 bytes a pixel: linear RGB, premultiplied by the share that is covered, and that
     /// share, as halves; view depth in metres, `f32`; 4 unused bytes. Usage: `TRANSFER_SRC`.
     pub edges: Option<HostBuffer>,

@@ -69,7 +69,7 @@ buffers! {
     EDGES = "Edges",
 }
 
-/// What a shader's binding stands for: each buffer and image goes by one name everywhere.
+/// The resource of a shader's binding: each buffer and image goes by one name everywhere.
 pub fn resource(binding: &Binding) -> Option<Resource> {
     let image = match binding.name {
         "seen" => Some(SEEN),
@@ -84,7 +84,7 @@ pub fn resource(binding: &Binding) -> Option<Resource> {
 pub const HOST_DENSITY: BufferId = BufferId(BUFFERS);
 /// The host's velocity.
 pub const HOST_VELOCITY: BufferId = BufferId(BUFFERS + 1);
-/// What the host says that covers pixels in part.
+/// The host's partial coverage of pixels.
 pub const HOST_EDGES: BufferId = BufferId(BUFFERS + 2);
 /// Buffers of the host's.
 pub const HOST_BUFFERS: usize = 3;

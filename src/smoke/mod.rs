@@ -33,13 +33,13 @@ use crate::view::Light;
 use layout::Layout;
 use params::SmokeParams;
 use passes::Passes;
-use steps::{Moment, Steps};
+use steps::{FrameDelta, Steps};
 use tables::Tables;
 
 /// The smoke effect.
 pub type Smoke = Effect<SmokeKind>;
 
-/// What of the smoke is its own.
+/// The parts that are the smoke's own.
 #[derive(Debug)]
 pub struct SmokeKind {
     layout: Layout,
@@ -49,7 +49,7 @@ pub struct SmokeKind {
     state: State,
 }
 
-/// What is known of the frames recorded so far.
+/// State kept of the frames recorded so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
     /// Whether a frame has been recorded.
@@ -95,11 +95,11 @@ impl Kind for SmokeKind {
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, !self.state.begun)?;
-        let (moment, state) = self.moment(desc, frame);
-        search::check(&desc.settings, &moment.shape, self.layout.search_parts)?;
+        let (delta, state) = self.delta(desc, frame);
+        search::check(&desc.settings, &delta.shape, self.layout.search_parts)?;
         let SmokeKind { layout, passes, tables, .. } = self;
-        let params = SmokeParams::new(desc, layout, frame, &moment.shape, state.frames);
-        Steps { plan, passes, desc, layout, moment: &moment }.fill(frame, &params, tables);
+        let params = SmokeParams::new(desc, layout, frame, &delta.shape, state.frames);
+        Steps { plan, passes, desc, layout, delta: &delta }.fill(frame, &params, tables);
         Ok(state)
     }
 
@@ -122,8 +122,8 @@ impl Kind for SmokeKind {
 }
 
 impl SmokeKind {
-    /// What this frame is to the ones before, and the state after it.
-    fn moment(&self, desc: &Desc, frame: &Frame) -> (Moment, State) {
+    /// The relation of this frame to the ones before, and the state after it.
+    fn delta(&self, desc: &Desc, frame: &Frame) -> (FrameDelta, State) {
         let restart = frame.sequence == Sequence::Restart;
         let advance = frame.sequence == Sequence::Advance;
         let new_volume = frame.volume.is_some();
@@ -149,7 +149,7 @@ impl SmokeKind {
             state.shadowed = None;
         }
         let first = !self.state.begun;
-        (Moment { shape: state.shape, restart, new_volume, first, still, same_shadow }, state)
+        (FrameDelta { shape: state.shape, restart, new_volume, first, still, same_shadow }, state)
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the host tells the kernels of `glsl/smoke`. The structures and constants are the shaders' own (build.rs).
+//! Parameters of the kernels of `glsl/smoke`. The structures and constants are the shaders' own (build.rs).
 
 use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
@@ -14,7 +14,7 @@ use crate::toon::Outline;
 use crate::view::{Camera, CameraRows, Light, LightSource};
 
 impl Control {
-    /// What a frame starts with.
+    /// The state at the start of a frame.
     pub fn reset() -> Control {
         let groups = [0, 1, 1, 0];
         let draw = [QUAD_VERTICES, 0, 0, 0];
@@ -34,7 +34,7 @@ impl Control {
 }
 
 impl SmokeParams {
-    /// What a frame's kernels are told. `frames` counts from the last restart.
+    /// Parameters of a frame, as the kernels read them. `frames` counts from the last restart.
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, shape: &Shape, frames: u32) -> SmokeParams {
         let mut params = SmokeParams::zeroed();
         params.set_picture(desc, layout, &frame.camera);

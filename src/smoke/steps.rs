@@ -15,9 +15,9 @@ use crate::smoke::search::{Pyramid, chosen_grow, growth_rows};
 use crate::smoke::settings::{Grow, Radius, Shadow};
 use crate::smoke::tables::Tables;
 
-/// What the effect knows of a frame when it chooses the steps.
+/// The relation of a frame to the ones before, from which the effect chooses the steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment {
+pub struct FrameDelta {
     /// Shape of the volume.
     pub shape: Shape,
     /// All particles are born anew.
@@ -36,14 +36,14 @@ pub struct Moment {
 pub struct Steps<'a> {
     /// To be filled.
     pub plan: &'a mut Plan,
-    /// What may run.
+    /// The passes that may run.
     pub passes: &'a Passes,
-    /// What the effect was made for.
+    /// The description that the effect was made for.
     pub desc: &'a Desc,
     /// Sizes.
     pub layout: &'a Layout,
-    /// What this frame is to the ones before.
-    pub moment: &'a Moment,
+    /// The relation of this frame to the ones before.
+    pub delta: &'a FrameDelta,
 }
 
 impl Steps<'_> {
@@ -62,7 +62,7 @@ impl Steps<'_> {
         }
         self.plan.update(self.passes.params, PARAMS, params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
-        if self.moment.first {
+        if self.delta.first {
             self.plan.update_slice(self.passes.tables, WEIGHTS, &tables.weights);
             self.plan.update_slice(self.passes.tables, TONES, &tables.tones);
         } else {
@@ -106,12 +106,12 @@ impl Steps<'_> {
     }
 
     fn volume(&mut self) {
-        if !self.moment.new_volume {
+        if !self.delta.new_volume {
             self.plan.skip(self.passes.volume, "unchanged");
             self.plan.skip(self.passes.occupancy, "volume and threshold unchanged");
             return;
         }
-        let shape = &self.moment.shape;
+        let shape = &self.delta.shape;
         let bytes = 4 * shape.voxels();
         self.plan.step(self.passes.volume, Command::CopyBuffer { from: HOST_DENSITY, to: DENSITY, bytes });
         if self.desc.velocity {
@@ -153,21 +153,21 @@ impl Steps<'_> {
 
     fn particles(&mut self) {
         let threads = [self.desc.settings.particles, 1, 1];
-        if self.moment.restart {
+        if self.delta.restart {
             for buffer in [DYING, SPHERES, GROUPS] {
                 self.plan.step(self.passes.restart, Command::Fill { buffer, word: 0 });
             }
         }
-        if let Some(reason) = self.moment.still {
+        if let Some(reason) = self.delta.still {
             self.plan.skip(self.passes.advect, reason);
             self.plan.skip(self.passes.grow_reset, reason);
         } else {
             self.plan.step(self.passes.advect, Command::Dispatch { threads });
-            let pyramid = Pyramid::new(self.moment.shape.dimensions);
-            match chosen_grow(&self.desc.settings, &self.moment.shape) {
+            let pyramid = Pyramid::new(self.delta.shape.dimensions);
+            match chosen_grow(&self.desc.settings, &self.delta.shape) {
                 Grow::Field => self.plan.step(self.passes.grow_field, Command::Dispatch { threads }),
                 Grow::Growth => {
-                    self.search(self.passes.grow_growth, &pyramid, growth_rows(&self.moment.shape));
+                    self.search(self.passes.grow_growth, &pyramid, growth_rows(&self.delta.shape));
                 }
                 _ => self.search(self.passes.grow_pyramid, &pyramid, pyramid.leaves()),
             }
@@ -242,7 +242,7 @@ impl Steps<'_> {
         }
     }
 
-    /// What covers pixels in part.
+    /// Partial coverage of pixels.
     fn edges(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
         let bytes = size_of::<Edge>() as u64 * u64::from(width) * u64::from(height);
@@ -260,7 +260,7 @@ impl Steps<'_> {
         self.plan.step(self.passes.quads, live);
     }
 
-    /// What reads beyond occupied tiles must find them empty; layers are whole images.
+    /// Clears images where reads beyond occupied tiles must find them empty; layers are whole images.
     fn clear(&mut self) {
         self.plan.step(self.passes.clear, Command::Fill { buffer: PIXELS, word: 0 });
         self.plan.step(self.passes.clear, Command::Fill { buffer: DEPTH, word: f32::INFINITY.to_bits() });
@@ -278,7 +278,7 @@ impl Steps<'_> {
     fn shadow(&mut self) {
         let settings = &self.desc.settings;
         let reason = match settings.casts_shadows() {
-            true => self.moment.same_shadow,
+            true => self.delta.same_shadow,
             false => Some("shadow is \"none\""),
         };
         if let Some(reason) = reason {

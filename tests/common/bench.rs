@@ -16,7 +16,7 @@ use celfx::low_level::plan::{BufferId, Plan};
 use celfx::low_level::smoke::layout::{self, Layout};
 use celfx::low_level::smoke::params::SmokeParams;
 use celfx::low_level::smoke::passes::Passes;
-use celfx::low_level::smoke::steps::{Moment, Steps};
+use celfx::low_level::smoke::steps::{FrameDelta, Steps};
 use celfx::low_level::smoke::tables::Tables;
 use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Shape, VolumeInput};
@@ -156,12 +156,12 @@ impl Bench {
             edges: None,
         };
         let shape = Shape { dimensions, voxel_size, origin };
-        let moment = Moment { shape, restart, new_volume: true, first: true, still: None, same_shadow: None };
+        let delta = FrameDelta { shape, restart, new_volume: true, first: true, still: None, same_shadow: None };
         let params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);
         let tables = Tables::new(&self.desc.settings, &self.layout);
         let Bench { plan, passes, desc, layout, .. } = self;
         plan.clear();
-        Steps { plan, passes, desc, layout, moment: &moment }.fill(&frame, &params, &tables);
+        Steps { plan, passes, desc, layout, delta: &delta }.fill(&frame, &params, &tables);
         let list = &self.passes.list;
         self.plan.steps.retain(|step| !given.omit.contains(&list[usize::from(step.pass.0)].name));
         self.resources.set_host_buffer(layout::HOST_DENSITY, Some(density));

@@ -33,12 +33,12 @@ pub(super) fn picture(
         if a.z.min(b.z).min(c.z) <= projection.near {
             continue;
         }
-        // Shares of the corners, over the depth, of a pixel (x, y, 1).
+        // Barycentrics over the depth of a pixel (x, y, 1).
         let matrix = DMat3::from_cols(a, b, c);
         if matrix.determinant() == 0.0 {
             continue;
         }
-        let shares_of = matrix.inverse();
+        let barycentrics_of = matrix.inverse();
         let range = |axis: usize, side: usize| {
             let ends = [a, b, c].map(|p| p[axis] / p.z);
             let low = ends.iter().copied().fold(f64::INFINITY, f64::min).floor().clamp(0.0, side as f64);
@@ -47,14 +47,14 @@ pub(super) fn picture(
         };
         for y in range(1, height) {
             for x in range(0, width) {
-                let shares = shares_of * DVec3::new(x as f64 + 0.5, y as f64 + 0.5, 1.0);
-                let depth = shares.element_sum().recip();
+                let barycentrics = barycentrics_of * DVec3::new(x as f64 + 0.5, y as f64 + 0.5, 1.0);
+                let depth = barycentrics.element_sum().recip();
                 let pixel = y * width + x;
-                if shares.min_element() < 0.0 || depth >= nearest[pixel] {
+                if barycentrics.min_element() < 0.0 || depth >= nearest[pixel] {
                     continue;
                 }
                 nearest[pixel] = depth;
-                let normal: DVec3 = (0..3).map(|i| shares[i] * normals[corners[i] as usize]).sum();
+                let normal: DVec3 = (0..3).map(|i| barycentrics[i] * normals[corners[i] as usize]).sum();
                 pixels[pixel] = colour(topology.colour[corners[0] as usize], normal, light);
             }
         }

@@ -117,10 +117,10 @@ fn brute(rig: &mut Rig, effect: EffectId, points: u32) -> Result<(KernelsId, Pla
     let mut buffers: Vec<_> = (0..BUFFERS).map(|id| KernelBuffer::Shared(effect, BufferId(id))).collect();
     let own = [("extremes", 16), ("brute extents", 8)];
     buffers.extend(own.map(|(name, bytes)| KernelBuffer::Own(BufferDesc::storage(name, bytes * u64::from(points)))));
-    let pass = Pass::compute("bench.extent", &glsl::bench_extent::SHADER).bind_all(|slot| match slot.name {
+    let pass = Pass::compute("bench.extent", &glsl::bench_extent::SHADER).bind_all(|binding| match binding.name {
         "Extremes" => Some(Resource::Buffer(EXTREMES)),
         "BruteExtents" => Some(Resource::Buffer(EXTENTS)),
-        _ => resource(slot),
+        _ => resource(binding),
     });
     let kernels = rig.kernels(buffers, vec![pass])?;
     let mut plan = Plan::default();

@@ -168,8 +168,8 @@ impl Surface<'_> {
         self.scene.mesh.triangles()[(triangle[3] & BASE_MASK) as usize]
     }
 
-    /// Shares of the base triangle's corners.
-    fn shares(&self, base: &[u32; 3], vertex: u32) -> [f64; 3] {
+    /// Barycentrics in the base triangle.
+    fn barycentrics(&self, base: &[u32; 3], vertex: u32) -> [f64; 3] {
         let Vertex { is_point, barycentrics, .. } = self.vertices[vertex as usize];
         if is_point == 1 {
             return base.map(|corner| f64::from(u8::from(corner == vertex)));
@@ -187,7 +187,7 @@ impl Surface<'_> {
         }
         let pose = &self.scene.poses[self.scene.current];
         let [p, q, r] = base.map(|corner| glam::DVec3::from(pose[corner as usize].map(f64::from)));
-        let [u, v, w] = [0, 1, 2].map(|i| self.shares(&base, triangle[i]));
+        let [u, v, w] = [0, 1, 2].map(|i| self.barycentrics(&base, triangle[i]));
         let part = (v[1] - u[1]) * (w[2] - u[2]) - (v[2] - u[2]) * (w[1] - u[1]);
         0.5 * (q - p).cross(r - p).length() * part.abs()
     }
@@ -195,23 +195,24 @@ impl Surface<'_> {
     /// How far a place on a triangle is from where it should be.
     fn distance(&self, triangle: &[u32; 4], place: [f64; 3]) -> f64 {
         let base = self.base(triangle);
-        let (mut shares, mut drawn) = ([0.0; 3], [0.0; 2]);
+        let (mut barycentrics, mut drawn) = ([0.0; 3], [0.0; 2]);
         for (share, vertex) in place.into_iter().zip(&triangle[..3]) {
-            let of_vertex = self.shares(&base, *vertex);
-            shares = [0, 1, 2].map(|i| shares[i] + share * of_vertex[i]);
+            let of_vertex = self.barycentrics(&base, *vertex);
+            barycentrics = [0, 1, 2].map(|i| barycentrics[i] + share * of_vertex[i]);
             let position = self.vertices[*vertex as usize].drawn;
             drawn = [0, 1].map(|i| drawn[i] + share * f64::from(position[i]));
         }
-        let exact = self.exact(&base, shares);
+        let exact = self.exact(&base, barycentrics);
         (drawn[0] - f64::from(exact[0])).hypot(drawn[1] - f64::from(exact[1]))
     }
 
     /// Where a place of the mesh is drawn: as a vertex there would be.
-    fn exact(&self, base: &[u32; 3], shares: [f64; 3]) -> [f32; 2] {
+    fn exact(&self, base: &[u32; 3], barycentrics: [f64; 3]) -> [f32; 2] {
         let (interval, settings) = (&self.prepared.interval, self.settings);
         let points = self.scene.mesh.points();
         let mix = |of: &dyn Fn(usize) -> f32| -> f32 {
-            base.iter().zip(shares).map(|(corner, share)| share * f64::from(of(*corner as usize))).sum::<f64>() as f32
+            base.iter().zip(barycentrics).map(|(corner, share)| share * f64::from(of(*corner as usize))).sum::<f64>()
+                as f32
         };
         let row = |of: fn(&Piece) -> &[f32; 4], s: usize| {
             [0, 1, 2, 3].map(|i| mix(&|p| of(&interval.pieces[s * points + p])[i]))

@@ -74,12 +74,12 @@ impl Rivals {
 /// In the order of the ids above.
 fn passes() -> Vec<Pass> {
     let bind = |name, shader| {
-        Pass::compute(name, shader).bind_all(|slot| match slot.name {
+        Pass::compute(name, shader).bind_all(|binding| match binding.name {
             "FarTable" => Some(Resource::Buffer(FAR_TABLE)),
             "Ranks" => Some(Resource::Buffer(RANKS)),
             "Order" => Some(Resource::Buffer(ORDER)),
             "Blended" => Some(Resource::Buffer(BLENDED)),
-            _ => resource(slot),
+            _ => resource(binding),
         })
     };
     vec![

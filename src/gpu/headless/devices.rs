@@ -24,11 +24,11 @@ pub struct DeviceInfo {
     pub kind: &'static str,
     /// Name of its driver.
     pub driver: String,
-    /// What the driver says of itself, usually its version.
+    /// The driver's own description, usually its version.
     pub driver_info: String,
     /// Version of Vulkan.
     pub api_version: String,
-    /// What it lacks to run celfx; empty if nothing.
+    /// The capabilities that it lacks to run celfx; empty if none.
     pub lacks: Vec<String>,
     /// Whether it is the one that would be used.
     pub used: bool,
@@ -46,7 +46,7 @@ impl fmt::Display for DeviceInfo {
     }
 }
 
-/// What `celfx info` says.
+/// The output of `celfx info`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct Report {

@@ -8,7 +8,7 @@ use ash::vk;
 use super::NoDevice;
 use crate::host::version;
 
-/// What validation said.
+/// Messages of validation.
 pub type Messages = Arc<Mutex<Vec<String>>>;
 
 /// The layer that validates.
@@ -71,7 +71,7 @@ impl Drop for Instance {
     }
 }
 
-/// What the loader and drivers make of `result`.
+/// The error of a loader or driver call that returned `result`.
 pub(super) fn failed(call: &'static str) -> impl FnOnce(vk::Result) -> NoDevice {
     move |result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => NoDevice::NoDriver(format!("{call} returned {result:?}")),

@@ -7,8 +7,8 @@ use crate::view::Camera;
 
 /// Tone colour of every pixel, linear RGB; black where `id` is 0.
 ///
-/// `smooth` is the smoothed luminance, `softness` the width in pixels over which tones mix. Tone after tone is laid over
-/// the first with the share `clamp(0.5 + (S - from) / (2 softness |grad S|), 0, 1)`: a step, open at `from`, where the
+/// `smooth` is the smoothed luminance, `softness` the width in pixels over which tones mix. Tone after tone is composited
+/// over the first with the share `clamp(0.5 + (S - from) / (2 softness |grad S|), 0, 1)`: a step, open at `from`, where the
 /// product is 0.
 pub fn tones(size: [u32; 2], smooth: &[f64], id: &[u32], tones: &[Tone], softness: f64) -> Vec<[f64; 3]> {
     let colour = |pixel: usize| {
@@ -110,7 +110,7 @@ pub fn composite(tone: &[[f64; 3]], opacity: &[f64], id: &[u32], colour: [f32; 3
     tone.iter().zip(opacity).zip(id).map(pixel).collect()
 }
 
-/// The share `share` of `b` laid over `a`.
+/// The share `share` of `b` composited over `a`.
 fn mix(a: [f64; 3], b: [f32; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|c| a[c] * (1.0 - share) + f64::from(b[c]) * share)
 }
@@ -171,7 +171,7 @@ mod tests {
         let colours = tones(SIZE, &smooth, &image(|_, _| 1), &two_tones(0.5), 2.0);
         let red: Vec<f64> = colours[9..18].iter().map(|c| c[0]).collect();
         assert_eq!(red, [0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0]);
-        // Three tones are laid over each other in order.
+        // Three tones are composited over each other in order.
         let three = [two_tones(0.5)[0], two_tones(0.5)[1], Tone { from: 0.625, colour: [0.0, 0.0, 0.0] }];
         let colour = tones(SIZE, &smooth, &image(|_, _| 1), &three, 2.0)[4];
         assert_eq!(colour, [0.375, 0.375, 0.375]);
