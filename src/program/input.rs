@@ -76,6 +76,9 @@ pub(crate) trait Input: Send {
     fn read(&mut self, frame: u32, rendered: bool) -> Result<Option<Box<dyn Brought>>, InputError>;
 }
 
+/// The input of an effect; none where the shot has no such effect.
+pub(crate) type Opened = Result<Option<Box<dyn Input>>, InputError>;
+
 /// What a frame brings.
 pub(crate) trait Brought: Any + Send {
     /// Puts it into the scene.

@@ -24,7 +24,7 @@ use crate::bench::Benchmark;
 use crate::io::shot::{self, Shot, ShotError, Table};
 pub(crate) use hash::{Files, add};
 pub use input::InputError;
-pub(crate) use input::{Brought, Input};
+pub(crate) use input::{Brought, Input, Opened};
 use layers::{LayerEntry, Watch};
 
 /// An effect as the program has it.
@@ -32,7 +32,7 @@ pub(crate) struct EffectEntry {
     /// Its table in shots, whose name is that of its layers, its benchmark, and before the dot of its passes.
     pub(crate) table: &'static Table,
     /// Begins to read what the frames of a shot are made from; none where the shot has no such effect.
-    pub(crate) open: fn(&Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError>,
+    pub(crate) open: fn(&Arc<Shot>) -> Opened,
     /// What `--layers` writes.
     pub(crate) layers: &'static [LayerEntry],
     /// What is looked at after each frame.

@@ -15,7 +15,7 @@ use crate::io::shot::Shot;
 use crate::io::{ReadError, picture};
 use crate::offline::motion::{FRAMES_BESIDE, STEPS};
 use crate::offline::{BlurFrame, BlurInput as Motion, BlurScene, Effects, Scene};
-use crate::program::{Brought, Files, Input, InputError, add};
+use crate::program::{Brought, Files, Input, InputError, Opened, add};
 
 /// A shot's mesh and pictures.
 struct BlurInput {
@@ -48,7 +48,7 @@ pub(super) struct BlurBrought {
     outer: [Option<Image>; 2],
 }
 
-pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
+pub(super) fn open(shot: &Arc<Shot>) -> Opened {
     let Some(blur) = shot.part::<Blur>() else { return Ok(None) };
     let (shot, blur) = (shot.clone(), blur.clone());
     Ok(Some(Box::new(BlurInput { shot, blur, motion: None, images: None, notes: Vec::new() })))

@@ -15,7 +15,7 @@ use crate::io::shot::Shot;
 use crate::offline::{Effects, Scene, TARGET_FORMAT};
 use crate::program::hash::builtin;
 use crate::program::input::Fresh;
-use crate::program::{Brought, Files, Input, InputError, add};
+use crate::program::{Brought, Files, Input, InputError, Opened, add};
 
 /// Spread of a flame without one in a shot none of whose frames has two particles, in metres.
 const DEFAULT_SPREAD: f32 = 0.1;
@@ -47,7 +47,7 @@ pub(super) struct FlameBrought {
 }
 
 /// Looks at all of the shot's particles where that is what its fire follows from.
-pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
+pub(super) fn open(shot: &Arc<Shot>) -> Opened {
     let Some(flame) = shot.part::<Flame>() else { return Ok(None) };
     let mut particles = flame.particles(shot)?;
     let (flame, [first, last]) = (flame.clone(), shot.frames);

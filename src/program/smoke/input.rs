@@ -13,7 +13,7 @@ use crate::io::volume::Extent;
 use crate::offline::{Effects, Scene, TARGET_FORMAT};
 use crate::program::hash::builtin;
 use crate::program::input::Fresh;
-use crate::program::{Brought, Files, Input, InputError, add};
+use crate::program::{Brought, Files, Input, InputError, Opened, add};
 use crate::smoke::Desc;
 use crate::view::LightSource;
 
@@ -29,7 +29,7 @@ struct SmokeInput {
 /// A frame's volume; none where it is that of the frame before.
 pub(super) struct SmokeBrought(Option<Arc<Volume>>);
 
-pub(super) fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
+pub(super) fn open(shot: &Arc<Shot>) -> Opened {
     let Some(smoke) = shot.part::<Smoke>() else { return Ok(None) };
     let volumes = smoke.volumes(shot)?;
     let (smoke, shot) = (smoke.clone(), shot.clone());

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
 
 use super::layers::{LayerData, LayerEntry};
-use super::{Brought, EffectEntry, Files, Input, InputError, add};
+use super::{Brought, EffectEntry, Files, Input, InputError, Opened, add};
 use crate::bench::Benchmark;
 use crate::host::HostImage;
 use crate::io::ReadError;
@@ -65,7 +65,7 @@ struct VignetteInput {
     settings: Settings,
 }
 
-fn open(shot: &Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError> {
+fn open(shot: &Arc<Shot>) -> Opened {
     let Some(settings) = shot.part::<Settings>() else { return Ok(None) };
     Ok(Some(Box::new(VignetteInput { shot: shot.clone(), settings: settings.clone() })))
 }
