@@ -40,7 +40,7 @@ pub(super) struct Options {
     only: Option<String>,
 }
 
-/// What of the device alone is measured by this name, and everything by the other.
+/// The name under which the device alone is measured, and that for everything.
 const LIMITS: &str = "limits";
 const ALL: &str = "all";
 

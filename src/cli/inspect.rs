@@ -42,7 +42,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     print(&text)
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Report {
@@ -110,7 +110,7 @@ struct Range {
     max: f32,
 }
 
-/// What a stream of numbers has in common. Those that are not finite are passed over, and counted.
+/// Statistics of a stream of numbers. Those that are not finite are passed over, and counted.
 #[derive(Debug, Default)]
 struct Statistics {
     range: Option<Range>,
@@ -316,7 +316,7 @@ mod tests {
         npy("'<f4'", false, shape, &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
     }
 
-    /// What is told of a file of these arrays.
+    /// The report on a file of these arrays.
     fn inspected(arrays: &[(&str, Vec<u8>)]) -> serde_json::Value {
         let folder = Folder::new();
         let path = folder.0.join("a.npz");

@@ -32,9 +32,9 @@ pub struct ReadError {
     pub path: PathBuf,
     /// Where in it: the array, byte or row; empty where it is the file as a whole.
     pub place: String,
-    /// What is wrong.
+    /// The fault.
     pub why: String,
-    /// What would have been right.
+    /// The expected content.
     pub expected: String,
 }
 
@@ -56,7 +56,7 @@ impl ReadError {
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,
-    /// What went wrong.
+    /// The error.
     pub source: io::Error,
 }
 

@@ -1,4 +1,4 @@
-//! What frames of an effect are made from, whichever effect it is: read ahead of the renderer, a frame at a time.
+//! Input of an effect's frames, whichever effect it is: read ahead of the renderer, a frame at a time.
 
 use std::any::Any;
 use std::path::Path;
@@ -59,7 +59,7 @@ pub(crate) trait Input: Send {
         Ok(())
     }
 
-    /// What of the input is passed over, and what is used where there are several.
+    /// Parts of the input that are passed over, and the choices where there are several.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
@@ -67,7 +67,7 @@ pub(crate) trait Input: Send {
     /// Adds what the effect is made for that draws the frames `rendered`, and keeps its layers if that is asked for.
     fn describe(&mut self, effects: Effects, rendered: &[u32], layers: bool) -> Result<Effects, InputError>;
 
-    /// What the shot left to its input, for people.
+    /// The choices that the shot left to its input, for people.
     fn choices(&self) -> Option<String> {
         None
     }
@@ -76,7 +76,7 @@ pub(crate) trait Input: Send {
     fn read(&mut self, frame: u32, rendered: bool) -> Result<Option<Box<dyn Brought>>, InputError>;
 }
 
-/// What a frame brings.
+/// Input of a frame.
 pub(crate) trait Brought: Any + Send {
     /// Puts it into the scene.
     fn put<'a>(&'a self, scene: &mut Scene<'a>);

@@ -33,9 +33,9 @@ pub(crate) struct EffectEntry {
     pub(crate) table: &'static Table,
     /// Begins to read what the frames of a shot are made from; none where the shot has no such effect.
     pub(crate) open: fn(&Arc<Shot>) -> Result<Option<Box<dyn Input>>, InputError>,
-    /// What `--layers` writes.
+    /// The layers that `--layers` writes.
     pub(crate) layers: &'static [LayerEntry],
-    /// What is looked at after each frame.
+    /// The check after each frame.
     pub(crate) watch: Option<Watch>,
     /// Measures it.
     pub(crate) benchmark: Benchmark,
@@ -57,7 +57,7 @@ pub(crate) static EFFECTS: &[&EffectEntry] = &[
     &vignette::ENTRY,
 ];
 
-/// What measures the effect of this name, or each of them where there is no name.
+/// The benchmarks of the effect of this name, or of each of them where there is no name.
 pub fn benchmarks(name: Option<&str>) -> Vec<Benchmark> {
     let chosen = EFFECTS.iter().filter(|effect| name.is_none_or(|name| name == effect.name()));
     chosen.map(|effect| effect.benchmark).collect()

@@ -111,7 +111,7 @@ mod tests {
         opacity: f64,
     }
 
-    /// What is at a pixel, in f64 and without a table.
+    /// The fog at a pixel, in f64 and without a table.
     fn fogs(scene: &super::Scene, at: [usize; 2]) -> Vec<Fog> {
         let Scene { settings, camera, size, particles, .. } = scene;
         let rows = particles.position.iter().zip(&particles.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);

@@ -20,7 +20,7 @@ pub(super) struct Span {
     pub(super) knots: [usize; 2],
 }
 
-/// What trajectories go through, and the segments that are looked at.
+/// The knots of trajectories, and the segments that are looked at.
 #[derive(Clone, Debug)]
 pub(super) struct Timeline<'a> {
     pub(super) knots: Vec<Knot<'a>>,

@@ -5,14 +5,14 @@ use crate::blur::motion::{Cluster, Interval};
 use crate::blur::params::{LEAST_EXTENT, LEAST_SPEED_SQUARED, UNIT};
 use crate::random::{hash, unit};
 
-/// What is known of a vertex of the distorted mesh.
+/// The state of a vertex of the distorted mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// How far front it is: 0 (rear) to 1.
     pub k: f32,
     /// How far across it is: 0 to 1.
     pub l: f32,
-    /// What smoothing the seams adds to k'.
+    /// The change of k' by smoothing the seams.
     pub offset: f32,
     /// The sub-frame time at which it is drawn, in frames after frame i, `1 - strength` to 1.
     pub time: f32,

@@ -16,9 +16,9 @@ use crate::program::{Files, Input, add};
 pub(super) struct Origins<'a> {
     shot: &'a Shot,
     files: Files,
-    /// What all frames have in common.
+    /// The hash of all that frames have in common.
     common: Xxh3,
-    /// What effects that have a past have gone through before a frame, and that frame.
+    /// The hash of all that effects with a past have gone through before a frame, and that frame.
     past: (u32, Xxh3),
 }
 

@@ -1,4 +1,4 @@
-//! What sees a shot: keyframes, the camera of a scene, or matrices.
+//! The camera of a shot: keyframes, the camera of a scene, or matrices.
 
 use std::path::Path;
 use std::sync::Arc;
