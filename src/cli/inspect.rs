@@ -83,7 +83,7 @@ struct AnimationReport {
 #[derive(Debug, Serialize)]
 struct CameraReport {
     name: String,
-    /// What `camera.name` may name is perspective.
+    /// Whether the camera that `camera.name` may name is perspective.
     perspective: bool,
 }
 
@@ -147,8 +147,8 @@ fn report(file: &str) -> Result<Report, Failure> {
     }
 }
 
-/// What an `.npz` file is, its arrays tell: that of which all are there, with as many axes as it needs; a volume before a
-/// mesh, and these before particles and cameras, for they may hold more than they need. If none is whole, what is named
+/// The kind of an `.npz` file, from its arrays: that of which all are there, with as many axes as it needs; a volume
+/// before a mesh, and these before particles and cameras, for they may hold more than they need. If none is whole, what is named
 /// first says what is missing.
 fn archive(path: &Path) -> Result<Report, ReadError> {
     let mut archive = Archive::open(path)?;

@@ -119,7 +119,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// What stands for a file's name in that of its `.part`, which is longer and must not be too long where the name is not.
+/// Stand-in for a file's name in that of its `.part`, which is longer and must not be too long where the name is not.
 fn stem(name: &OsStr) -> Cow<'_, OsStr> {
     const LONGEST: usize = 100;
     match name.as_encoded_bytes() {

@@ -7,7 +7,7 @@
 //! | `feed.rs` | how a scene becomes a frame of it |
 //! | `layers.rs` | what of it `--layers` writes |
 //!
-//! What it is on the device stands in the folder of its name beside this one, and is described in [`crate::effect`].
+//! Its part on the device stands in the folder of its name beside this one, and is described in [`crate::effect`].
 
 pub mod blur;
 pub mod flame;

@@ -1,4 +1,4 @@
-//! What fire would be blended by without repetitions: each particle as fog at the depth of its centre, sorted, or weighed
+//! Ways to blend fire without repetitions: each particle as fog at the depth of its centre, sorted, or weighed
 //! and not sorted. Colours, counts, chances to pass and lists are those of an effect in the `expected` mode.
 
 use std::mem::offset_of;

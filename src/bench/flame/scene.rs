@@ -44,7 +44,7 @@ pub(super) struct Workload {
     pub(super) particles: u32,
     /// Side of a sprite in pixels.
     pub(super) sprite: f64,
-    /// What `--quick` divides the picture's sides by, and the square of which the particles; 1 leaves it as it is.
+    /// The divisor of the picture's sides with `--quick`, and the square of which the particles; 1 leaves it as it is.
     pub(super) cut: u32,
 }
 

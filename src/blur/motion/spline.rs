@@ -117,7 +117,7 @@ fn collapse<'a>(
 pub(super) struct Spline {
     /// Steps between the knots.
     steps: Vec<f64>,
-    /// What eliminating the row above leaves of each row's diagonal, for the knots between the ends.
+    /// Each row's diagonal once the row above is eliminated, for the knots between the ends.
     pivots: Vec<f64>,
 }
 

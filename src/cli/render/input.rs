@@ -65,7 +65,7 @@ impl Inputs {
         &self.effects
     }
 
-    /// What the effects are made for that render the `missing` frames, and keep their layers if that is asked for. Reads
+    /// Descriptions of the effects that render the `missing` frames, and keep their layers if that is asked for. Reads
     /// what there must be before.
     pub(super) fn describe(&mut self, missing: &[u32], layers: bool, common: &Common) -> Result<Effects, Failure> {
         self.effects.iter_mut().try_for_each(|effect| effect.prepare(missing, common.threads()))?;
@@ -86,7 +86,7 @@ impl Inputs {
         notes
     }
 
-    /// What the shot left to its input, for people.
+    /// The choices that the shot left to its input, for people.
     pub(super) fn choices(&self) -> String {
         self.effects.iter().filter_map(|effect| effect.choices()).map(|choice| format!("; {choice}")).collect()
     }

@@ -1,4 +1,4 @@
-//! What frames are made from, as a hash that each picture's file keeps: so that `--resume` tells frames of this shot from
+//! The input of frames, as a hash that each picture's file keeps: so that `--resume` tells frames of this shot from
 //! those of another one, or of the same with other settings or input.
 //!
 //! In it is all that a frame's pixels depend on: the settings, the camera and the light, what is in the files of its input

@@ -87,7 +87,7 @@ impl<'a> Document<'a> {
         Ok(bytes)
     }
 
-    /// What a URI stands for: the data in it, or the bytes of a file beside this one, of which at most `most` are read.
+    /// The data of a URI: those in it, or the bytes of a file beside this one, of which at most `most` are read.
     pub(super) fn resource(&self, place: &str, uri: &str, most: u64) -> Result<Cow<'static, [u8]>, ReadError> {
         if uri.starts_with("data:") {
             return data_uri::decoded(uri).map(Cow::Owned).ok_or_else(|| {

@@ -52,7 +52,7 @@ pub struct Tones {
     pub tones: Vec<[i32; 3]>,
     /// Those of each object that shows a place.
     pub own: BTreeMap<u32, Vec<[i32; 3]>>,
-    /// The variation that the tones leave unexplained over all places ([`badness`]), and that of before.
+    /// The variation that the tones leave unexplained over all places ([`badness`]), and the variation there was.
     pub unexplained: [u64; 2],
     /// The same of each object's places, and what may be: twice what there was, and [`ALLOWED`] each.
     pub objects: BTreeMap<u32, [u64; 2]>,
