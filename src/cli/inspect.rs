@@ -148,8 +148,8 @@ fn report(file: &str) -> Result<Report, Failure> {
 }
 
 /// The kind of an `.npz` file, from its arrays: that of which all are there, with as many axes as it needs; a volume
-/// before a mesh, and these before particles and cameras, for they may hold more than they need. If none is whole, what is named
-/// first says what is missing.
+/// before a mesh, and these before particles and cameras, for they may hold more than they need. If none is whole, what
+/// is named first says what is missing.
 fn archive(path: &Path) -> Result<Report, ReadError> {
     let mut archive = Archive::open(path)?;
     // A header that cannot be read is told where its array is needed.
