@@ -1,4 +1,4 @@
-//! Which triangle each pixel centre sees: homogeneous edge functions in f64, without clipping.
+//! The triangle-id buffer by pixel centres: homogeneous edge functions in f64, without clipping.
 //!
 //! Corners are pixel clip coordinates (X, Y, W): X / W and Y / W are pixels, y down, W is the view depth in metres.
 //! Each pixel also says whether rounding may have decided: a device rounds corners to f32 and then to 1/256 pixel.
