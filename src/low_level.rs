@@ -1,4 +1,4 @@
-//! What effects are made of, for those who read back their buffers, run kernels of their own, or go through their plans.
+//! Parts of effects, for those who read back their buffers, run kernels of their own, or go through their plans.
 //! Nothing here is promised to stay: all of it may change with any version.
 
 /// Makes the public items of private modules public here.
@@ -19,7 +19,7 @@ modules! {
     plan = crate::plan;
     /// Hashes and random numbers of the shaders, on the CPU.
     random = crate::random;
-    /// What build.rs makes of `glsl`: SPIR-V, what it binds, structures and constants.
+    /// The output of build.rs for `glsl`: SPIR-V, its bindings, structures and constants.
     shaders = crate::shaders;
 }
 
@@ -30,7 +30,7 @@ pub mod smoke {
         layout = crate::smoke::layout;
         /// How much there may be of everything.
         limits = crate::smoke::limits;
-        /// What its kernels are told.
+        /// Parameters of its kernels.
         params = crate::smoke::params;
         /// Its passes.
         passes = crate::smoke::passes;
@@ -38,7 +38,7 @@ pub mod smoke {
         search = crate::smoke::search;
         /// Which passes a frame takes.
         steps = crate::smoke::steps;
-        /// What is computed once.
+        /// Tables that are computed once.
         tables = crate::smoke::tables;
     }
 }
@@ -50,13 +50,13 @@ pub mod flame {
         layout = crate::flame::layout;
         /// How much there may be of everything.
         limits = crate::flame::limits;
-        /// What its kernels are told.
+        /// Parameters of its kernels.
         params = crate::flame::params;
         /// Its passes.
         passes = crate::flame::passes;
         /// Which passes a frame takes.
         steps = crate::flame::steps;
-        /// What temperature looks like.
+        /// Colours of temperatures.
         colour = crate::flame::colour;
     }
 }
@@ -68,7 +68,7 @@ pub mod blur {
         layout = crate::blur::layout;
         /// How much there may be of everything.
         limits = crate::blur::limits;
-        /// What its kernels are told.
+        /// Parameters of its kernels.
         params = crate::blur::params;
         /// Its passes.
         passes = crate::blur::passes;

@@ -322,8 +322,8 @@ impl Offline {
         bytemuck::try_cast_slice(bytes).unwrap_or_default()
     }
 
-    /// What [`Offline::set_layers`] asked for, in that order, as the frame rendered last left it. Each is empty if there
-    /// is none.
+    /// The layers that [`Offline::set_layers`] asked for, in that order, as the frame rendered last left them. Each is
+    /// empty if there is none.
     pub fn layers(&self) -> Vec<&[u8]> {
         self.layer_copies().iter().map(|copy| self.read_range(copy.to, copy.from.2)).collect()
     }

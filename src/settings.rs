@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 pub struct Dial {
     /// Its name, with a dot behind each table that it is in.
     pub key: String,
-    /// Its effect.
+    /// Description of its effect.
     pub about: String,
     /// Its allowed values, with unit.
     pub allowed: String,

@@ -9,7 +9,7 @@ enum Part<'scope, R> {
     Done(R),
 }
 
-/// What `work` makes of each part, in their order; on a thread for each, so there should be few. A panic stays one.
+/// Results of `work` for each part, in their order; on a thread for each, so there should be few. A panic stays one.
 #[cfg(any(test, feature = "reference"))]
 pub(crate) fn map<T: Clone + Send, R: Send>(
     parts: impl IntoIterator<Item = T>,

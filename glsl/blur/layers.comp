@@ -1,4 +1,4 @@
-// Which triangles the pixels see, for reading after the frame.
+// Triangle-id buffers as layers, for reading after the frame.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require

@@ -1,4 +1,4 @@
-// Lays an effect's picture over the target, whatever the target's format.
+// Composites an effect's picture over the target, whatever the target's format.
 layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
 layout(location = 0) out vec4 colour;
 

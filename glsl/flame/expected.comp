@@ -1,6 +1,6 @@
 // The image that repetitions converge to: emission and absorption along each pixel's ray, depth bin by depth bin (E2 of the
 // derivation: optical depth -n ln(1 - G) of each particle). Within a bin colours mix in proportion to the optical depths, and lean towards those
-// of its neighbours: a bin is laid when the one behind it is known. Sums are integers: nothing depends on the order of the lists. Loops end at
+// of its neighbours: a bin is composited when the one behind it is known. Sums are integers: nothing depends on the order of the lists. Loops end at
 // their bottom, as those of `accumulate` do.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -17,7 +17,7 @@ layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
 layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(binding = 8, r32f) uniform readonly image2D kernel;
 layout(std430, binding = 9) buffer Winners { uvec4 winners[]; };  // of an unfinished bin: sums of optical depth times squared colour
-layout(std430, binding = 10) buffer Unlaid { vec4 unlaid[]; };  // between dispatches: the bin that is not laid yet, and the one before it
+layout(std430, binding = 10) buffer Unlaid { vec4 unlaid[]; };  // between dispatches: the bin that is not composited yet, and the one before it
 layout(constant_id = 0) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
 layout(constant_id = 1) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
 #include "cells.glsl"
@@ -40,13 +40,13 @@ shared uvec2 lists[MAX_CELL_LEVELS];
 // A column of a block.
 vec3 mean[ROWS];
 vec3 second[ROWS];
-float transmittance[ROWS];   // before the bin that is not laid yet
+float transmittance[ROWS];   // before the bin that is not composited yet
 float depth_sum[ROWS];
 uvec4 bin_low[ROWS];   // sums of the bin: optical depth times colour, optical depth
 uvec4 bin_high[ROWS];
 uvec4 square_low[ROWS];  // optical depth times squared colour, and its sum over the channels
 uvec4 square_high[ROWS];
-vec4 bins[ROWS];         // not laid yet: mean colour, optical depth
+vec4 bins[ROWS];         // not composited yet: mean colour, optical depth
 vec4 nearer_bins[ROWS];  // the ones before
 vec4 bin_squares[ROWS];  // mean squared colours, and their sum
 vec3 nearer_squares[ROWS];
@@ -225,8 +225,8 @@ float middle(uint bin, vec2 scale) {
     return 0.5 * (ends.x + ends.y);
 }
 
-// Lays the bin that is not laid yet behind what is nearer; the finished one takes its place. `depth`: of the former.
-void lay_bin(float depth) {
+// Composites the pending bin behind what is nearer; the finished one takes its place. `depth`: of the former.
+void composite_bin(float depth) {
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
         vec4 sum = vec4(bin_high[y]) * FIXED_WORD + vec4(bin_low[y]) / FIXED;
         vec4 farther = vec4(sum.rgb / max(sum.w, 1e-30), sum.w);
@@ -255,7 +255,7 @@ void lay_bin(float depth) {
     }
 }
 
-// What the dispatch before has left: the bin that is not laid yet and the one before it, and sums of an unfinished one.
+// What the dispatch before has left: the bin that is not composited yet and the one before it, and sums of an unfinished one.
 void load_unlaid(int y, uint at, bool is_there, bool is_unfinished) {
     bins[y] = vec4(0.0);
     nearer_bins[y] = vec4(0.0);
@@ -395,13 +395,13 @@ void main() {
             at += LANES;
         } while (at < to);
         if (is_last_segment) {
-            // Nothing is behind the last bin: it is laid as well.
-            uint lays = bin + 1u == buckets ? 2u : 1u;
-            uint laid = 0u;
+            // Nothing is behind the last bin: it is composited as well.
+            uint due = bin + 1u == buckets ? 2u : 1u;
+            uint composited = 0u;
             do {
-                lay_bin(middle(max(bin + laid, 1u) - 1u, scale));
-                ++laid;
-            } while (laid < lays);
+                composite_bin(middle(max(bin + composited, 1u) - 1u, scale));
+                ++composited;
+            } while (composited < due);
         }
         if (lane == 0u) {
             clearest = 0u;

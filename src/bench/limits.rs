@@ -1,4 +1,4 @@
-//! What the device can do: a kernel that copies and one that computes.
+//! Limits of the device: a kernel that copies and one that computes.
 
 use super::measure::interleaved;
 use super::report::Limits;

@@ -28,7 +28,7 @@ pub struct Benchmark(pub(crate) fn(&mut Session) -> Outcome);
 /// One run of the benchmark.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// What is measured, besides what the device can do: copy and arithmetic.
+    /// The benchmarks to run, besides what the device can do: copy and arithmetic.
     pub what: Vec<Benchmark>,
     /// One run each, and the largest workload cut.
     pub quick: bool,
@@ -68,9 +68,9 @@ impl From<Error> for BenchError {
     }
 }
 
-/// What the caller is told while it runs, and asked: whether to go on.
+/// The caller's part while it runs: it is told of progress, and asked whether to go on.
 pub trait Watch {
-    /// What is being measured now.
+    /// Tells what is being measured now.
     fn progress(&self, text: &str);
     /// Whether to stop.
     fn is_interrupted(&self) -> bool;
@@ -79,14 +79,14 @@ pub trait Watch {
 /// Of a measurement, which adds rows to the session.
 pub(crate) type Outcome = Result<(), BenchError>;
 
-/// What measurements share.
+/// The common state of measurements.
 pub(crate) struct Session<'a> {
     pub(crate) rig: Rig,
     pub(crate) quick: bool,
     pub(crate) only: Option<&'a str>,
     pub(crate) limits: Limits,
     pub(crate) rows: Vec<Row>,
-    /// What the table says below its rows.
+    /// Notes below the table's rows.
     pub(crate) notes: Vec<String>,
     watch: &'a dyn Watch,
 }

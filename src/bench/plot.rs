@@ -149,7 +149,7 @@ fn mark<C, B: DrawingBackend>(at: C, colour: RGBColor, workload: usize) -> Mark<
     EmptyElement::at(at) + Circle::new((0, 0), radius, style) + Polygon::new(corners, style)
 }
 
-/// What a panel shows.
+/// The content of a panel.
 struct Panel<'a> {
     title: String,
     rows: Vec<&'a Row>,
@@ -158,7 +158,7 @@ struct Panel<'a> {
 }
 
 impl<'a> Panel<'a> {
-    /// What tells a row's colour.
+    /// The key of a row's colour.
     fn series<'r>(&self, row: &'r Row) -> &'r str {
         if self.by_method { method(&row.variant).0 } else { &row.variant }
     }

@@ -1,4 +1,4 @@
-//! What a benchmark found: `bench.json`, and a table for people.
+//! Results of a benchmark: `bench.json`, and a table for people.
 
 use std::fmt::Write as _;
 
@@ -15,7 +15,7 @@ pub(crate) struct Report {
     pub(crate) rows: Vec<Row>,
 }
 
-/// What the device can do, measured in the same run.
+/// Limits of the device, measured in the same run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Limits {
     /// 1e9 bytes a second read and written, together, by a kernel that copies.
@@ -45,7 +45,7 @@ pub(crate) struct Row {
     pub(crate) error_rms: Option<f64>,
     pub(crate) error_p99: Option<f64>,
     pub(crate) error_max: Option<f64>,
-    /// What the error is measured against, and its unit.
+    /// The reference of the error, and its unit.
     pub(crate) error_of: Option<String>,
     /// Bytes that have to be moved, where they are known.
     pub(crate) bytes: Option<u64>,
@@ -55,7 +55,7 @@ pub(crate) struct Row {
     pub(crate) of_limit: Option<f64>,
 }
 
-/// What a row is about.
+/// The subject of a row.
 #[derive(Clone, Debug)]
 pub(crate) struct Subject {
     pub(crate) pass: &'static str,
@@ -67,7 +67,7 @@ pub(crate) struct Subject {
 /// An error and what it is measured against.
 pub(crate) type Accuracy = Option<(Deviation, String)>;
 
-/// What a variant has to move and to compute.
+/// Least work of a variant: bytes to move and operations to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Work {
     pub(crate) bytes: Option<u64>,

@@ -25,7 +25,7 @@ use crate::plan::{BufferId, Command, Pass, Plan};
 /// Format of the pictures.
 pub(crate) const FORMAT: vk::Format = crate::offline::TARGET_FORMAT;
 
-/// What one run took.
+/// Times of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Measured {
     /// On the device, from the first step's begin to the last one's end. Where there are no timestamps: from the

@@ -211,8 +211,8 @@ pub struct Frame<'a> {
     pub target: HostImage,
     /// The host's depth, given exactly if the effect was made for one.
     pub depth: Option<DepthInput>,
-    /// What is where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`] is
-    /// nothing at all. An image is as the images of the frames are.
+    /// The background where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`]
+    /// is nothing at all. An image is as the images of the frames are.
     pub background: Background,
 }
 

@@ -84,7 +84,7 @@ pub const COMPLETING_WORDS: usize = OBJECTS as usize;
 /// Bytes of a table of colours, and of the sums that it is made from.
 const TABLE_BYTES: u64 = 16 * BINS as u64;
 const SUM_BYTES: u64 = 4 * (BIN_FIELDS * BINS) as u64;
-/// Layers: which triangle each pixel sees, from 1, 0 where it sees none. Of the mesh in frames i and i + 1, and of the
+/// Layers: triangle-id buffers, ids from 1, 0 where a pixel sees none. Of the mesh in frames i and i + 1, and of the
 /// refined one.
 pub const NAME_LAYERS: [BufferId; 3] = [PREVIOUS_NAMES, NEXT_NAMES, DISTORTED_NAMES];
 /// The host's topology: triangles, where lists of neighbours begin, neighbours.
@@ -111,7 +111,7 @@ pub const HOST_BUFFERS: usize = 15;
 /// Where in [`TOON_BUFFER`] the base colours begin.
 pub const BASE_COLOURS: u64 = size_of::<ToonParams>() as u64;
 
-/// Which triangle each pixel of frames i and i + 1 sees.
+/// Triangle-id buffers of frames i and i + 1.
 pub const SEEN: [ImageId; 2] = [ImageId(0), ImageId(1)];
 /// Their depth.
 pub const SEEN_DEPTH: [ImageId; 2] = [ImageId(2), ImageId(3)];
@@ -125,7 +125,7 @@ pub const SAMPLED: ImageId = ImageId(6);
 pub const SAMPLED_DEPTH: ImageId = ImageId(7);
 /// The host's images of frames i and i + 1, as shaders see them.
 pub const FRAMES: [ImageId; 2] = [ImageId(8), ImageId(9)];
-/// Which triangle each pixel of frames i - 1 and i + 2 sees.
+/// Triangle-id buffers of frames i - 1 and i + 2.
 pub const OUTER_SEEN: [ImageId; 2] = [ImageId(10), ImageId(11)];
 /// Their depth.
 pub const OUTER_DEPTH: [ImageId; 2] = [ImageId(12), ImageId(13)];

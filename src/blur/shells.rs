@@ -79,8 +79,8 @@ impl Shells {
         Some(self.of_triangle[triangle]).filter(|shell| *shell != NONE).map(|shell| shell as usize)
     }
 
-    /// What each shell encloses. `triangles` are those that the shells were found of, and all turned over that had to be;
-    /// one position a point.
+    /// The solid that each shell encloses. `triangles` are those that the shells were found of, and all turned over
+    /// that had to be; one position a point.
     pub fn solids(&self, triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Vec<Solid> {
         let nothing = Solid {
             origin: [f64::NAN; 3],

@@ -40,7 +40,7 @@ pub(super) struct Options {
     only: Option<String>,
 }
 
-/// What of the device alone is measured by this name, and everything by the other.
+/// Name of the benchmark of the device alone; the other name stands for all of them.
 const LIMITS: &str = "limits";
 const ALL: &str = "all";
 
@@ -57,7 +57,7 @@ fn names() -> PossibleValuesParser {
     PossibleValuesParser::new(effects.chain(others))
 }
 
-/// What waits for a run asks whether to go on, and says each half minute that it still does.
+/// Asks, while waiting for a run, whether to go on, and says each half minute that it still does.
 fn go_on(waited: Duration) -> bool {
     static SAID: AtomicU64 = AtomicU64::new(0);
     let halves = waited.as_secs() / 30;

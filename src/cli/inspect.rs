@@ -42,7 +42,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     print(&text)
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Report {
@@ -83,7 +83,7 @@ struct AnimationReport {
 #[derive(Debug, Serialize)]
 struct CameraReport {
     name: String,
-    /// What `camera.name` may name is perspective.
+    /// Whether the camera that `camera.name` may name is perspective.
     perspective: bool,
 }
 
@@ -110,7 +110,7 @@ struct Range {
     max: f32,
 }
 
-/// What a stream of numbers has in common. Those that are not finite are passed over, and counted.
+/// Statistics of a stream of numbers. Those that are not finite are passed over, and counted.
 #[derive(Debug, Default)]
 struct Statistics {
     range: Option<Range>,
@@ -147,9 +147,9 @@ fn report(file: &str) -> Result<Report, Failure> {
     }
 }
 
-/// What an `.npz` file is, its arrays tell: that of which all are there, with as many axes as it needs; a volume before a
-/// mesh, and these before particles and cameras, for they may hold more than they need. If none is whole, what is named
-/// first says what is missing.
+/// The kind of an `.npz` file, from its arrays: that of which all are there, with as many axes as it needs; a volume
+/// before a mesh, and these before particles and cameras, for they may hold more than they need. If none is whole, what
+/// is named first says what is missing.
 fn archive(path: &Path) -> Result<Report, ReadError> {
     let mut archive = Archive::open(path)?;
     // A header that cannot be read is told where its array is needed.
@@ -316,7 +316,7 @@ mod tests {
         npy("'<f4'", false, shape, &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
     }
 
-    /// What is told of a file of these arrays.
+    /// The report on a file of these arrays.
     fn inspected(arrays: &[(&str, Vec<u8>)]) -> serde_json::Value {
         let folder = Folder::new();
         let path = folder.0.join("a.npz");

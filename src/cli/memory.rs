@@ -15,7 +15,7 @@ use std::io::{Cursor, Write};
 use super::Failure;
 
 thread_local! {
-    /// What this thread does, and the number of the frame that it does it to.
+    /// The work of this thread, and the number of the frame that it does it to.
     static DOING: Cell<(&'static str, Option<u32>)> = const { Cell::new(("", None)) };
 }
 

@@ -157,7 +157,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     job.report(&times, missing.len(), count, options.profile.as_deref())
 }
 
-/// What rendering has cost.
+/// Costs of rendering.
 #[derive(Default)]
 struct Times {
     frames: Vec<FrameTimes>,
@@ -165,7 +165,7 @@ struct Times {
     has_none: bool,
 }
 
-/// What is rendered and where it goes.
+/// The frames to render, and where they go.
 struct Job<'a> {
     shot: &'a Shot,
     /// First frame that is rendered.
@@ -340,7 +340,7 @@ impl Job<'_> {
     }
 }
 
-/// What is to be said of a profile that lacks times.
+/// The remark on a profile that lacks times.
 fn untimed(timed: usize, rendered: usize, has_none: bool) -> Option<String> {
     match (timed, rendered) {
         (_, 0) => Some("no frame was rendered, so that the profile has no times".to_owned()),

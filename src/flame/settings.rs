@@ -38,7 +38,7 @@ words! {
     }
 }
 
-/// What temperature looks like.
+/// Colours of temperatures.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Colour {

@@ -19,7 +19,7 @@ const MAX_HEADER: usize = 1 << 16;
 /// Bytes that deflate makes of one at most.
 const MAX_EXPANSION: u64 = 1032;
 
-/// What an array consists of.
+/// The element type of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Element {
     /// 16-bit float.
@@ -69,7 +69,7 @@ impl Element {
     }
 }
 
-/// What the header of an array says.
+/// The header of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
     /// Type of the elements.

@@ -76,7 +76,7 @@ impl Identity {
     }
 }
 
-/// What tells that a file has been written or replaced since.
+/// The state of a file that changes when it is written or replaced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stamp {
     file: Identity,

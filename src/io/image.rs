@@ -27,10 +27,10 @@ const NOTE: &str = "celfx";
 /// Largest side of a picture that is read, in pixels: that of a shot.
 const MAX_SIDE: u32 = 16_384;
 
-/// What is wrong with a file, and what was expected.
+/// The fault of a file, and what was expected.
 pub(super) type Fault = (String, String);
 
-/// What size a picture may have. It is looked at before any of the picture is decoded.
+/// The allowed sizes of a picture. Checked before any of the picture is decoded.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Fit {
     /// Any of so many pixels at most.
@@ -172,7 +172,7 @@ fn from_image(error: image::ImageError) -> io::Error {
     }
 }
 
-/// What a pixel of an EXR file can be.
+/// A pixel type of an EXR file.
 pub trait ExrPixel: Copy {
     /// Names of the channels.
     const CHANNELS: &'static [&'static str];

@@ -32,9 +32,9 @@ pub struct ReadError {
     pub path: PathBuf,
     /// Where in it: the array, byte or row; empty where it is the file as a whole.
     pub place: String,
-    /// What is wrong.
+    /// The fault.
     pub why: String,
-    /// What would have been right.
+    /// The expected content.
     pub expected: String,
 }
 
@@ -56,7 +56,7 @@ impl ReadError {
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,
-    /// What went wrong.
+    /// The error.
     pub source: io::Error,
 }
 
@@ -119,7 +119,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// What stands for a file's name in that of its `.part`, which is longer and must not be too long where the name is not.
+/// Stand-in for a file's name in that of its `.part`, which is longer and must not be too long where the name is not.
 fn stem(name: &OsStr) -> Cow<'_, OsStr> {
     const LONGEST: usize = 100;
     match name.as_encoded_bytes() {

@@ -29,7 +29,7 @@ impl Files {
 pub struct Overlap {
     /// The output.
     pub output: String,
-    /// What it is, too: an input or another output.
+    /// Its other use: an input or another output.
     pub other: String,
     /// The file that both are.
     pub same: PathBuf,

@@ -83,7 +83,7 @@ impl Palette {
         Palette(entries.collect())
     }
 
-    /// What a pixel becomes: a colour of the palette with alpha 255, or transparent.
+    /// The quantised pixel: a colour of the palette with alpha 255, or transparent.
     pub(super) fn nearest(&self, [r, g, b, a]: [u8; 4]) -> [u8; 4] {
         match self.0.get(&[r, g, b]) {
             Some(&[r, g, b]) if a >= 128 => [r, g, b, 255],

@@ -30,7 +30,7 @@ struct Field {
 pub struct PatternError {
     /// The pattern as it was given.
     pub path: PathBuf,
-    /// What is wrong and what is allowed.
+    /// The fault, and what is allowed.
     pub why: String,
 }
 

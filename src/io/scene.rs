@@ -39,7 +39,7 @@ use crate::view::{Camera, FARTHEST};
 /// Most vertices of a scene that is read.
 pub const MAX_VERTICES: usize = 1 << 26;
 
-/// What of a file was passed over.
+/// A part of a file that was passed over.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// A sentence.
@@ -92,7 +92,7 @@ pub enum Source {
     File(PathBuf),
 }
 
-/// What is said to a name with a place for the frame number.
+/// The answer to a name with a place for the frame number.
 const NO_SEQUENCE: &str = "animated meshes and cameras are no sequences of files: expected one glTF file, or one .npz file \
     with all frames";
 
@@ -120,7 +120,7 @@ enum Motion {
     Model(Model),
 }
 
-/// What a file holds beside its mesh, and what of that is used.
+/// Contents of a file beside its mesh, and which of them are used.
 #[derive(Clone, Debug, Default)]
 struct Contents {
     animations: Vec<Animation>,
@@ -202,7 +202,7 @@ impl AnimatedMesh {
         cache::count(path)
     }
 
-    /// What does not change.
+    /// The constant part of the mesh.
     pub fn topology(&self) -> &Topology {
         &self.topology
     }
@@ -237,7 +237,7 @@ impl AnimatedMesh {
         self.contents.camera.map(|number| &self.contents.cameras[number])
     }
 
-    /// What of the file was passed over.
+    /// Parts of the file that were passed over.
     pub fn notes(&self) -> &[Note] {
         &self.contents.notes
     }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::ReadError;
 use super::pattern::{Pattern, PatternError};
 
-/// What a sequence has one of per frame.
+/// The input of which a sequence has one per frame.
 pub trait Input: Debug + Sized {
     /// Those that the program makes itself.
     type Builtin: Copy + Debug + PartialEq;

@@ -56,7 +56,7 @@ pub const BUILTIN: &[(&str, &str)] = &[
     ("builtin:blur", include_str!("shot/blur.toml")),
 ];
 
-/// What is behind the effects.
+/// The background of the effects.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Background {
     /// Linear RGB, each finite and >= 0.
@@ -67,7 +67,7 @@ pub enum Background {
     None,
 }
 
-/// What a shot says of an effect.
+/// A shot's settings of an effect.
 pub trait Part: Any + Debug + Send + Sync {
     /// Checks it with the rest of the shot, of which it may be the only effect.
     ///
@@ -99,7 +99,7 @@ pub struct Table {
 #[derive(Debug)]
 pub struct Section<'a> {
     pub(crate) tree: &'a Tree,
-    /// What relative paths are relative to.
+    /// The folder that relative paths start from.
     pub(crate) folder: &'a Path,
     /// First and last frame.
     pub(crate) frames: [u32; 2],
@@ -118,7 +118,7 @@ enum LightTrack {
 pub struct Shot {
     /// Where it came from, for messages: a path or `builtin:NAME`.
     pub name: String,
-    /// What relative paths in it are relative to.
+    /// The folder that relative paths in it start from.
     pub folder: PathBuf,
     /// Width and height in pixels, 1 to 16384 each.
     pub size: [u32; 2],
@@ -128,14 +128,14 @@ pub struct Shot {
     pub fps: f64,
     /// Seed of everything random.
     pub seed: u32,
-    /// What is behind the effects.
+    /// The background of the effects.
     pub background: Background,
-    /// What it says of effects, by their names; at least of one.
+    /// Its settings of effects, by their names; at least of one.
     parts: Vec<(&'static str, Arc<dyn Part>)>,
     camera: CameraTrack,
     light: LightTrack,
     ambient: Track<f64>,
-    /// What its keys name.
+    /// Files that its keys name.
     files: Vec<Files>,
 }
 
@@ -229,7 +229,7 @@ impl Shot {
         self.parts.iter().any(|(name, _)| *name == effect)
     }
 
-    /// What it says of an effect, if it has that.
+    /// Its settings of an effect, if it has that.
     pub fn part<P: Part>(&self) -> Option<&P> {
         self.parts.iter().find_map(|(_, part)| (&**part as &dyn Any).downcast_ref())
     }

@@ -57,7 +57,7 @@ pub fn read(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {
     Ok(Volume { dimensions, voxel_size, origin, density, velocity })
 }
 
-/// What a volume is, without its values.
+/// Description of a volume, without its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     /// Voxels along x, y, z.
@@ -70,7 +70,7 @@ pub struct Shape {
     pub velocity: bool,
 }
 
-/// What the volume of an open archive is.
+/// Description of the volume of an open archive.
 pub fn shape(archive: &mut Archive, grids: &Grids) -> Result<Shape, ReadError> {
     let dimensions = density_header(archive, grids)?;
     let velocity = velocity_header(archive, grids, dimensions)?;
@@ -86,7 +86,7 @@ pub fn open(path: &Path) -> Result<Archive, ReadError> {
     }
 }
 
-/// What the volumes of a sequence hold, as far as headers tell.
+/// Contents of the volumes of a sequence, as far as headers tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
     /// Most voxels along x, y, z.

@@ -1,4 +1,4 @@
-//! What the effects of a picture are made for.
+//! Descriptions of a picture's effects.
 
 use std::any::Any;
 use std::fmt;
@@ -11,7 +11,7 @@ use crate::effect::{Effort, Kind};
 use crate::error::{Error, Result};
 use crate::host::Host;
 
-/// What effects are made for, in the order in which they are drawn: at least one, all of one picture size.
+/// Descriptions of effects, in the order in which they are drawn: at least one, all of one picture size.
 #[derive(Debug, Default)]
 pub struct Effects(Vec<Box<dyn Described>>);
 
@@ -35,7 +35,7 @@ impl Effects {
         self
     }
 
-    /// What an effect is made for, if it is one of them.
+    /// The description of an effect, if it is one of them.
     pub fn get<D: Describe>(&self) -> Option<&D> {
         self.0.iter().find_map(|effect| effect.as_any().downcast_ref())
     }

@@ -1,4 +1,4 @@
-//! What frames of a blur are made from: the poses of an animated mesh around each, and what moves between two of them.
+//! Input of a blur's frames: the poses of an animated mesh around each, and what moves between two of them.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -55,14 +55,14 @@ impl fmt::Debug for BlurInput {
     }
 }
 
-/// What one output, number i + 1, is made from, but for the images.
+/// Input of one output, number i + 1, but for the images.
 #[derive(Clone, Debug)]
 pub struct BlurFrame {
     /// The mesh: that of the whole shot.
     pub mesh: Arc<Mesh>,
     /// Base colours: [`TopologyInput::colour_rows`] of the shot's mesh.
     pub colours: Arc<Vec<[f32; 4]>>,
-    /// What moves from frame i to frame i + 1. Nothing in the shot's first frame, which has none before it.
+    /// The motion from frame i to frame i + 1. None in the shot's first frame, which has none before it.
     pub interval: Interval,
     /// How much of it there is.
     pub counts: Counts,
@@ -141,7 +141,7 @@ impl BlurInput {
         &self.mesh
     }
 
-    /// What an effect is made for that blurs this mesh in pictures of `size` pixels, with the poses on the device of all
+    /// Description of an effect that blurs this mesh in pictures of `size` pixels, with the poses on the device of all
     /// frames that the ones from `rendered[0]` to `rendered[1]` can be made of: [`crate::offline::Offline`] keeps fewer of
     /// them where they take too much of its memory. `toon`: frames are drawn, because there are no images of them.
     pub fn desc(&self, size: [u32; 2], rendered: [u32; 2], seed: u32, toon: bool, layers: bool) -> blur::Desc {
@@ -166,7 +166,7 @@ impl BlurInput {
         }
     }
 
-    /// What output `number` is made from.
+    /// The input of output `number`.
     ///
     /// # Errors
     /// As [`BlurInput::new`]; a camera too far from the mesh.

@@ -9,7 +9,7 @@ use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::transfer::{Upload, record_picture};
 use crate::host::{HostImage, ImageState};
 
-/// What images of pictures are made as.
+/// Description of the images of pictures.
 pub(crate) fn image_desc(name: &'static str, extent: [u32; 2]) -> ImageDesc {
     // A backdrop is only copied, but every image has a view, and a view needs a usage of its own.
     let usage =

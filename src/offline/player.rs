@@ -16,11 +16,11 @@ use crate::gpu::recorder::Stream;
 use crate::host::{Background, DepthFormat, Host, HostBuffer, HostImage};
 use crate::plan::BufferId;
 
-/// What an effect is made for, and how it is fed.
+/// Description of an effect, and how it is fed.
 pub trait Describe: Clone + fmt::Debug + 'static {
     /// How a scene becomes a frame of the effect.
     type Feed: Feed<Kind: Kind<Desc = Self>>;
-    /// What it has to do with depth.
+    /// Its use of depth.
     const DEPTH: Depth;
 
     /// Width and height of the picture.
@@ -36,7 +36,7 @@ pub trait Describe: Clone + fmt::Debug + 'static {
     }
 }
 
-/// What an effect has to do with the depth of a picture.
+/// An effect's use of the depth of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
     /// Nothing.
@@ -58,7 +58,7 @@ pub struct Sharing {
     pub buffer: bool,
 }
 
-/// What effects have left for those that are drawn after them.
+/// Results of effects for those that are drawn after them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Left {
     /// A surface where it covers pixels in part.
@@ -72,7 +72,7 @@ pub struct Left {
 pub struct Place {
     /// The picture; none where nothing is drawn.
     pub target: Option<HostImage>,
-    /// What the first effect draws over, or [`Background::Keep`].
+    /// The background of the first effect, or [`Background::Keep`].
     pub background: Background,
     /// The shared depth image.
     pub depth: Option<PlacedDepth>,

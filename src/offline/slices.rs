@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::gpu::headless::{Commands, Submission, Submitter};
 use crate::gpu::recorder::Stream;
 
-/// What frames are cut by.
+/// The pace by which frames are cut.
 #[derive(Debug)]
 pub(super) struct Pace {
     /// Seconds that a step of this name took when it ran last.
@@ -59,7 +59,7 @@ struct Steps {
 }
 
 impl Steps {
-    /// What they are called in errors: steps of a frame.
+    /// Their name in errors: steps of a frame.
     fn of(&self, frame: &str) -> String {
         match (self.names.first(), self.names.last()) {
             (Some(first), Some(last)) if first == last => format!("{frame}, {first}"),

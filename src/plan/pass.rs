@@ -253,7 +253,7 @@ pub struct Raster {
     pub extent: [u32; 2],
 }
 
-/// The shaders of a pass.
+/// The kernel of a pass: its shaders, or a transfer.
 #[derive(Debug)]
 pub enum Kernel {
     /// A compute shader.
@@ -273,7 +273,7 @@ pub struct PassId(pub u16);
 pub struct Pass {
     /// Label, profile row: `effect.pass`.
     pub name: &'static str,
-    /// Its shaders.
+    /// Its kernel.
     pub kernel: Kernel,
     /// Descriptors.
     pub bindings: Vec<(Binding, Resource)>,

@@ -13,7 +13,7 @@ pub(crate) struct Layer {
     pub(crate) data: LayerData,
 }
 
-/// What a layer holds.
+/// The data of a layer.
 pub(crate) enum LayerData {
     /// One value per pixel: channel `Y`.
     Value(Vec<f32>),
@@ -40,7 +40,7 @@ pub(crate) struct LayerEntry {
     name: &'static str,
     /// Whether it is an array, and not an image of the picture's size.
     is_array: bool,
-    /// What it is made of.
+    /// The buffers that it is made of.
     buffers: &'static [BufferId],
     decode: fn(&Made) -> LayerData,
 }
@@ -63,18 +63,18 @@ impl LayerEntry {
     }
 }
 
-/// What is looked at after each frame, whether layers are written or not.
+/// A check after each frame, whether layers are written or not.
 pub(crate) struct Watch {
     pub(super) buffers: &'static [BufferId],
-    /// What is to be said of the frame.
+    /// The remark on the frame, if there is one.
     pub(super) says: fn(&Made) -> Option<String>,
 }
 
 /// A frame that has been made, as an effect sees it.
 pub(crate) struct Made<'a> {
-    /// What the effect was made for.
+    /// The description that the effect was made for.
     desc: &'a dyn Any,
-    /// What the frame brought.
+    /// Input of the frame.
     brought: Option<&'a dyn Any>,
     /// The picture, with all effects.
     pub(super) picture: &'a [[f32; 4]],
@@ -87,12 +87,12 @@ pub(crate) struct Made<'a> {
 }
 
 impl Made<'_> {
-    /// What the effect was made for.
+    /// The description that the effect was made for.
     pub(super) fn desc<D: 'static>(&self) -> Option<&D> {
         self.desc.downcast_ref()
     }
 
-    /// What the frame brought.
+    /// Input of the frame.
     pub(super) fn brought<B: 'static>(&self) -> Option<&B> {
         self.brought?.downcast_ref()
     }
@@ -143,13 +143,13 @@ pub(crate) fn buffers(effects: &Effects, layers: bool) -> Vec<EffectBuffer> {
 
 /// A frame, before effects look at what they made of it.
 pub(crate) struct Rendered<'a> {
-    /// What the effects were made for.
+    /// The descriptions that the effects were made for.
     pub(crate) effects: &'a Effects,
     /// The picture.
     pub(crate) picture: &'a [[f32; 4]],
-    /// What was read back, and from where.
+    /// The data read back, and from where.
     pub(crate) buffers: Vec<(EffectBuffer, &'a [u8])>,
-    /// What the frame brought, by the effect's name.
+    /// Input of the frame, by the effect's name.
     pub(crate) brought: Vec<(&'static str, &'a dyn Any)>,
     /// Passes that effects left out, by the effect's name.
     pub(crate) skipped: Vec<(&'static str, &'static str)>,
@@ -177,7 +177,7 @@ impl Rendered<'_> {
         layers.collect()
     }
 
-    /// What is to be said of it.
+    /// Remarks on it.
     pub(crate) fn remarks(&self) -> Vec<String> {
         let watched = EFFECTS.iter().filter_map(|effect| Some((effect.watch.as_ref()?, self.made(effect.name())?)));
         watched.filter_map(|(watch, made)| (watch.says)(&made)).collect()

@@ -35,7 +35,7 @@ pub(crate) struct EffectEntry {
     pub(crate) open: fn(&Arc<Shot>) -> Opened,
     /// What `--layers` writes.
     pub(crate) layers: &'static [LayerEntry],
-    /// What is looked at after each frame.
+    /// Looked at after each frame.
     pub(crate) watch: Option<Watch>,
     /// Measures it.
     pub(crate) benchmark: Benchmark,

@@ -47,7 +47,7 @@ const SWAY: f64 = 0.07;
 /// How strongly folds gather the fire in its upper half: 1 pulls it together in sheets with gaps between them.
 const FOLD: f64 = 1.1;
 
-/// What a particle draws at random.
+/// The random draws of a particle.
 #[derive(Clone, Copy)]
 enum Draw {
     /// Once: how long its lives are, and when the first began.
@@ -84,7 +84,7 @@ impl Builtin {
         Particles { id: Some(ids), ..particles }
     }
 
-    /// What bounds the particles of every frame.
+    /// Bounds of the particles of every frame.
     pub fn extent(self) -> ParticleExtent {
         ParticleExtent { most: PARTICLES, hottest: HOT as f32 }
     }
@@ -170,7 +170,7 @@ impl Wave {
     }
 }
 
-/// What blows the fire about. All of it rises.
+/// The turbulence of the fire. All of it rises.
 struct Turbulence {
     /// Transverse waves, as of a flow without divergence: they bend the fire.
     sway: Vec<Wave>,
@@ -208,7 +208,7 @@ impl Turbulence {
         Turbulence { sway: sway.collect(), fold: fold.collect() }
     }
 
-    /// What it adds to a point at a share `height` of the fire's usual height.
+    /// Displacement of a point at a share `height` of the fire's usual height.
     fn offset(&self, point: DVec3, height: f64, time: f64) -> DVec3 {
         let risen = point - DVec3::Y * RISE * time;
         let sum = |waves: &[Wave]| waves.iter().map(|wave| wave.at(risen)).sum::<DVec3>();

@@ -1,4 +1,4 @@
-//! What never changes on the device.
+//! Constant tables on the device.
 
 use crate::shaders::smoke::blocks::Tone;
 use crate::shaders::smoke::constants::BLOCK;

@@ -1,4 +1,4 @@
-//! What cel-shaded effects share: flat tones and the ink line.
+//! Common parts of cel-shaded effects: flat tones and the ink line.
 
 pub mod settings;
 

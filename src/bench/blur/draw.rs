@@ -11,7 +11,7 @@ use crate::view::Camera;
 pub(super) const LIGHT: DVec3 = DVec3::new(0.5, 0.7, 0.6);
 /// Cosine of the angle to the light beyond which it is dark.
 const SHADE: f64 = 0.25;
-/// What the dark makes of red, green and blue.
+/// Factors of red, green and blue in the dark.
 const DARK: [f32; 3] = [0.35, 0.40, 0.60];
 
 /// Linear RGB of each pixel, premultiplied, rows from the top; empty where nothing is. `positions` is the world position

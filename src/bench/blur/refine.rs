@@ -51,7 +51,7 @@ pub(super) fn measure(session: &mut Session) -> Outcome {
     Ok(())
 }
 
-/// What a variant made.
+/// Results of a variant.
 struct Made {
     triangles: u64,
     accuracy: Accuracy,

@@ -1,4 +1,4 @@
-//! What is measured: meshes that move, and what sees them.
+//! Measured scenes: meshes that move, and their cameras.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -114,7 +114,7 @@ impl Scene {
         Ok(Scene { size, topology, mesh, poses, cameras, current })
     }
 
-    /// What the host finds for an output.
+    /// The host's preparation of an output.
     pub(super) fn prepare(&self, settings: &Settings) -> Result<Prepared> {
         let poses = self.poses.iter().zip(&self.cameras);
         let poses: Vec<Pose> = poses.map(|(positions, camera)| Pose { positions, camera, cut: false }).collect();
@@ -151,7 +151,7 @@ impl Scene {
         Take { frame, images: images.cloned().unwrap_or_else(|| [empty(), empty()]) }
     }
 
-    /// What an effect with such settings is made for.
+    /// Description of an effect with such settings.
     pub(super) fn desc(&self, settings: &Settings, most_triangles: u32) -> Desc {
         let desc = Desc::new(&self.mesh, self.size, settings.clone());
         Desc {

@@ -78,7 +78,7 @@ impl Variant {
     }
 }
 
-/// What is run again and again.
+/// The repeated run.
 enum Run {
     Effect(EffectId, Plan),
     Kernels(KernelsId, Plan),

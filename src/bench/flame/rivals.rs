@@ -1,4 +1,4 @@
-//! What fire would be blended by without repetitions: each particle as fog at the depth of its centre, sorted, or weighed
+//! Ways to blend fire without repetitions: each particle as fog at the depth of its centre, sorted, or weighed
 //! and not sorted. Colours, counts, chances to pass and lists are those of an effect in the `expected` mode.
 
 use std::mem::offset_of;
@@ -111,7 +111,7 @@ mod tests {
         opacity: f64,
     }
 
-    /// What is at a pixel, in f64 and without a table.
+    /// The fog at a pixel, in f64 and without a table.
     fn fogs(scene: &super::Scene, at: [usize; 2]) -> Vec<Fog> {
         let Scene { settings, camera, size, particles, .. } = scene;
         let rows = particles.position.iter().zip(&particles.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);

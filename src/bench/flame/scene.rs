@@ -1,4 +1,4 @@
-//! What is measured: particles, cameras, sprites. A sprite is 13 pixels wide in a picture 512 pixels high.
+//! Measured scenes: particles, cameras, sprites. A sprite is 13 pixels wide in a picture 512 pixels high.
 
 use std::f64::consts::TAU;
 
@@ -44,7 +44,7 @@ pub(super) struct Workload {
     pub(super) particles: u32,
     /// Side of a sprite in pixels.
     pub(super) sprite: f64,
-    /// What `--quick` divides the picture's sides by, and the square of which the particles; 1 leaves it as it is.
+    /// The divisor of the picture's sides with `--quick`, and the square of which the particles; 1 leaves it as it is.
     pub(super) cut: u32,
 }
 
@@ -59,7 +59,7 @@ pub(super) const THICK: Workload =
 /// An eighth of them: of 4 over a pixel, one or two pass.
 pub(super) const THIN: Workload = Workload { name: "thin", particles: 36, cut: 1, ..THICK };
 
-/// What a workload is on the device and in the reference.
+/// A workload on the device and in the reference.
 pub(super) struct Scene {
     /// The workload's name, and its size where that was cut.
     pub(super) name: String,
@@ -113,7 +113,7 @@ impl Scene {
         Scene { name, size, particles, camera, settings }
     }
 
-    /// What an effect with such settings is made for.
+    /// Description of an effect with such settings.
     pub(super) fn desc(&self, settings: Settings) -> Desc {
         Desc {
             size: self.size,

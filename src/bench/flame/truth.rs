@@ -1,4 +1,4 @@
-//! What repetitions converge to: the integral in f64, without a table and without noise, at some pixels.
+//! The limit of repetitions: the integral in f64, without a table and without noise, at some pixels.
 //!
 //! It shares neither table nor classes nor bins with the `expected` mode, and has no noise in common with repetitions:
 //! it favours neither. That repetitions converge to it is what tests show; here each curve of repetitions shows it again,

@@ -30,7 +30,7 @@ const VARIANTS: [(&str, Change); 6] = [
 const WORKLOADS: [(&str, [u32; 2]); 2] = [("paper", scene::PAPER), ("1920x1080", scene::FULL_HD)];
 const PARTICLES: u32 = 500;
 
-/// What the variants' references share: they differ in shading, not in spheres.
+/// The common part of the variants' references: they differ in shading, not in spheres.
 struct Seen {
     size: [u32; 2],
     depth: Vec<f64>,

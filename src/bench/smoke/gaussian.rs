@@ -64,7 +64,7 @@ const PLAIN: [PassId; 2] = [PassId(5), PassId(6)];
 struct Picture {
     size: [u32; 2],
     id: Vec<u32>,
-    /// What the masked Gaussian makes of it.
+    /// Its values after the masked Gaussian.
     smooth: Vec<f64>,
 }
 
@@ -130,7 +130,7 @@ fn render(rig: &mut Rig, size: [u32; 2], settings: &Settings) -> Result<EffectId
 }
 
 impl Rig {
-    /// What a frame has because of the mask.
+    /// The steps that a frame has because of the mask.
     fn effect_steps(&self, effect: EffectId) -> Plan {
         self.steps(effect, |pass| match &pass.kernel {
             Kernel::Compute(shader) => {
@@ -200,7 +200,7 @@ fn tiles(size: [u32; 2]) -> u32 {
     size[0].div_ceil(TILE) * size[1].div_ceil(TILE)
 }
 
-/// What a variant runs; nothing for the effect's own steps.
+/// The plan of a variant; nothing for the effect's own steps.
 fn plan(variant: Variant, size: [u32; 2]) -> Plan {
     let mut plan = Plan::default();
     let image = Command::Dispatch { threads: [size[0], size[1], 1] };

@@ -27,7 +27,7 @@ struct Workload {
     name: &'static str,
     dimensions: [u32; 3],
     particles: u32,
-    /// What `--quick` makes of it.
+    /// Its cut with `--quick`.
     cut: Option<([u32; 3], u32)>,
 }
 
@@ -117,7 +117,7 @@ fn accuracy(rig: &mut Rig, effect: EffectId, volume: &Volume, particles: u32) ->
     Ok(Deviation::of(differences).map(|deviation| (deviation, of)))
 }
 
-/// What has to be moved at least: density, bits, field or pyramid, particles and spheres. What a search reads besides
+/// The least work: density, bits, field or pyramid, particles and spheres are moved. What a search reads besides
 /// depends on the smoke.
 fn work(grow: Grow, volume: &Volume, particles: u32) -> Work {
     let voxels = volume.density.len() as u64;

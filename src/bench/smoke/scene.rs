@@ -1,4 +1,4 @@
-//! What is measured: volumes, cameras, and the spheres that a frame leaves on the device.
+//! Measured scenes: volumes, cameras, and the spheres that a frame leaves on the device.
 
 use glam::DVec3;
 

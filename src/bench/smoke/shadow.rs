@@ -26,7 +26,7 @@ const PARTICLES: u32 = 500;
 /// Relative difference of depth up to which device and reference see the same sphere at a pixel.
 const SAME_DEPTH: f64 = 1e-4;
 
-/// What should come out at the pixels that face the light.
+/// The true values at the pixels that face the light.
 struct Truth {
     depth: Vec<f64>,
     shadow: Vec<f64>,

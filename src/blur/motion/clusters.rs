@@ -91,7 +91,7 @@ fn fingerprint(motion: &[f32; 4]) -> u64 {
     u64::from(a) << 32 | u64::from(b)
 }
 
-/// What is compared between clusters: size, and a fingerprint for those of one size.
+/// The order of clusters: size, and a fingerprint for those of one size.
 type Rank = (u32, u64);
 
 fn ranks(traces: &Traces, labels: &[u32]) -> Vec<Rank> {

@@ -1,4 +1,4 @@
-//! What the device needs to make trajectories of the poses that it holds.
+//! The data from which the device makes trajectories of the poses that it holds.
 
 use super::projection::Projection;
 use super::spline::{Spline, timeline};

@@ -20,7 +20,7 @@ pub(super) struct Span {
     pub(super) knots: [usize; 2],
 }
 
-/// What trajectories go through, and the segments that are looked at.
+/// The knots of trajectories, and the segments that are looked at.
 #[derive(Clone, Debug)]
 pub(super) struct Timeline<'a> {
     pub(super) knots: Vec<Knot<'a>>,
@@ -117,7 +117,7 @@ fn collapse<'a>(
 pub(super) struct Spline {
     /// Steps between the knots.
     steps: Vec<f64>,
-    /// What eliminating the row above leaves of each row's diagonal, for the knots between the ends.
+    /// Each row's diagonal once the row above is eliminated, for the knots between the ends.
     pivots: Vec<f64>,
 }
 

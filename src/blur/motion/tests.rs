@@ -73,7 +73,7 @@ impl Shot {
     }
 }
 
-/// What holds of every interval.
+/// Invariants of every interval.
 fn check_invariants(mesh: &Mesh, interval: &Interval) {
     assert_eq!(interval.motion.len(), mesh.points());
     assert_eq!(interval.pieces.len(), mesh.points() * interval.segments.len());

@@ -19,7 +19,7 @@ const TRACED: usize = 512;
 /// The largest number that the device is given.
 const MOST: f64 = f32::MAX as f64;
 
-/// What is found of the points.
+/// Results of the points' traces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Traces {
     /// As in [`super::Interval::motion`].
@@ -31,7 +31,7 @@ pub(super) struct Traces {
     pub(super) pieces: Vec<Piece>,
 }
 
-/// What is looked at, and how.
+/// The input and options of a trace.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<'a> {
     pub(super) timeline: &'a Timeline<'a>,
@@ -51,7 +51,7 @@ struct Block<'a> {
     pieces: Vec<&'a mut [Piece]>,
 }
 
-/// What all blocks share.
+/// Data that all blocks share.
 struct Shared<'a> {
     task: Task<'a>,
     knots: &'a [Knot<'a>],
@@ -64,7 +64,7 @@ struct Shared<'a> {
     still_camera: bool,
 }
 
-/// What one span needs.
+/// Data of one span.
 struct SpanEnds {
     knots: [usize; 2],
     /// Places of the knots in [`Shared::bends`].
@@ -135,7 +135,7 @@ impl<'a> Shared<'a> {
         }
     }
 
-    /// What is interpolated: clip coordinates, or pixels and depth.
+    /// The interpolated channels: clip coordinates, or pixels and depth.
     fn channels(&self, knot: usize, point: usize) -> DVec3 {
         let clip = self.knots[knot].projection.clip(self.knots[knot].positions[point]);
         match self.task.space {

@@ -1,4 +1,4 @@
-//! What is known of an animation around two frames, and what is found from it.
+//! The part of an animation around two frames, and what is found from it.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -17,7 +17,7 @@ pub struct Pose<'a> {
     pub cut: bool,
 }
 
-/// What is known around the frames i and i + 1, from which output i + 1 is made.
+/// The part of an animation around the frames i and i + 1, from which output i + 1 is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Window<'a> {
     /// Number i of the earlier frame in the shot.

@@ -33,7 +33,7 @@ pub struct Triangle {
     pub base: u32,
 }
 
-/// What a sample sees.
+/// The surface that a sample sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment {
     /// The refined triangle, from 0.
@@ -51,7 +51,7 @@ pub struct Fragment {
 /// The distorted mesh, drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// What each sample sees. Its size is that of the picture times `samples`.
+    /// The triangle that each sample sees. Its size is that of the picture times `samples`.
     pub raster: Raster,
     /// The same with what is interpolated.
     pub fragments: Vec<Option<Fragment>>,
@@ -59,7 +59,7 @@ pub struct Drawing {
     pub samples: u32,
 }
 
-/// What three corners' values are at barycentric coordinates.
+/// Interpolation of three corners' values at barycentric coordinates.
 pub fn interpolate<const N: usize>(weights: [f64; 3], values: [[f64; N]; 3]) -> [f64; N] {
     std::array::from_fn(|i| weights[0] * values[0][i] + weights[1] * values[1][i] + weights[2] * values[2][i])
 }

@@ -5,14 +5,14 @@ use crate::blur::motion::{Cluster, Interval};
 use crate::blur::params::{LEAST_EXTENT, LEAST_SPEED_SQUARED, UNIT};
 use crate::random::{hash, unit};
 
-/// What is known of a vertex of the distorted mesh.
+/// The state of a vertex of the distorted mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// How far front it is: 0 (rear) to 1.
     pub k: f32,
     /// How far across it is: 0 to 1.
     pub l: f32,
-    /// What smoothing the seams adds to k'.
+    /// The change of k' by smoothing the seams.
     pub offset: f32,
     /// The sub-frame time at which it is drawn, in frames after frame i, `1 - strength` to 1.
     pub time: f32,
@@ -102,9 +102,9 @@ pub fn extents(mesh: &Mesh, interval: &Interval, seed: u32, strength: f32, round
     extents
 }
 
-/// What `rounds` of smoothing add to k' of the points of `seams`: each round makes each of them the mean of itself and
-/// its neighbours, all at once. In whole numbers, so that neighbours may come in any order: the nearest ones of 2^-18,
-/// of 1 - k', which is not negative.
+/// The change of k' of the points of `seams` by `rounds` of smoothing: each round makes each of them the mean of itself
+/// and its neighbours, all at once. In whole numbers, so that neighbours may come in any order: the nearest ones of
+/// 2^-18, of 1 - k', which is not negative.
 pub fn smooth(mesh: &Mesh, seams: &[u32], times: &[f32], rounds: u32) -> Vec<(u32, f32)> {
     let begin: Vec<u32> = times.iter().map(|time| ((1.0 - time) * UNIT + 0.5) as u32).collect();
     let mut now = begin.clone();

@@ -38,7 +38,7 @@ impl Path<'_> {
         self.segments.iter().position(holds).unwrap_or(outside)
     }
 
-    /// What is added to frame i's channels at `time`, and the derivative by time.
+    /// The offset of the channels from frame i's at `time`, and the derivative by time.
     fn offset(&self, time: f32) -> [[f32; 3]; 2] {
         let place = self.piece(time);
         let (Segment { begin, end }, piece) = (self.segments[place], &self.pieces[place]);

@@ -1,4 +1,4 @@
-//! Which triangle each pixel centre sees: homogeneous edge functions in f64, without clipping.
+//! The triangle-id buffer by pixel centres: homogeneous edge functions in f64, without clipping.
 //!
 //! Corners are pixel clip coordinates (X, Y, W): X / W and Y / W are pixels, y down, W is the view depth in metres.
 //! Each pixel also says whether rounding may have decided: a device rounds corners to f32 and then to 1/256 pixel.
@@ -8,7 +8,7 @@ pub type Clip = [f64; 3];
 
 /// How far a device may move a corner, in pixels, besides what f32 loses: its grid has at least 256 steps a pixel.
 const GRID: f64 = 1.0 / 256.0;
-/// What f32 loses in a position, as a share of it: 8 roundings.
+/// Rounding error of an f32 position, as a share of it: 8 roundings.
 const ROUNDING: f64 = 8.0 / 16_777_216.0;
 /// Depths that differ by less than this share are a tie that rounding decides.
 const TIE: f64 = 1e-6;
@@ -132,7 +132,7 @@ impl Shape {
     }
 }
 
-/// What pixels see.
+/// The triangles that pixels see.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
     /// Pixels, width and height.

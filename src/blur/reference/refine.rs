@@ -8,7 +8,7 @@ use crate::blur::motion::{Interval, Piece};
 use crate::blur::params::{BETWEEN, LEAST_EDGE, LEAST_SURFACE, ROUNDS, USUAL_ROUNDS};
 use crate::blur::settings::{Refine, Settings, Space};
 
-/// What decides.
+/// Rules of the refinement.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules<'a> {
     /// The interval that is drawn.

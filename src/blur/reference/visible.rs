@@ -7,7 +7,7 @@ use super::raster::{Clip, Raster, Shape, raster, volume};
 const DEPTH_TOLERANCE: f64 = 0.003;
 /// Weight of the visible taps above which a colour is known.
 const KNOWN_WEIGHT: f64 = 0.25;
-/// What a device may lose of a depth, as a share of it, besides what a moved corner changes.
+/// A device's error of a depth, as a share of it, besides what a moved corner changes.
 const DEPTH_ROUNDING: f64 = 1e-5;
 /// How far a device may have a place on screen from where it is, in pixels.
 const PLACE_ROUNDING: f64 = 1e-3;
@@ -15,7 +15,7 @@ const PLACE_ROUNDING: f64 = 1e-3;
 /// Linear RGBA, premultiplied.
 pub type Colour = [f64; 4];
 
-/// What does not change from frame to frame.
+/// The constant data of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     /// The object of each triangle of the mesh.
@@ -166,14 +166,14 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// What is known of a sample's colour.
+/// The colour of a sample, and how it came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shaded {
     /// 0: neither frame shows what the sample sees, 1: only frame i, 2: only frame i + 1, 3: both, 4: it sees nothing.
     pub mask: u8,
-    /// What it sees.
+    /// The surface that it sees.
     pub fragment: Option<Fragment>,
-    /// What frames i and i + 1 show. With mask 0: what frames i - 1 and i + 2 show instead.
+    /// Colours of frames i and i + 1. With mask 0: those of frames i - 1 and i + 2 instead.
     pub sides: [Option<Colour>; 2],
     /// Whether rounding may have decided about anything here.
     pub uncertain: bool,

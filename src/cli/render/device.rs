@@ -19,12 +19,12 @@ pub(super) struct Renderer<'a> {
     messages: Messages,
     shot: &'a Shot,
     effects: Effects,
-    /// What is read back with each frame.
+    /// Buffers read back with each frame.
     buffers: Vec<EffectBuffer>,
     /// Whether layers are made.
     layers: bool,
     timed: bool,
-    /// What is to be said of the frame rendered last.
+    /// Remarks on the frame rendered last.
     remarks: Vec<String>,
 }
 
@@ -104,7 +104,7 @@ impl<'a> Renderer<'a> {
         self.offline.has_clock()
     }
 
-    /// What is to be said of the frame rendered last.
+    /// Remarks on the frame rendered last.
     pub(super) fn remarks(&mut self) -> Vec<String> {
         std::mem::take(&mut self.remarks)
     }

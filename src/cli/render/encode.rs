@@ -13,7 +13,7 @@ pub(super) struct Pool<'scope, T> {
     threads: Vec<ScopedJoinHandle<'scope, ()>>,
 }
 
-/// What the threads share.
+/// State that the threads share.
 pub(super) struct Shared<T> {
     queue: Mutex<Receiver<T>>,
     failed: Mutex<Option<Failure>>,

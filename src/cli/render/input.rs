@@ -1,4 +1,4 @@
-//! What frames are rendered from: the input of the shot's effects, read ahead of the renderer.
+//! Input of frames: that of the shot's effects, read ahead of the renderer.
 
 use std::any::Any;
 use std::collections::HashSet;
@@ -41,7 +41,7 @@ impl Step {
         self.brought.iter().for_each(|(_, brought)| brought.put(scene));
     }
 
-    /// What the frame brings, by the effect's name.
+    /// Input of the frame, by the effect's name.
     pub(super) fn brought(&self) -> Vec<(&'static str, &dyn Any)> {
         self.brought.iter().map(|(name, brought)| (*name, &**brought as &dyn Any)).collect()
     }
@@ -65,7 +65,7 @@ impl Inputs {
         &self.effects
     }
 
-    /// What the effects are made for that render the `missing` frames, and keep their layers if that is asked for. Reads
+    /// Descriptions of the effects that render the `missing` frames, and keep their layers if that is asked for. Reads
     /// what there must be before.
     pub(super) fn describe(&mut self, missing: &[u32], layers: bool, common: &Common) -> Result<Effects, Failure> {
         self.effects.iter_mut().try_for_each(|effect| effect.prepare(missing, common.threads()))?;
@@ -77,7 +77,7 @@ impl Inputs {
         Ok(effects)
     }
 
-    /// What of the input is passed over, and what is used where there are several.
+    /// Parts of the input that are passed over, and the choices where there are several.
     pub(super) fn notes(&self, shot: &Shot) -> Vec<String> {
         let mut notes: Vec<String> = self.effects.iter().flat_map(|effect| effect.notes()).collect();
         notes.extend(camera_notes(shot));
@@ -86,7 +86,7 @@ impl Inputs {
         notes
     }
 
-    /// What the shot left to its input, for people.
+    /// The choices that the shot left to its input, for people.
     pub(super) fn choices(&self) -> String {
         self.effects.iter().filter_map(|effect| effect.choices()).map(|choice| format!("; {choice}")).collect()
     }

@@ -1,4 +1,4 @@
-//! What frames are made from, as a hash that each picture's file keeps: so that `--resume` tells frames of this shot from
+//! The input of frames, as a hash that each picture's file keeps: so that `--resume` tells frames of this shot from
 //! those of another one, or of the same with other settings or input.
 //!
 //! In it is all that a frame's pixels depend on: the settings, the camera and the light, what is in the files of its input
@@ -16,9 +16,9 @@ use crate::program::{Files, Input, add};
 pub(super) struct Origins<'a> {
     shot: &'a Shot,
     files: Files,
-    /// What all frames have in common.
+    /// The hash of all that frames have in common.
     common: Xxh3,
-    /// What effects that have a past have gone through before a frame, and that frame.
+    /// The hash of all that effects with a past have gone through before a frame, and that frame.
     past: (u32, Xxh3),
 }
 

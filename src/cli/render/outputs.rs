@@ -40,7 +40,7 @@ pub(super) struct Outputs {
     size: [u32; 2],
 }
 
-/// What is on disk of a frame.
+/// The state of a frame on disk.
 pub(super) enum Found {
     /// Nothing, or not all of it, or half a file.
     Nothing,
@@ -144,7 +144,7 @@ impl Outputs {
         Ok(xxh3_128(&bytes))
     }
 
-    /// What is there of a frame that would be made from `origin`.
+    /// The state of a frame that would be made from `origin`.
     pub(super) fn find(&self, frame: u32, origin: u128) -> Found {
         let path = self.picture(frame);
         if self.format == Format::Png && !fs::read(&path).is_ok_and(|bytes| bytes.ends_with(&PNG_END)) {
@@ -162,7 +162,7 @@ impl Outputs {
     }
 }
 
-/// What a picture's file says beside its pixels.
+/// The metadata in a picture's file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Note {
     /// A hash of what the frame was made from.

@@ -1,4 +1,4 @@
-//! What is made of all frames together: the contact sheet and the animation.
+//! Outputs of all frames together: the contact sheet and the animation.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};

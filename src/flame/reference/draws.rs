@@ -1,10 +1,10 @@
-//! What a render particle draws: a pure function of seed, particle, sample, repetition and flicker.
+//! Random draws of a render particle: a pure function of seed, particle, sample, repetition and flicker.
 
 use crate::flame::params::{PHASE_KEY, RENEWAL, SOBOL_KEY, sobol_bits};
 use crate::flame::settings::{Sampling, Settings, Shape};
 use crate::random::{hash, pcg, unit};
 
-/// What all draws of a frame depend on.
+/// The values that all draws of a frame depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draws {
     seed: u32,
@@ -16,7 +16,7 @@ pub struct Draws {
     flickered: u64,
 }
 
-/// What a render particle draws.
+/// The random draws of a render particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draw {
     /// Offset along the world's axes in spreads, each from -1 to 1; in the unit ball unless the shape is a cube.

@@ -51,7 +51,7 @@ fn reach(frame: &Frame) -> f64 {
     }
 }
 
-/// What repetitions converge to, a pixel.
+/// The limit of repetitions, a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
     /// Linear RGB.
@@ -137,7 +137,7 @@ fn integrate_at(
     }
 }
 
-/// What is in a bin: optical depth, and sums of colour and its square that it weighs.
+/// The content of a bin: optical depth, and sums of colour and its square that it weighs.
 #[derive(Clone, Copy, Default)]
 struct Bin {
     optical: f64,
@@ -201,7 +201,7 @@ fn composite(column: &[Bin], borders: &[f64]) -> Seen {
     seen
 }
 
-/// What a slope of 1 adds to a bin's light: the integral of (x - h / 2) exp(-x).
+/// The light that a slope of 1 adds to a bin: the integral of (x - h / 2) exp(-x).
 fn leaning(h: f64) -> f64 {
     match h < 1e-3 {
         true => -h.powi(3) / 12.0 * (1.0 - h / 2.0),

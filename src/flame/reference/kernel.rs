@@ -10,7 +10,7 @@ use crate::flame::settings::Shape;
 /// The logarithm of what is left is not below this.
 pub const FLOOR: f64 = LEAST_LOGARITHM as f64;
 
-/// What the render particles of a particle have in common.
+/// The common values of a particle's render particles.
 #[derive(Clone, Copy, Debug)]
 pub struct Body<'a> {
     /// Chance to pass, over the sprite's square.

@@ -48,7 +48,7 @@ impl Mask {
         }
     }
 
-    /// What a texel contributes to the levels above it: the mask within it, between its texels as look-ups are, away from
+    /// A texel's contribution to the levels above it: the mask within it, between its texels as look-ups are, away from
     /// its centre by a pattern of 2 x 2, so that shares of values are shares of area.
     fn sample(&self, variant: usize, column: usize, row: usize) -> f64 {
         let (odd_column, odd_row) = ((column & 1) as f64, (row & 1) as f64);

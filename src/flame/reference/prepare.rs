@@ -1,4 +1,4 @@
-//! What each particle is in a frame: number of render particles, alpha, colour; and what all have in common.
+//! Each particle's values in a frame: number of render particles, alpha, colour; and what all have in common.
 
 use super::mask;
 use crate::flame::colour;
@@ -12,7 +12,7 @@ use crate::view::{Camera, FARTHEST};
 pub struct Particle {
     /// Place in the input.
     pub row: u32,
-    /// What its draws depend on.
+    /// The id that its draws depend on.
     pub id: u32,
     /// World position in metres.
     pub centre: [f32; 3],

@@ -13,7 +13,7 @@ use crate::flame::settings::Settings;
 use crate::threads::map;
 use crate::view::Camera;
 
-/// What a frame is rendered with besides its particles.
+/// The context of a frame besides its particles.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
     /// The look; `spread` must be given.
@@ -22,7 +22,7 @@ pub struct Frame<'a> {
     pub seed: u32,
     /// Number of the frame, for flicker.
     pub number: u32,
-    /// What sees it.
+    /// The camera.
     pub camera: &'a Camera,
     /// Pixels across and down.
     pub size: [u32; 2],
@@ -69,7 +69,7 @@ pub fn render(frame: &Frame, particles: &[Particle], repetitions: Range<u32>, ro
     total
 }
 
-/// What a pixel has seen of a repetition.
+/// The state of a pixel within a repetition.
 #[derive(Clone, Copy)]
 struct Nearest {
     z: f64,

@@ -1,8 +1,8 @@
-//! What repetitions add up to.
+//! Sums over repetitions.
 
 use crate::flame::params::LIGHT_STEPS;
 
-/// What repetitions add up to, a pixel.
+/// Sums over repetitions, a pixel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sums {
     /// Repetitions that were rendered.

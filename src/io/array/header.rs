@@ -2,7 +2,7 @@
 
 use super::{Element, Header};
 
-/// What is wrong, and what was expected.
+/// The fault, and what was expected.
 type Fault = (String, String);
 
 fn malformed(what: &str) -> Fault {

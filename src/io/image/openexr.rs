@@ -56,7 +56,7 @@ pub(in crate::io) fn read_colours(path: &Path, fit: Fit) -> Result<Picture<[f32;
     Ok(Picture { size, pixels })
 }
 
-/// What of a file is read: channels of one part, by number.
+/// The channels of a file that are read: those of one part, by number.
 struct Pick {
     part: usize,
     channels: Vec<usize>,

@@ -1,4 +1,4 @@
-//! What a file may become: bounds of memory and work that follow from its size, for a small file can ask for anything.
+//! Budget of a file: bounds of memory and work that follow from its size, for a small file can ask for anything.
 
 use std::cell::Cell;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What of a glTF file is played and looked through.
+//! The animations and the camera that are used of a glTF file.
 
 use std::collections::HashSet;
 
@@ -18,7 +18,7 @@ pub enum Pick {
     Number(u32),
 }
 
-/// What of a glTF file is played and looked through.
+/// The animations and the camera that are used of a glTF file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
     /// The animations that are played, all at once: of two that move the same, the later one does. None: the file's

@@ -70,7 +70,7 @@ impl<'d> Colours<'d> {
         Ok(Some(values.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()))
     }
 
-    /// What a texture has at the vertices; none where its picture or the coordinates are missing.
+    /// Colours of a texture at the vertices; none where its picture or the coordinates are missing.
     fn texture_colours(
         &mut self,
         primitive: &Primitive,

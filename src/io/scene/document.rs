@@ -14,21 +14,21 @@ use super::reach::{REACH, beside};
 use super::{Note, extensions, meshopt};
 use crate::io::{ReadError, file};
 
-/// What an object of the JSON takes in memory at most, in bytes, but for what is longer in the file as well.
+/// Most memory of an object of the JSON, in bytes, but for what is longer in the file as well.
 const OBJECT: u64 = 512;
 
 /// A glTF file in memory.
 pub(super) struct Document<'a> {
     pub(super) path: &'a Path,
     pub(super) root: Root,
-    /// What the file wants and cannot have.
+    /// Wishes of the file that it cannot have.
     pub(super) notes: Vec<Note>,
     pub(super) budget: Budget<'a>,
     /// The binary chunk.
     binary: Option<&'a [u8]>,
     /// Those that have been read.
     buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
-    /// What compressed buffer views become, of those that have been read.
+    /// Contents of compressed buffer views, of those that have been read.
     unpacked: Vec<OnceCell<Vec<u8>>>,
     /// Files that it names and that have been read.
     files: RefCell<HashSet<PathBuf>>,
@@ -87,7 +87,7 @@ impl<'a> Document<'a> {
         Ok(bytes)
     }
 
-    /// What a URI stands for: the data in it, or the bytes of a file beside this one, of which at most `most` are read.
+    /// The data of a URI: those in it, or the bytes of a file beside this one, of which at most `most` are read.
     pub(super) fn resource(&self, place: &str, uri: &str, most: u64) -> Result<Cow<'static, [u8]>, ReadError> {
         if uri.starts_with("data:") {
             return data_uri::decoded(uri).map(Cow::Owned).ok_or_else(|| {
@@ -282,7 +282,7 @@ pub(super) fn json_error(path: &Path, error: serde_json::Error) -> ReadError {
     ReadError::at(path, "its JSON", error, "glTF 2.0")
 }
 
-/// What so many values of `N` numbers take.
+/// Bytes of so many values of `N` numbers.
 fn bytes_of<const N: usize>(count: u64) -> u64 {
     count.saturating_mul(8 * N as u64)
 }

@@ -6,7 +6,7 @@ use super::Note;
 use super::json::Head;
 use crate::io::ReadError;
 
-/// What a reader has to do with an extension.
+/// A reader's handling of an extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// It is obeyed, or changes neither where anything is nor how it looks.
@@ -70,7 +70,7 @@ pub(super) fn check(path: &Path, head: &Head) -> Result<(), ReadError> {
     }
 }
 
-/// What the file says to want and does not get, but for looks that it can do without.
+/// Extensions that the file wants and does not get, but for looks that it can do without.
 pub(super) fn notes(head: &Head) -> Vec<Note> {
     let looks = head.extensions_required.iter().filter(|name| kind(name) == Kind::Looks);
     let looks = looks.map(|name| Note::of_looks(format!("requires {name}: it is drawn without")));

@@ -18,7 +18,7 @@ use super::{Animation, Contents, MAX_VERTICES, Note};
 use crate::data::Topology;
 use crate::io::{ReadError, file};
 
-/// What a file holds.
+/// The content of a file.
 pub(super) struct Scene {
     pub(super) topology: Topology,
     pub(super) rig: Rig,
@@ -202,7 +202,7 @@ fn animations(document: &Document) -> Result<Vec<Animation>, ReadError> {
     Ok(animations)
 }
 
-/// What the animations of those numbers move, those of a later one after those of an earlier one.
+/// Tracks of the animations of those numbers, those of a later one after those of an earlier one.
 fn all_tracks(
     document: &Document,
     playing: &[usize],
@@ -277,7 +277,7 @@ struct Builder<'d> {
     /// Where the nodes are before the first key.
     start: Vec<DAffine3>,
     colours: Colours<'d>,
-    /// What of meshes does not depend on the node, by mesh and skin.
+    /// The part of meshes that does not depend on the node, by mesh and skin.
     shapes: HashMap<(usize, Option<usize>), Rc<[Shape]>>,
     notes: Vec<Note>,
 }
@@ -404,7 +404,7 @@ impl Builder<'_> {
         Ok(Some(shape))
     }
 
-    /// What joints the vertices follow; none where they follow the node.
+    /// Joints that the vertices follow; none where they follow the node.
     fn influences(
         &mut self,
         skin: Option<usize>,
@@ -462,19 +462,19 @@ impl Builder<'_> {
 }
 
 impl Shape {
-    /// What it takes, but for its morph targets.
+    /// Its memory in bytes, but for its morph targets.
     fn bytes(&self) -> u64 {
         let vertex = 3 * size_of::<[f32; 3]>() + self.influences.as_ref().map_or(0, |i| i.per * Influences::BYTES);
         size_of::<Shape>() as u64 + (self.base.len() * vertex) as u64 + size_of_val(&self.triangles[..]) as u64
     }
 
-    /// What it takes again in each node.
+    /// The memory that it takes again in each node, in bytes.
     fn placed_bytes(&self) -> u64 {
         let vertex = size_of::<u32>() + 2 * size_of::<[f32; 3]>();
         size_of::<Part>() as u64 + (self.base.len() * vertex) as u64 + size_of_val(&self.triangles[..]) as u64
     }
 
-    /// What is looked at for a pose.
+    /// Bytes that are read for a pose.
     fn pose_bytes(&self) -> u64 {
         let morphs = self.morphs.iter().filter(|morph| !morph.is_empty()).count();
         let vertex = (1 + morphs) * size_of::<[f32; 3]>();

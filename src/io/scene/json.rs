@@ -93,7 +93,7 @@ pub(super) struct Root {
     pub(super) textures: Vec<Texture>,
 }
 
-/// What is looked at before anything else: whether the file can be read at all.
+/// The head of a file, read before anything else: whether the file can be read at all.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Head {
@@ -197,7 +197,7 @@ pub(super) struct Accessor {
     pub(super) type_: Type,
 }
 
-/// What an accessor's values are.
+/// The shape of an accessor's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub(super) enum Type {
@@ -210,7 +210,7 @@ pub(super) enum Type {
     Other,
 }
 
-/// What the components of an accessor's values are.
+/// The type of the components of an accessor's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(from = "Whole")]
 pub(super) enum ComponentType {
@@ -342,7 +342,7 @@ pub(super) struct MorphTarget {
     pub(super) positions: Option<Index<Accessor>>,
 }
 
-/// What a primitive's vertices form.
+/// The primitives that vertices form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(from = "Whole")]
 pub(super) enum Mode {
@@ -388,7 +388,7 @@ pub(super) struct Channel {
     pub(super) target: Target,
 }
 
-/// What a channel moves. Without a node an extension says what, or nothing.
+/// The target of a channel. Without a node an extension says what, or nothing.
 #[derive(Deserialize)]
 pub(super) struct Target {
     pub(super) node: Option<Index<Node>>,
@@ -414,7 +414,7 @@ pub(super) struct AnimationSampler {
     pub(super) output: Index<Accessor>,
 }
 
-/// What is between keys.
+/// The interpolation between keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub(super) enum KeyKind {
@@ -510,7 +510,7 @@ pub(super) struct TextureSampler {
     pub(super) wrap_t: WrappingMode,
 }
 
-/// What is beyond a picture's edge. What is not known repeats.
+/// The wrapping beyond a picture's edge. An unknown one repeats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(from = "Whole")]
 pub(super) enum WrappingMode {

@@ -1,10 +1,10 @@
-//! What a glTF file may name beside it.
+//! Files that a glTF file may name beside it.
 
 use std::path::{Component, Path, PathBuf};
 
 use percent_encoding::percent_decode_str;
 
-/// What a URI may be.
+/// The allowed URIs.
 pub(super) const REACH: &str = "a relative path of a file in this one's folder, in the one above, or below these";
 
 /// The file that a URI names, without links; or why it may not. A file that was sent by somebody else must not reach

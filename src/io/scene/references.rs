@@ -9,7 +9,7 @@ use super::document::without_ends;
 use super::reach::beside;
 use crate::io::file;
 
-/// What of a glTF file may be elsewhere.
+/// Parts of a glTF file that may be elsewhere.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Root {

@@ -187,7 +187,7 @@ impl Rig {
         moving
     }
 
-    /// What the file's camera sees, if it has one.
+    /// The file's camera, if it has one.
     pub(super) fn camera(&self, seconds: f64) -> Option<Camera> {
         let lens = self.lens?;
         let node = self.skeleton(seconds).global[lens.node];
@@ -236,7 +236,7 @@ impl Part {
 }
 
 impl Influences {
-    /// What a joint of a vertex takes.
+    /// Bytes of a joint of a vertex.
     pub(super) const BYTES: usize = size_of::<u32>() + size_of::<f64>();
 
     /// Tells vertices apart that do not follow the same joints by the same shares. In whatever order the file has them.

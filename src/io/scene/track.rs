@@ -1,6 +1,6 @@
 //! Animation of one property of one node: keys, and what is between them (glTF 2.0, section 3.11 and appendix C).
 
-/// What a track moves.
+/// The target of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Property {
     Translation,

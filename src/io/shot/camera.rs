@@ -1,4 +1,4 @@
-//! What sees a shot: keyframes, the camera of a scene, or matrices.
+//! The camera of a shot: keyframes, the camera of a scene, or matrices.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -150,8 +150,8 @@ impl Source {
     }
 }
 
-/// What of the camera's file is played and looked through. Without a word on it that is what is played of the same file
-/// for the blur, or else what moves the camera.
+/// The animations and the camera that are used of the camera's file. Without a word on it they are those of the same
+/// file for the blur, or else what moves the camera.
 fn choice(tree: &Tree, source: &scene::Source, folder: &Path) -> Result<Choice, ShotError> {
     let camera = tree.picks("camera.name")?;
     if camera.len() > 1 {

@@ -43,7 +43,7 @@ fn keys<'a>(tables: &'a [&'static Table]) -> impl Iterator<Item = FileKey> + 'a 
     KEYS.into_iter().chain(tables.iter().flat_map(|table| table.files).copied())
 }
 
-/// What a shot's keys name.
+/// Files that a shot's keys name.
 pub(super) fn named(tree: &Tree, folder: &Path, tables: &[&'static Table]) -> Result<Vec<Files>, ShotError> {
     let mut files = Vec::new();
     for FileKey { name, words, is_pattern } in keys(tables) {

@@ -69,7 +69,7 @@ impl Keys {
         self.0.iter().find(|dial| dial.key == name)
     }
 
-    /// What key `name` takes; `None` if there is no such key.
+    /// The allowed values of key `name`; `None` if there is no such key.
     pub(super) fn allowed(&self, name: &str) -> Option<&str> {
         self.find(name).map(|dial| dial.allowed.as_str())
     }

@@ -26,7 +26,7 @@ pub(super) fn commented(text: &str, keys: &Keys) -> String {
     out
 }
 
-/// What is allowed, the default, and what it does.
+/// The allowed values of a dial, the default, and its description.
 fn comment(dial: &Dial) -> String {
     let default = dial.default.as_ref().map_or("default: none".to_owned(), |default| format!("default {default}"));
     format!("{}; {default}. {}", dial.allowed, dial.about.replace('`', ""))

@@ -51,7 +51,7 @@ impl Tree {
         self.read("seed", 0, whole)
     }
 
-    /// What is behind the effects.
+    /// The background of the effects.
     pub(super) fn background(&self) -> Result<Background> {
         self.read("background", Background::Colour([0.55, 0.70, 0.90]), |value| match value {
             Value::String(text) if text == "none" => Some(Background::None),
@@ -93,7 +93,7 @@ impl Tree {
         self.read(path, None, |value| value.as_str().filter(|text| !text.is_empty()).map(|text| Some(text.to_owned())))
     }
 
-    /// What of a file is used, by name or number: one, or a list of some; none where the shot does not say it.
+    /// The chosen parts of a file, by name or number: one, or a list of some; none where the shot does not say it.
     pub(crate) fn picks(&self, path: &str) -> Result<Vec<Pick>> {
         let pick = |value: &Value| match value {
             Value::String(name) => Some(Pick::Name(name.clone())).filter(|_| !name.is_empty()),

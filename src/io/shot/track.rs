@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// What can stand between two keyframes.
+/// A value that can be interpolated between two keyframes.
 pub(super) trait Between: Copy {
     /// The value at share `t` of the way from `self` to `to`.
     fn between(self, to: Self, t: f64) -> Self;

@@ -22,7 +22,7 @@ pub(crate) struct Node {
     pub(super) kind: Kind,
 }
 
-/// What a key holds.
+/// The content of a key.
 #[derive(Clone, Debug)]
 pub(crate) enum Kind {
     Table(Vec<(String, Node)>),

@@ -52,7 +52,7 @@ pub struct BlurFeed {
     uploaded: Option<Uploaded>,
 }
 
-/// What a frame brings, on the device.
+/// Input of a frame, on the device.
 #[derive(Debug)]
 struct Uploaded {
     mesh: Option<TopologyInput>,

@@ -1,4 +1,4 @@
-//! What a blur is made from: a mesh that moves, and the pictures of its frames.
+//! Input of a blur: a mesh that moves, and the pictures of its frames.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ struct Images {
 /// A picture in memory.
 type Image = Arc<Picture<[f32; 4]>>;
 
-/// What a blurred frame is made from.
+/// Input of a blurred frame.
 pub(super) struct BlurBrought {
     /// The motion.
     pub(super) frame: BlurFrame,

@@ -89,7 +89,7 @@ fn triangles(made: &Made) -> LayerData {
     LayerData::Array { shape: vec![values.len() as u64 / (3 * CORNER), 3, CORNER], values }
 }
 
-/// What of the smear pixels show.
+/// The part of the smear that pixels show.
 fn shown(made: &Made, id: BufferId) -> Vec<[f32; 4]> {
     if is_still(made) { vec![[0.0; 4]; made.pixels()] } else { made.image(id) }
 }

@@ -1,4 +1,4 @@
-//! What the program has of the blur effect.
+//! The program's part of the blur effect.
 
 mod feed;
 mod input;

@@ -12,7 +12,7 @@ use crate::io::shot::{
     FileKey, Part, Section, Shot, ShotError, Table, only_with_gltf, pattern_error, setting_error, texture,
 };
 
-/// What a shot says of the motion blur of an animated mesh.
+/// A shot's settings of the motion blur of an animated mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blur {
     /// Where the animated mesh comes from.

@@ -1,4 +1,4 @@
-//! What fire is made from: particles, and what follows from all of the shot's.
+//! Input of fire: particles, and what follows from all of the shot's.
 
 use std::sync::Arc;
 
@@ -26,11 +26,11 @@ struct FlameInput {
     flame: Flame,
     particles: Fresh<Particles>,
     fire: Fire,
-    /// What the effect was made for, which all particles must be within.
+    /// The extent that the effect was made for, which all particles must be within.
     extent: Option<ParticleExtent>,
 }
 
-/// What of a fire follows from its whole shot, so that a frame alone looks as it does in the sequence.
+/// Values of a fire that follow from its whole shot, so that a frame alone looks as it does in the sequence.
 #[derive(Clone, Copy, Debug)]
 struct Fire {
     /// Where the table of physical colours ends: at the hottest particle. None where colours are others.

@@ -1,4 +1,4 @@
-//! What the program has of the flame effect.
+//! The program's part of the flame effect.
 
 mod feed;
 mod input;

@@ -9,7 +9,7 @@ use crate::io::pattern::PatternError;
 use crate::io::picture::{self, Format};
 use crate::io::shot::{FileKey, Part, Section, Shot, ShotError, Table, pattern_error, setting_error};
 
-/// What a shot says of fire.
+/// A shot's settings of fire.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flame {
     /// Where particles come from: `builtin:random`, a file for all frames, or a pattern.

@@ -1,4 +1,4 @@
-//! What smoke is made from: a volume a frame.
+//! Input of smoke: a volume a frame.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ struct SmokeInput {
     shot: Arc<Shot>,
     smoke: Smoke,
     volumes: Fresh<Volume>,
-    /// What the effect was made for, which every volume must be within.
+    /// The extent that the effect was made for, which every volume must be within.
     extent: Option<Extent>,
 }
 

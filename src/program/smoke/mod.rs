@@ -1,4 +1,4 @@
-//! What the program has of the smoke effect.
+//! The program's part of the smoke effect.
 
 mod feed;
 mod input;

@@ -7,7 +7,7 @@ use crate::io::shot::{FileKey, Part, Section, Shot, ShotError, Table, pattern_er
 use crate::io::volume::{Grids, VolumeSequence};
 use crate::smoke::Settings;
 
-/// What a shot says of smoke.
+/// A shot's settings of smoke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Smoke {
     /// Where density and velocity come from: `builtin:plume`, `builtin:cloud`, a file for all frames, or a pattern.

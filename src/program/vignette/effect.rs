@@ -18,10 +18,10 @@ pub use crate::shaders::vignette::blocks::VignetteParams;
 buffers!("vignette" PARAMS = "VignetteParams", DARKNESS = "Darkness");
 /// The host's target.
 const TARGET: ImageId = ImageId(0);
-/// What a draw of the whole picture has.
+/// Vertices of a draw of the whole picture.
 const QUAD_VERTICES: u32 = 4;
 
-/// What a vignette is made for.
+/// Description of a vignette.
 #[derive(Clone, Debug)]
 pub struct Desc {
     /// Pixels of the picture.
@@ -37,7 +37,7 @@ pub struct Desc {
 /// The vignette.
 pub type Vignette = Effect<VignetteKind>;
 
-/// What of the vignette is its own.
+/// The parts that are the vignette's own.
 #[derive(Debug)]
 pub struct VignetteKind {
     layout: Layout,

@@ -59,7 +59,7 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     Ok(Arc::new(settings))
 }
 
-/// What its frames are made from: nothing but the shot.
+/// Input of its frames: nothing but the shot.
 struct VignetteInput {
     shot: Arc<Shot>,
     settings: Settings,

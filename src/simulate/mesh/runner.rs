@@ -8,7 +8,7 @@ use super::Part;
 use super::shapes::Shape;
 use crate::view::Camera;
 
-/// What clusters may not cross: a limb is one object, though its parts have colours of their own.
+/// Objects that clusters may not cross: a limb is one object, though its parts have colours of their own.
 pub(super) const OBJECTS: [&str; 6] = ["head", "body", "right arm", "left arm", "right leg", "left leg"];
 
 /// Speed of the run in m/s.
@@ -41,7 +41,7 @@ const HEAD: f64 = 0.70;
 /// The figure looks along +x; its right side is at +z.
 const SIDES: [f64; 2] = [1.0, -1.0];
 
-/// What moves as one. A limb's follow those of the right side (0) and the left (1).
+/// A rigid part. A limb's follow those of the right side (0) and the left (1).
 enum Bone {
     Pelvis,
     Chest,

@@ -31,20 +31,20 @@ pub struct Slot {
     pub births: u32,
     /// In metres.
     pub position: [f32; 3],
-    /// What it moves by into the next frame, in metres.
+    /// Displacement into the next frame, in metres.
     pub displacement: [f32; 3],
     /// Displayed radius in metres: after `scale` and fade.
     pub radius: f64,
 }
 
-/// What remains of a particle for the `fade` frames after its death.
+/// The remains of a particle for the `fade` frames after its death.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ghost {
     /// Frames since death.
     pub age: u32,
     /// In metres.
     pub position: [f32; 3],
-    /// What it moves by into the next frame, in metres.
+    /// Displacement into the next frame, in metres.
     pub displacement: [f32; 3],
     /// The particle's last displayed radius in metres.
     pub last_radius: f64,
@@ -52,7 +52,7 @@ pub struct Ghost {
     pub radius: f64,
 }
 
-/// What a sphere was in the frame before.
+/// The state of a sphere in the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// Nothing: it was born in this frame, or is dead.
@@ -210,7 +210,7 @@ fn survives(grid: &Grid, settings: &Settings, dt: f32, p: [f32; 3], age: u32) ->
     occupied && !still && settings.lifetime.is_none_or(|lifetime| age < lifetime)
 }
 
-/// What a particle at `p` moves by in `dt` seconds, in metres.
+/// Displacement of a particle at `p` in `dt` seconds, in metres.
 fn displacement(grid: &Grid, p: [f32; 3], integrator: Integrator, dt: f32) -> [f32; 3] {
     let (p, dt) = (DVec3::from(p.map(f64::from)), f64::from(dt));
     let velocity = match integrator {

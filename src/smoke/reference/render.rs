@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::view::{Camera, Light, LightSource};
 
-/// What a pixel sees.
+/// The surface that a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Place of the sphere in the list.

@@ -7,9 +7,9 @@ use crate::view::Camera;
 
 /// Tone colour of every pixel, linear RGB; black where `id` is 0.
 ///
-/// `smooth` is the smoothed luminance, `softness` the width in pixels over which tones mix. Tone after tone is composited
-/// over the first with the share `clamp(0.5 + (S - from) / (2 softness |grad S|), 0, 1)`: a step, open at `from`, where the
-/// product is 0.
+/// `smooth` is the smoothed luminance, `softness` the width in pixels over which tones mix. Tone after tone is
+/// composited over the first with the share `clamp(0.5 + (S - from) / (2 softness |grad S|), 0, 1)`: a step, open at
+/// `from`, where the product is 0.
 pub fn tones(size: [u32; 2], smooth: &[f64], id: &[u32], tones: &[Tone], softness: f64) -> Vec<[f64; 3]> {
     let colour = |pixel: usize| {
         if id[pixel] == 0 {

@@ -48,7 +48,7 @@ fn premultiplied([h, s, v, a]: [f64; 4]) -> Colour {
     [r * a, g * a, b * a, a]
 }
 
-/// What changes between two colours in HSV and alpha. Hue does not where either has none.
+/// The difference of two colours in HSV and alpha. None in hue where either has none.
 fn change(to: Colour, from: Colour) -> [f64; 4] {
     let (to, from) = (hsva(to), hsva(from));
     let hue = if to[1].min(from[1]) < NO_HUE { 0.0 } else { hue_difference(to[0], from[0]) };

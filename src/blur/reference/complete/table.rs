@@ -99,7 +99,7 @@ pub fn filled(bins: &[Option<[u32; 4]>]) -> Option<Vec<[u32; 4]>> {
     Some(above)
 }
 
-/// What a bin gets from the level above, which has `side` bins a side.
+/// A bin's value from the level above, which has `side` bins a side.
 fn pushed(above: &[[u32; 4]], side: usize, place: usize) -> [u32; 4] {
     let (x, y) = ((place % (2 * side)) as i32, (place / (2 * side)) as i32);
     let beside = |c: i32| c / 2 + 2 * (c % 2) - 1;
@@ -126,7 +126,7 @@ pub struct Table {
 pub(super) struct Lesson {
     /// Its place on screen.
     pub pixel: usize,
-    /// What it sees.
+    /// The object that it sees.
     pub object: u32,
     /// The mesh's triangle.
     pub base: u32,
@@ -171,7 +171,7 @@ impl Table {
         Table { filled: objects.iter().filter_map(|(object, sums)| Some((*object, means(sums)?))).collect(), scale }
     }
 
-    /// What an object looks like in this frame at a normal; none where neither frame shows it.
+    /// An object's colour in this frame at a normal; none where neither frame shows it.
     pub fn typical(&self, object: u32, normal: [f64; 3]) -> Option<Colour> {
         let units = self.filled.get(&object)?[bin(normal)?];
         Some(units.map(|units| f64::from(units) * f64::from(self.scale / UNITS)))

@@ -43,7 +43,7 @@ pub struct Site {
     pub weight: u32,
 }
 
-/// What has been learnt.
+/// The learnt tones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tones {
     /// Directions in frames i and i + 1, of length 1. The opposite ones with tones the other way round say the same.
@@ -52,7 +52,7 @@ pub struct Tones {
     pub tones: Vec<[i32; 3]>,
     /// Those of each object that shows a place.
     pub own: BTreeMap<u32, Vec<[i32; 3]>>,
-    /// What the tones leave unexplained over all places ([`badness`]), and what there was.
+    /// The variation that the tones leave unexplained over all places ([`badness`]), and the variation there was.
     pub unexplained: [u64; 2],
     /// The same of each object's places, and what may be: twice what there was, and [`ALLOWED`] each.
     pub objects: BTreeMap<u32, [u64; 2]>,

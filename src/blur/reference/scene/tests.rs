@@ -65,7 +65,7 @@ fn mesh() -> (Mesh, Vec<Vec3>) {
     (Mesh::new(&input).unwrap(), points)
 }
 
-/// What a surface looks like if nothing hides it: two tones, or three stripes of each.
+/// The colour of a surface if nothing hides it: two tones, or three stripes of each.
 fn look(object: u32, normal: [f64; 3], rest: DVec3, striped: bool) -> Colour {
     let light = DVec3::from_array(normal).normalize_or_zero().dot(DVec3::new(0.4, 0.7, 0.6));
     let tone = if light > 0.3 { [0.8, 0.35, 0.25] } else { [0.3, 0.1, 0.2] };
@@ -121,7 +121,7 @@ impl Scene {
         draw(&triangles, &hidden, SIZE, camera().near, samples)
     }
 
-    /// What a place looks like in a frame.
+    /// The true colour of a place in a frame.
     fn truth(&self, frame: &Frame, base: u32, weights: [f64; 3], striped: bool) -> Colour {
         let points = self.mesh.triangles()[base as usize];
         let rest = points.map(|p| self.points[p as usize % self.points.len()].as_dvec3());

@@ -1,4 +1,4 @@
-//! What does not change: triangles, colours, normals, and which vertices are one.
+//! The constant part of a mesh: triangles, colours, normals, and which vertices are one.
 
 use std::io::Cursor;
 

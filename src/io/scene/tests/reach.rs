@@ -1,4 +1,4 @@
-//! What a file may read beside itself.
+//! Files that a file may read beside itself.
 
 use std::fs;
 

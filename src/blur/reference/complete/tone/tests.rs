@@ -101,7 +101,7 @@ fn a_light_that_turns_is_found() {
     assert!(found.iter().all(|off| *off < 4.0), "{found:?}");
 }
 
-/// What is learnt of places.
+/// Tones learnt from places.
 fn learnt(sites: &[Site], lights: [[f64; 3]; 2]) -> Tones {
     Tones::under(sites, lights, 1.0)
 }
