@@ -16,7 +16,7 @@ mod input;
 pub mod layers;
 pub mod smoke;
 #[cfg(feature = "vignette")]
-mod vignette;
+pub mod vignette;
 
 use std::sync::Arc;
 

@@ -9,6 +9,7 @@ use celfx::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, Ima
 use celfx::low_level::barrier::{Barrier, Tracker};
 use celfx::low_level::gpu::executor::Description;
 use celfx::low_level::plan::{Command, DescriptorKind, Kernel, Plan, Resource, Topology, Usage};
+use celfx::program::vignette::{self, VignetteKind};
 use celfx::smoke::{self, SmokeKind, VolumeInput};
 use celfx::view::{Camera, Light};
 
@@ -354,5 +355,14 @@ fn blur_with_everything_that_a_frame_may_bring() {
             frames.push(around);
             check::<BlurKind>(&desc, &frames);
         }
+    }
+}
+
+/// An effect that the engine does not know is planned as the others are.
+#[test]
+fn vignette() {
+    for strength in [0.0, 0.5] {
+        let desc = vignette::Desc { size: SIZE, target_format: FORMAT, strength, radius: 0.5 };
+        check::<VignetteKind>(&desc, &[image(FORMAT), image(FORMAT)]);
     }
 }

@@ -15,7 +15,8 @@ use crate::io::ReadError;
 use crate::io::shot::{Part, Section, Shot, ShotError, Table, setting_error};
 use crate::offline::{Depth, Describe, Effects, Feed, Place, Scene, TARGET_FORMAT};
 use crate::settings::{Setting, settings};
-use effect::{DARKNESS, Desc, Vignette, VignetteKind};
+use effect::{DARKNESS, Vignette};
+pub use effect::{Desc, VignetteKind};
 
 pub(super) static ENTRY: EffectEntry = EffectEntry {
     table: &TABLE,
