@@ -10,7 +10,7 @@ use celfx::low_level::smoke::layout::{self, Layout};
 use celfx::low_level::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
 use celfx::low_level::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::low_level::smoke::search::{Pyramid, growth_rows};
-use celfx::smoke::settings::{Emitter, Grow, Placement, Radius, Shadow};
+use celfx::smoke::settings::{Emitter, Grow, Radius, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 use celfx::toon::{Outline, Tone};
 
@@ -225,7 +225,6 @@ fn settings_out_of_range_are_refused_by_key() {
     let cases = [
         ("smoke.threshold", Settings { threshold: f32::NAN, ..s() }),
         ("smoke.particles", Settings { particles: 1_000_001, ..s() }),
-        ("smoke.placement", Settings { placement: Placement::Cover, ..s() }),
         ("smoke.emitter", Settings { emitter: Some(Emitter { min: [1.0; 3], max: [0.0; 3] }), ..s() }),
         ("smoke.still", Settings { still: -1.0, ..s() }),
         ("smoke.lifetime", Settings { lifetime: Some(0), ..s() }),

@@ -15,8 +15,6 @@ words! {
         /// Uniformly at random in the occupied voxels (the paper's way, section 3.1).
         #[default]
         Random = "random",
-        /// Greedy cover: not built yet, refused by [`Settings::validate`].
-        Cover = "cover",
     }
 }
 
@@ -120,7 +118,7 @@ settings! {
         threshold: f32 = 0.1, "", f32::MIN..=f32::MAX;
         /// How many particles there are; each becomes a sphere.
         particles: u32 = 500, "", 0..=1_000_000;
-        /// Where particles are placed: "random", uniform in the voxels that hold smoke. "cover" is not built yet.
+        /// Where particles are placed: "random", uniform in the voxels that hold smoke.
         placement: Placement = Placement::default();
         /// Births happen in this box only; without one, anywhere.
         emitter: Option<Emitter> = None;
@@ -210,9 +208,6 @@ impl Settings {
     /// Checks every value; the error names the key and what is allowed.
     pub fn validate(&self) -> Result<()> {
         self.check("smoke", &())?;
-        if self.placement == Placement::Cover {
-            return Err(Error::setting("smoke.placement", "cover", "\"random\" (\"cover\" is not built yet)"));
-        }
         if self.radius == Radius::Ball && self.grow == Grow::Field {
             return Err(Error::setting(
                 "smoke.grow",

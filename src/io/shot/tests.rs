@@ -258,7 +258,7 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[smoke]\nsigma = nan", "shot.toml:2: smoke.sigma = NaN: ", "0.1 to 64"),
         ("[smoke]\nparticles = -1", "shot.toml:2: smoke.particles = -1: ", "0 to 1000000"),
         ("[smoke]\nparticles = 99999999999999999999", "shot.toml:2: smoke.particles = ", "0 to 1000000"),
-        ("[smoke]\nplacement = \"cover\"", "shot.toml:2: smoke.placement = cover: ", "not built yet"),
+        ("[smoke]\nplacement = \"cover\"", "shot.toml:2: smoke.placement = \"cover\": ", "allowed: \"random\""),
         ("[smoke]\nshadow = \"soft\"", "shot.toml:2: smoke.shadow = \"soft\": ", "\"exact\", \"map\" or \"none\""),
         ("[smoke]\noutline = 3", "shot.toml:2: smoke.outline = 3: ", "a table"),
         ("[smoke]\noutline.width = 0.5", "shot.toml:2: smoke.outline.width = 0.5: ", "1 to 16"),
