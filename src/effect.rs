@@ -27,6 +27,7 @@ use crate::gpu::buffer::BufferDesc;
 pub use crate::gpu::capabilities::DeviceLimits;
 use crate::gpu::executor::{Description, Executor};
 use crate::gpu::image::ImageDesc;
+pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::Resources;
@@ -144,16 +145,18 @@ impl<K: Kind> Effect<K> {
         Ok(K::new(desc, &limits, Effort::Needed)?.layout().memory(desc))
     }
 
-    /// Creates pipelines, buffers and images; leaves nothing behind on error.
+    /// Creates buffers and images, and pipelines that `kernels` has not got yet; but for those it leaves nothing behind on
+    /// error.
     ///
     /// # Errors
     /// A setting out of range, something too large for the device, no memory, a failed Vulkan call.
     ///
     /// # Safety
-    /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on, and `allocator` is its.
-    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: K::Desc) -> Result<Effect<K>> {
+    /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on; `allocator` and `kernels`
+    /// are that device's. `kernels` is destroyed after the effect.
+    pub unsafe fn new(host: &Host, kernels: &Kernels, allocator: &mut Allocator, desc: K::Desc) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        unsafe { Self::with_effort(host, allocator, desc, Effort::Needed) }
+        unsafe { Self::with_effort(host, kernels, allocator, desc, Effort::Needed) }
     }
 
     /// [`Self::new`], to prove that leaving work out changes nothing.
@@ -166,6 +169,7 @@ impl<K: Kind> Effect<K> {
     #[doc(hidden)]
     pub unsafe fn with_effort(
         host: &Host,
+        kernels: &Kernels,
         allocator: &mut Allocator,
         desc: K::Desc,
         effort: Effort,
@@ -174,7 +178,7 @@ impl<K: Kind> Effect<K> {
         let mut kind = K::new(&desc, &unsafe { DeviceLimits::of(host) }, effort)?;
         let description = describe(&mut kind, &desc);
         // SAFETY: the caller's.
-        let executor = unsafe { Executor::new(host, allocator, description)? };
+        let executor = unsafe { Executor::new(host, kernels, allocator, description)? };
         Ok(Effect { desc, effort, kind, executor })
     }
 
@@ -186,11 +190,17 @@ impl<K: Kind> Effect<K> {
     ///
     /// # Safety
     /// As [`Self::new`], and the GPU is done with every frame recorded so far.
-    pub unsafe fn resize(&mut self, host: &Host, allocator: &mut Allocator, size: [u32; 2]) -> Result<()> {
+    pub unsafe fn resize(
+        &mut self,
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut Allocator,
+        size: [u32; 2],
+    ) -> Result<()> {
         let desc = K::resized(&self.desc, size);
         // SAFETY: the caller's.
         unsafe {
-            let mut old = std::mem::replace(self, Self::with_effort(host, allocator, desc, self.effort)?);
+            let mut old = std::mem::replace(self, Self::with_effort(host, kernels, allocator, desc, self.effort)?);
             old.destroy(host, allocator);
         }
         Ok(())

@@ -9,6 +9,7 @@ pub(crate) mod picture;
 mod player;
 mod slices;
 
+use std::mem::ManuallyDrop;
 use std::time::Duration;
 
 use ash::vk;
@@ -79,7 +80,8 @@ pub struct BlurScene<'a> {
 
 /// A device, the effects on it, and what carries their input to it and pictures back.
 pub struct Offline {
-    device: Headless,
+    /// Dropped by hand, or handed back, after everything on it.
+    device: ManuallyDrop<Headless>,
     parts: Parts,
     size: [u32; 2],
     /// The colour under the effects; none: the backdrop.
@@ -136,7 +138,7 @@ impl Offline {
     pub fn with_effort(device: Headless, effects: impl Into<Effects>, effort: Effort) -> Result<Offline> {
         let effects = effects.into();
         let mut offline = Offline {
-            device,
+            device: ManuallyDrop::new(device),
             parts: Parts::default(),
             size: effects.size()?,
             background: Some([0.0; 4]),
@@ -153,11 +155,11 @@ impl Offline {
     fn create(&mut self, mut effects: Effects, effort: Effort) -> Result<()> {
         let is_shared = effects.share_depth();
         let queue_family = self.device.queue_family();
-        let (host, allocator) = self.device.parts();
+        let (host, kernels, allocator) = self.device.making();
         let Parts { players, target, depth, profiler, .. } = &mut self.parts;
         // SAFETY: the device is this host's own and outlives what is made here.
         unsafe {
-            effects.make(&host, allocator, effort, |name, player| players.push((name, player)))?;
+            effects.make(&host, kernels, allocator, effort, |name, player| players.push((name, player)))?;
             let steps: usize = players.iter().map(|(_, player)| player.executor().plan().steps.capacity()).sum();
             *profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
             if is_shared {
@@ -422,8 +424,18 @@ impl Offline {
     }
 }
 
-impl Drop for Offline {
-    fn drop(&mut self) {
+impl Offline {
+    /// Destroys the effects; the device is handed back, with their pipelines.
+    pub fn into_device(mut self) -> Headless {
+        self.destroy();
+        let mut offline = ManuallyDrop::new(self);
+        drop(std::mem::take(&mut offline.parts));
+        (offline.layers, offline.times) = (Vec::new(), None);
+        // SAFETY: it is not touched again, as nothing is dropped.
+        unsafe { ManuallyDrop::take(&mut offline.device) }
+    }
+
+    fn destroy(&mut self) {
         if self.device.is_stuck() {
             return;
         }
@@ -438,5 +450,13 @@ impl Drop for Offline {
             [frame, buffer].into_iter().for_each(|buffer| buffer.destroy(&host, allocator));
             profiler.iter_mut().for_each(|profiler| profiler.destroy(&host));
         }
+    }
+}
+
+impl Drop for Offline {
+    fn drop(&mut self) {
+        self.destroy();
+        // SAFETY: nothing else is done with it.
+        unsafe { ManuallyDrop::drop(&mut self.device) };
     }
 }

@@ -199,8 +199,8 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
         depth: None,
         edges: false,
     };
-    let (host, allocator) = device.parts();
-    let mut smoke = unsafe { Smoke::new(&host, allocator, desc)? };
+    let (host, kernels, allocator) = device.making();
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, desc)? };
 
     for n in 0..frames {
         let slot = &mut slots[n as usize % 2]; // two frames in flight

@@ -3,12 +3,14 @@
 
 mod common;
 
+use celfx::effect::Effort;
 use celfx::error::Error;
 use celfx::flame::FlameKind;
 use celfx::flame::{self, SceneFormat};
-use celfx::offline::{EffectBuffer, Effects, Offline, Scene};
+use celfx::offline::{EffectBuffer, Effects, Scene};
 use celfx::smoke::SmokeKind;
 use celfx::smoke::{self, Sequence};
+use common::TestOffline;
 use common::flame::{FlameRig, ball};
 use common::scenes::{camera, desc, direction, puffs};
 
@@ -24,11 +26,10 @@ fn flame_desc() -> flame::Desc {
 }
 
 /// A host with these effects over the sky, and the verdict to be kept until it is gone.
-fn offline(effects: impl Into<Effects>) -> Option<(Offline, common::Verdict)> {
-    let (headless, verdict) = common::device()?.split();
-    let mut offline = Offline::new(headless, effects).expect("the effects can be made");
+fn offline(effects: impl Into<Effects>) -> Option<TestOffline> {
+    let mut offline = common::device()?.offline(effects, Effort::Needed).expect("the effects can be made");
     offline.set_background(SKY);
-    Some((offline, verdict))
+    Some(offline)
 }
 
 #[test]
@@ -37,8 +38,7 @@ fn effects_are_at_least_one_and_of_one_size() {
     let apart = Effects::from(smoke_desc()).with(small);
     for (effects, word) in [(Effects::default(), "none"), (apart, "one size")] {
         let Some(device) = common::device() else { return };
-        let (headless, _verdict) = device.split();
-        match Offline::new(headless, effects) {
+        match device.offline(effects, Effort::Needed) {
             Err(Error::HostResource { name: "effects", why }) => assert!(why.contains(word), "{why}"),
             other => panic!("{word}: {:?}", other.map(|_| ())),
         }
@@ -62,7 +62,7 @@ fn smoke_without_fire_is_the_smoke_alone() {
     let stepped = Scene { rendered: false, ..next };
     let pictures = |effects: Effects| {
         let has_both = effects.len() > 1;
-        let (mut offline, _verdict) = offline(effects)?;
+        let mut offline = offline(effects)?;
         let mut frame = |scene: Scene| {
             offline.frame(&scene).expect("rendered");
             let times = offline.times();
@@ -85,7 +85,7 @@ fn smoke_without_fire_is_the_smoke_alone() {
 
 #[test]
 fn smoke_hides_the_fire_behind_it_and_not_the_fire_before_it() {
-    let Some((mut offline, _verdict)) = offline(Effects::from(smoke_desc()).with(flame_desc())) else {
+    let Some(mut offline) = offline(Effects::from(smoke_desc()).with(flame_desc())) else {
         return;
     };
     let volume = puffs(12, 0.0);
@@ -126,7 +126,7 @@ fn smoke_hides_the_fire_behind_it_and_not_the_fire_before_it() {
 
 #[test]
 fn layers_of_both_come_with_the_frame() {
-    let Some((mut offline, _verdict)) = offline(Effects::from(smoke_desc()).with(flame_desc())) else {
+    let Some(mut offline) = offline(Effects::from(smoke_desc()).with(flame_desc())) else {
         return;
     };
     let buffers = [

@@ -12,7 +12,7 @@ use crate::gpu::capabilities::DeviceLimits;
 use crate::gpu::executor::Executor;
 use crate::gpu::headless::{Headless, Messages};
 use crate::gpu::image::Image;
-use crate::gpu::kernel::Pipelines;
+use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Profiler, Timing};
 use crate::gpu::recorder::{Recorder, Recording};
 use crate::gpu::resources::Resources;
@@ -58,7 +58,7 @@ struct Slot {
     size: [u32; 2],
 }
 
-struct Kernels {
+struct OwnKernels {
     passes: Vec<Pass>,
     resources: Resources,
     pipelines: Pipelines,
@@ -70,7 +70,7 @@ pub(crate) struct Rig {
     headless: Headless,
     profiler: Option<Profiler>,
     effects: Vec<Slot>,
-    kernels: Vec<Kernels>,
+    kernels: Vec<OwnKernels>,
 }
 
 impl Rig {
@@ -105,10 +105,13 @@ impl Rig {
         let size = desc.size();
         self.effects.push(Slot { player: None, target: None, size });
         let Some(slot) = self.effects.last_mut() else { return Ok(id) };
-        let (host, allocator) = self.headless.parts();
+        let (host, kernels, allocator) = self.headless.making();
         // SAFETY: the device's own handles; what is made is destroyed in `clear`.
         unsafe {
-            slot.player.insert(make(&host, allocator, desc, Effort::Needed)?).executor_mut().set_mode(Mode::Isolated);
+            slot.player
+                .insert(make(&host, kernels, allocator, desc, Effort::Needed)?)
+                .executor_mut()
+                .set_mode(Mode::Isolated);
             slot.target = Some(Image::new(&host, allocator, &image_desc("picture", size))?);
         }
         Ok(id)
@@ -169,7 +172,7 @@ impl Rig {
             KernelBuffer::Shared(effect, buffer) => self.shared(*effect, *buffer),
         });
         let shared: Vec<Option<HostBuffer>> = shared.collect();
-        let (host, allocator) = self.headless.parts();
+        let (host, kernels, allocator) = self.headless.making();
         for (buffer, shared) in buffers.iter().zip(shared) {
             match buffer {
                 // SAFETY: the device's own handles; what is made is destroyed here or in `clear`.
@@ -186,11 +189,12 @@ impl Rig {
             }
         }
         // SAFETY: as above.
-        let pipelines =
-            unsafe { Pipelines::new(&host, &passes, &resources).inspect_err(|_| resources.destroy(&host, allocator))? };
+        let pipelines = unsafe {
+            Pipelines::new(&host, kernels, &passes, &resources).inspect_err(|_| resources.destroy(&host, allocator))?
+        };
         let mut recorder = Recorder::new(&resources);
         recorder.set_mode(Mode::Isolated);
-        self.kernels.push(Kernels { passes, resources, pipelines, recorder });
+        self.kernels.push(OwnKernels { passes, resources, pipelines, recorder });
         self.zero(id, &buffers)?;
         Ok(id)
     }
@@ -217,7 +221,7 @@ impl Rig {
 
     /// Runs a plan of such kernels.
     pub(crate) fn run(&mut self, id: KernelsId, plan: &Plan) -> Result<Measured> {
-        let Kernels { passes, resources, pipelines, recorder } = &mut self.kernels[id.0];
+        let OwnKernels { passes, resources, pipelines, recorder } = &mut self.kernels[id.0];
         measure(&mut self.headless, &mut self.profiler, |host, commands| {
             let mut commands = commands;
             let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };

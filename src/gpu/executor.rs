@@ -6,7 +6,8 @@ use gpu_allocator::vulkan::Allocator;
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::gpu::kernel::Pipelines;
+use crate::gpu::kernels::Kernels;
+use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream};
 use crate::gpu::resources::Resources;
@@ -48,13 +49,18 @@ impl Executor {
     /// No memory, a pass that binds nothing to one of its bindings, a failed Vulkan call.
     ///
     /// # Safety
-    /// `host` holds valid handles, and `allocator` belongs to its device.
-    pub unsafe fn new(host: &Host, allocator: &mut Allocator, description: Description) -> Result<Executor> {
+    /// `host` holds valid handles; `kernels`, which outlives the result, and `allocator` belong to its device.
+    pub unsafe fn new(
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut Allocator,
+        description: Description,
+    ) -> Result<Executor> {
         let mut resources = Resources::default();
         // SAFETY: the caller's; what was made is destroyed unused on error.
         unsafe {
             let pipelines = create(host, allocator, &description, &mut resources)
-                .and_then(|()| Pipelines::new(host, &description.passes, &resources))
+                .and_then(|()| Pipelines::new(host, kernels, &description.passes, &resources))
                 .inspect_err(|_| resources.destroy(host, allocator))?;
             let recorder = Recorder::new(&resources);
             let Description { passes, memory, .. } = description;

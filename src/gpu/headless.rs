@@ -17,6 +17,7 @@ pub use instance::{Messages, VALIDATION_LAYER};
 
 use crate::error::Result;
 use crate::gpu::debug;
+use crate::gpu::kernels::Kernels;
 use crate::host::{Host, requirements};
 use commands::Queue;
 use devices::Candidate;
@@ -109,6 +110,7 @@ pub enum NoDevice {
 pub struct Headless {
     /// Dropped by hand, before the device whose memory it holds.
     allocator: ManuallyDrop<Allocator>,
+    kernels: Kernels,
     opened: Opened,
     queue: Queue,
 }
@@ -186,7 +188,7 @@ impl Headless {
         // SAFETY: the device is valid; debug utils is asked for where it is enabled.
         let debug = unsafe { if instance.has_debug_utils { debug::table(&instance.raw, &device) } else { None } };
         let opened = Opened { candidate, device, debug, instance: ManuallyDrop::new(instance) };
-        Ok(Headless { allocator: ManuallyDrop::new(allocator), opened, queue })
+        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels: Kernels::new(), opened, queue })
     }
 
     /// The host that an effect is made and recorded with.
@@ -197,6 +199,16 @@ impl Headless {
     /// [`Headless::host`] and the allocator together, for creating and destroying.
     pub fn parts(&mut self) -> (Host<'_>, &mut Allocator) {
         (self.opened.host(), &mut self.allocator)
+    }
+
+    /// The same with the device's pipelines, for making effects.
+    pub fn making(&mut self) -> (Host<'_>, &Kernels, &mut Allocator) {
+        (self.opened.host(), &self.kernels, &mut self.allocator)
+    }
+
+    /// Bytes of the allocator's that are in use.
+    pub fn allocated(&self) -> u64 {
+        self.allocator.generate_report().total_allocated_bytes
     }
 
     /// The family of the queue that everything is submitted to.
@@ -274,6 +286,7 @@ impl Drop for Headless {
         // allocator goes before the device, the device before the instance.
         unsafe {
             let _ = self.opened.device.device_wait_idle();
+            self.kernels.destroy(&self.opened.host());
             ManuallyDrop::drop(&mut self.allocator);
             self.queue.destroy(&self.opened.device);
             self.opened.device.destroy_device(None);

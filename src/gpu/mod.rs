@@ -7,8 +7,9 @@ pub mod executor;
 #[cfg(feature = "cli")]
 pub mod headless;
 pub mod image;
-pub mod kernel;
+pub mod kernels;
 mod module;
+pub mod pipelines;
 pub mod profiler;
 pub mod raster;
 pub mod recorder;

@@ -55,8 +55,9 @@ unsafe fn create_pipeline(
         Topology::Quads => vk::PrimitiveTopology::TRIANGLE_STRIP,
         Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
     });
-    let (viewports, scissors) = ([viewport(raster.extent)], [area(raster.extent)]);
-    let viewport_state = vk::PipelineViewportStateCreateInfo::default().viewports(&viewports).scissors(&scissors);
+    let viewport_state = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+    let dynamic_state = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
     let rasterisation = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(vk::PolygonMode::FILL)
         .cull_mode(vk::CullModeFlags::NONE)
@@ -83,6 +84,7 @@ unsafe fn create_pipeline(
         .multisample_state(&multisample)
         .depth_stencil_state(&depth_state)
         .color_blend_state(&blend_state)
+        .dynamic_state(&dynamic_state)
         .layout(layout)
         .push_next(&mut rendering);
     // SAFETY: the caller's.
@@ -107,7 +109,8 @@ fn blend(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
         .alpha_blend_op(vk::BlendOp::ADD)
 }
 
-fn viewport(extent: [u32; 2]) -> vk::Viewport {
+/// The same, as a viewport.
+pub(crate) fn viewport(extent: [u32; 2]) -> vk::Viewport {
     let [width, height] = extent.map(|side| side as f32);
     vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 }
 }

@@ -5,9 +5,9 @@ use ash::vk;
 use crate::barrier::{Barrier, Tracker};
 use crate::error::{Error, Result};
 use crate::gpu::debug;
-use crate::gpu::kernel::{Pipelines, push_range};
+use crate::gpu::pipelines::{Bound, Pipelines, push_range};
 use crate::gpu::profiler::{Mode, Timing};
-use crate::gpu::raster::area;
+use crate::gpu::raster::{area, viewport};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Resources};
 use crate::host::{Host, ImageState};
 use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Resource, Step, Usage};
@@ -89,7 +89,7 @@ impl Recorder {
                 debug::begin_label(host, commands, pass.name);
                 timing.begin_scope(host, commands, pass.name);
                 let walk = Walk { host, commands, resources, plan };
-                walk.step(step, pass, &pipelines.pipelines[usize::from(step.pass.0)])?;
+                walk.step(step, pass, &pipelines.passes[usize::from(step.pass.0)])?;
                 timing.end_scope(host, commands);
                 debug::end_label(host, commands);
             }
@@ -235,16 +235,16 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    unsafe fn step(&self, step: &Step, pass: &Pass, pipeline: &crate::gpu::kernel::Pipeline) -> Result<()> {
+    unsafe fn step(&self, step: &Step, pass: &Pass, bound: &Bound) -> Result<()> {
         // SAFETY: the caller's.
         unsafe {
             match &pass.kernel {
                 Kernel::Compute(shader) => {
-                    self.bind(step, pass, pipeline, vk::PipelineBindPoint::COMPUTE);
+                    self.bind(step, pass, bound, vk::PipelineBindPoint::COMPUTE);
                     self.dispatch(step, shader.local_size);
                 }
                 Kernel::Raster(raster) => {
-                    self.bind(step, pass, pipeline, vk::PipelineBindPoint::GRAPHICS);
+                    self.bind(step, pass, bound, vk::PipelineBindPoint::GRAPHICS);
                     self.render(step, raster);
                 }
                 Kernel::Transfer => self.transfer(step, pass)?,
@@ -253,19 +253,13 @@ impl Walk<'_> {
         Ok(())
     }
 
-    unsafe fn bind(
-        &self,
-        step: &Step,
-        pass: &Pass,
-        pipeline: &crate::gpu::kernel::Pipeline,
-        point: vk::PipelineBindPoint,
-    ) {
+    unsafe fn bind(&self, step: &Step, pass: &Pass, Bound { pipeline, set }: &Bound, point: vk::PipelineBindPoint) {
         let device = self.host.device;
         let (stages, size) = push_range(pass);
         // SAFETY: the caller's.
         unsafe {
             device.cmd_bind_pipeline(self.commands, point, pipeline.handle);
-            device.cmd_bind_descriptor_sets(self.commands, point, pipeline.layout, 0, &[pipeline.set], &[]);
+            device.cmd_bind_descriptor_sets(self.commands, point, pipeline.layout, 0, &[*set], &[]);
             if size > 0 {
                 let bytes = &step.constants[..size as usize];
                 device.cmd_push_constants(self.commands, pipeline.layout, stages, 0, bytes);
@@ -321,6 +315,8 @@ impl Walk<'_> {
         }
         // SAFETY: the caller's.
         unsafe {
+            device.cmd_set_viewport(self.commands, 0, &[viewport(raster.extent)]);
+            device.cmd_set_scissor(self.commands, 0, &[area(raster.extent)]);
             device.cmd_begin_rendering(self.commands, &info);
             match step.command {
                 Command::DrawIndirect { arguments, offset } => {

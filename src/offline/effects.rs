@@ -7,7 +7,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::depth::FORMAT;
 use super::player::{self, Depth, Describe, Feed, Player, Sharing};
-use crate::effect::{Effort, Kind};
+use crate::effect::{Effort, Kernels, Kind};
 use crate::error::{Error, Result};
 use crate::host::Host;
 
@@ -88,6 +88,7 @@ impl Effects {
     pub(super) unsafe fn make(
         self,
         host: &Host,
+        kernels: &Kernels,
         allocator: &mut Allocator,
         effort: Effort,
         mut take: impl FnMut(&'static str, Box<dyn Player>),
@@ -95,7 +96,7 @@ impl Effects {
         for effect in self.0 {
             let name = effect.name();
             // SAFETY: the caller's.
-            take(name, unsafe { effect.make(host, allocator, effort)? });
+            take(name, unsafe { effect.make(host, kernels, allocator, effort)? });
         }
         Ok(())
     }
@@ -111,7 +112,13 @@ trait Described: fmt::Debug {
     fn as_any(&self) -> &dyn Any;
     /// # Safety
     /// As [`crate::effect::Effect::new`].
-    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator, effort: Effort) -> Result<Box<dyn Player>>;
+    unsafe fn make(
+        self: Box<Self>,
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut Allocator,
+        effort: Effort,
+    ) -> Result<Box<dyn Player>>;
 }
 
 impl<D: Describe> Described for D {
@@ -139,8 +146,14 @@ impl<D: Describe> Described for D {
         self
     }
 
-    unsafe fn make(self: Box<Self>, host: &Host, allocator: &mut Allocator, effort: Effort) -> Result<Box<dyn Player>> {
+    unsafe fn make(
+        self: Box<Self>,
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut Allocator,
+        effort: Effort,
+    ) -> Result<Box<dyn Player>> {
         // SAFETY: the caller's.
-        unsafe { player::make(host, allocator, *self, effort) }
+        unsafe { player::make(host, kernels, allocator, *self, effort) }
     }
 }

@@ -217,7 +217,7 @@ impl DepthAttachment {
 }
 
 /// How a colour attachment takes what is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Blend {
     /// Replaces.
     Replace,
@@ -228,7 +228,7 @@ pub enum Blend {
 }
 
 /// Primitives of a render pass. Vertex shaders make their vertices from `gl_VertexIndex`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Topology {
     /// Quads as triangle strips of four vertices, one an instance.
     Quads,

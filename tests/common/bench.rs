@@ -7,7 +7,7 @@ use celfx::effect::{Effort, Inventory};
 use celfx::error::Result;
 use celfx::host::{HostImage, ImageState};
 use celfx::low_level::gpu::image::Image;
-use celfx::low_level::gpu::kernel::Pipelines;
+use celfx::low_level::gpu::pipelines::Pipelines;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::recorder::{Recorder, Recording};
 use celfx::low_level::gpu::resources::Resources;
@@ -69,7 +69,7 @@ impl Bench {
         let layout = Layout::new(&desc, RANGE).expect("a layout");
         let passes = Passes::new(&desc, &layout, &Tables::new(&desc.settings, &layout), Effort::Needed);
         let mut resources = Resources::default();
-        let (host, allocator) = device.parts();
+        let (host, kernels, allocator) = device.making();
         // SAFETY: the handles are the device's own; everything is destroyed before it.
         let pipelines = unsafe {
             for buffer in layout.buffers() {
@@ -85,7 +85,7 @@ impl Bench {
             }
             resources.add_host_image();
             resources.add_host_image();
-            Pipelines::new(&host, &passes.list, &resources).expect("pipelines")
+            Pipelines::new(&host, kernels, &passes.list, &resources).expect("pipelines")
         };
         let target = host::image(&mut device, desc.size, TARGET_FORMAT);
         let recorder = Recorder::new(&resources);

@@ -105,9 +105,10 @@ impl BlurRig {
         let mut device = device()?;
         let images = make_images(&mut device, &desc);
         let depth = desc.depth.map(|DepthFormat { format, .. }| host::image(&mut device, desc.size, format));
-        let (host, allocator) = device.parts();
+        let (host, kernels, allocator) = device.making();
         // SAFETY: the handles are the device's own.
-        let blur = unsafe { Blur::with_effort(&host, allocator, desc, effort).expect("the effect can be made") };
+        let blur =
+            unsafe { Blur::with_effort(&host, kernels, allocator, desc, effort).expect("the effect can be made") };
         let mut rig = BlurRig {
             device,
             blur: Some(blur),
@@ -140,10 +141,10 @@ impl BlurRig {
 
     /// Another size of the picture; images are empty again.
     pub fn resize(&mut self, size: [u32; 2]) {
-        let (host, allocator) = self.device.parts();
+        let (host, kernels, allocator) = self.device.making();
         // SAFETY: the handles are the device's own, and every submission has been waited for.
         unsafe {
-            self.blur.as_mut().expect("an effect").resize(&host, allocator, size).expect("a size");
+            self.blur.as_mut().expect("an effect").resize(&host, kernels, allocator, size).expect("a size");
             self.images.drain(..).for_each(|mut image| image.destroy(&host, allocator));
         }
         let desc = self.desc().clone();

@@ -11,13 +11,11 @@ use celfx::offline::{EffectBuffer, Offline, Scene, TARGET_FORMAT};
 use celfx::view::Camera;
 
 use super::rig::Bits;
-use super::{Verdict, device};
+use super::{TestOffline, device};
 
 /// The effect on a device of its own.
 pub struct FlameRig {
-    // Dropped in this order.
-    offline: Offline,
-    _verdict: Verdict,
+    offline: TestOffline,
     desc: Desc,
     /// Of the frame rendered last.
     particles: usize,
@@ -71,9 +69,8 @@ impl FlameRig {
     }
 
     pub fn with_effort(desc: Desc, effort: Effort) -> Option<FlameRig> {
-        let (headless, verdict) = device()?.split();
-        let offline = Offline::with_effort(headless, desc.clone(), effort).expect("the effect can be made");
-        Some(FlameRig { offline, _verdict: verdict, desc, particles: 0 })
+        let offline = device()?.offline(desc.clone(), effort).expect("the effect can be made");
+        Some(FlameRig { offline, desc, particles: 0 })
     }
 
     pub fn desc(&self) -> &Desc {

@@ -17,21 +17,35 @@ pub mod rig;
 pub mod scenes;
 
 use std::ops::{Deref, DerefMut};
-use std::sync::PoisonError;
+use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 
+use celfx::effect::Effort;
+use celfx::error::Result;
 use celfx::low_level::gpu::headless::{Headless, Messages, Options};
 use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
+use celfx::offline::{Effects, Offline};
 
-/// A device whose end, validated destruction included, fails the test if validation has said anything.
+/// A device, lent: later tests have it, and the pipelines made on it, again. What validation says, what is left in memory,
+/// and what is found at the device's own end fails the tests.
 pub struct TestDevice {
-    // Dropped in this order: what is said about the device's end counts, too.
-    headless: Headless,
+    /// None while something else has it.
+    headless: Option<Headless>,
     verdict: Verdict,
+    is_lent: bool,
+}
+
+/// Effects without a window on a device that is lent.
+pub struct TestOffline {
+    offline: Option<Offline>,
+    device: TestDevice,
 }
 
 /// What validation says; fails the test when it is dropped after saying anything.
-pub struct Verdict(Messages);
+struct Verdict(Messages);
+
+/// Devices that no test has now.
+static IDLE: Mutex<Vec<Headless>> = Mutex::new(Vec::new());
 
 /// What tests open: under validation, and with an end to every wait, so that a hang is a failure. Long, because a software
 /// driver compiles shaders while it runs them and may share its cores.
@@ -42,16 +56,21 @@ pub fn options() -> Options {
 
 /// A device under validation; none if there is none and the tests may do without.
 pub fn device() -> Option<TestDevice> {
-    device_of(&options())
+    let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    match idle {
+        Some(headless) => Some(TestDevice::new(headless, true)),
+        None => open(&options(), true),
+    }
 }
 
-/// The same, opened so.
+/// One of the test's own, opened so.
 pub fn device_of(options: &Options) -> Option<TestDevice> {
+    open(options, false)
+}
+
+fn open(options: &Options, is_lent: bool) -> Option<TestDevice> {
     match Headless::new(options) {
-        Ok(headless) => {
-            let verdict = Verdict(headless.messages());
-            Some(TestDevice { headless, verdict })
-        }
+        Ok(headless) => Some(TestDevice::new(headless, is_lent)),
         Err(error) if std::env::var("CELFX_REQUIRE_VULKAN").is_ok_and(|v| v == "1") => {
             panic!("CELFX_REQUIRE_VULKAN=1, but {error}")
         }
@@ -62,41 +81,104 @@ pub fn device_of(options: &Options) -> Option<TestDevice> {
     }
 }
 
-impl TestDevice {
-    /// Destroys the device and hands over what validation said, without failing.
-    pub fn into_messages(self) -> Vec<String> {
-        let TestDevice { headless, verdict } = self;
+/// Ends the devices that no test has any more, when the process ends.
+extern "C" fn end() {
+    for headless in IDLE.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+        let messages = headless.messages();
         drop(headless);
-        std::mem::take(&mut *verdict.0.lock().unwrap_or_else(PoisonError::into_inner))
+        let said = messages.lock().unwrap_or_else(PoisonError::into_inner);
+        if !said.is_empty() {
+            eprintln!("when the device ended, validation said:\n{}", said.join("\n"));
+            std::process::abort();
+        }
+    }
+}
+
+impl TestDevice {
+    fn new(headless: Headless, is_lent: bool) -> TestDevice {
+        let verdict = Verdict(headless.messages());
+        TestDevice { headless: Some(headless), verdict, is_lent }
+    }
+
+    /// Makes effects on it.
+    ///
+    /// # Errors
+    /// As [`Offline::new`].
+    pub fn offline(mut self, effects: impl Into<Effects>, effort: Effort) -> Result<TestOffline> {
+        let offline = Offline::with_effort(self.headless.take().expect("a device"), effects, effort)?;
+        Ok(TestOffline { offline: Some(offline), device: self })
+    }
+
+    /// Destroys the device and hands over what validation said, without failing.
+    pub fn into_messages(mut self) -> Vec<String> {
+        drop(self.headless.take());
+        std::mem::take(&mut *self.verdict.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Ends the device; what validation says can be dropped, to be looked at, later.
+    pub fn leave(mut self) -> impl Drop {
+        drop(self.headless.take());
+        Verdict(std::mem::take(&mut self.verdict.0))
     }
 
     /// What validation has said so far.
     pub fn said(&self) -> Vec<String> {
         self.verdict.said()
     }
-
-    /// The device alone, and the verdict to be kept until the device is gone.
-    pub fn split(self) -> (Headless, Verdict) {
-        (self.headless, self.verdict)
-    }
 }
 
-impl Verdict {
-    fn said(&self) -> Vec<String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+impl Drop for TestDevice {
+    fn drop(&mut self) {
+        let Some(headless) = self.headless.take() else { return };
+        let is_sound = !std::thread::panicking() && self.said().is_empty() && !headless.is_stuck();
+        if !self.is_lent || !is_sound {
+            // What is said about its end counts, too.
+            drop(headless);
+            return;
+        }
+        assert_eq!(headless.allocated(), 0, "bytes are left in memory");
+        static ENDS: Once = Once::new();
+        // SAFETY: the function may be called at the process's end: it uses nothing that is gone then.
+        ENDS.call_once(|| assert_eq!(unsafe { libc::atexit(end) }, 0));
+        IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(headless);
     }
 }
 
 impl Deref for TestDevice {
     type Target = Headless;
     fn deref(&self) -> &Headless {
-        &self.headless
+        self.headless.as_ref().expect("a device")
     }
 }
 
 impl DerefMut for TestDevice {
     fn deref_mut(&mut self) -> &mut Headless {
-        &mut self.headless
+        self.headless.as_mut().expect("a device")
+    }
+}
+
+impl Drop for TestOffline {
+    fn drop(&mut self) {
+        self.device.headless = self.offline.take().map(Offline::into_device);
+    }
+}
+
+impl Deref for TestOffline {
+    type Target = Offline;
+    fn deref(&self) -> &Offline {
+        self.offline.as_ref().expect("effects")
+    }
+}
+
+impl DerefMut for TestOffline {
+    fn deref_mut(&mut self) -> &mut Offline {
+        self.offline.as_mut().expect("effects")
+    }
+}
+
+impl Verdict {
+    fn said(&self) -> Vec<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 

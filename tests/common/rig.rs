@@ -11,13 +11,11 @@ use celfx::smoke::reference;
 use celfx::smoke::{Desc, Sequence};
 use celfx::view::{Camera, Light};
 
-use super::{Verdict, device};
+use super::{TestOffline, device};
 
 /// The effect on a device of its own.
 pub struct Rig {
-    // Dropped in this order.
-    offline: Offline,
-    _verdict: Verdict,
+    offline: TestOffline,
     desc: Desc,
 }
 
@@ -56,9 +54,8 @@ impl Rig {
     }
 
     pub fn with_effort(desc: Desc, effort: Effort) -> Option<Rig> {
-        let (headless, verdict) = device()?.split();
-        let offline = Offline::with_effort(headless, desc.clone(), effort).expect("the effect can be made");
-        Some(Rig { offline, _verdict: verdict, desc })
+        let offline = device()?.offline(desc.clone(), effort).expect("the effect can be made");
+        Some(Rig { offline, desc })
     }
 
     pub fn desc(&self) -> &Desc {

@@ -110,9 +110,9 @@ fn settings() -> Settings {
 }
 
 pub fn make(device: &mut TestDevice, desc: Desc) -> Flame {
-    let (host, allocator) = device.parts();
+    let (host, kernels, allocator) = device.making();
     // SAFETY: the handles are the device's own, and the device has what is required.
-    unsafe { Flame::new(&host, allocator, desc) }.expect("an effect")
+    unsafe { Flame::new(&host, kernels, allocator, desc) }.expect("an effect")
 }
 
 fn destroy(device: &mut TestDevice, mut flame: Flame) {
@@ -219,9 +219,9 @@ fn resizing_is_like_making_anew() {
     let mut flame = make(&mut device, effect([48, 36], settings()));
     for size in [[33, 70], [90, 10], [1, 1]] {
         one_frame(&mut device, &mut flame, &particles);
-        let (host, allocator) = device.parts();
+        let (host, kernels, allocator) = device.making();
         // SAFETY: every frame has been waited for.
-        unsafe { flame.resize(&host, allocator, size).expect("another size") };
+        unsafe { flame.resize(&host, kernels, allocator, size).expect("another size") };
         let resized = one_frame(&mut device, &mut flame, &particles);
         let mut fresh = make(&mut device, effect(size, settings()));
         assert!(resized == one_frame(&mut device, &mut fresh, &particles), "{size:?}");
@@ -229,9 +229,9 @@ fn resizing_is_like_making_anew() {
     }
     // A size that cannot be leaves the effect as it was, with its frame.
     let last = one_frame(&mut device, &mut flame, &particles);
-    let (host, allocator) = device.parts();
+    let (host, kernels, allocator) = device.making();
     // SAFETY: every frame has been waited for.
-    let refused = unsafe { flame.resize(&host, allocator, [1 << 20, 4]) };
+    let refused = unsafe { flame.resize(&host, kernels, allocator, [1 << 20, 4]) };
     assert!(matches!(refused, Err(Error::Limit { .. })), "{refused:?}");
     assert!(one_frame(&mut device, &mut flame, &particles) == last);
     destroy(&mut device, flame);

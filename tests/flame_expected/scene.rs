@@ -322,9 +322,9 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
         scene: Some(SceneFormat::Buffer),
         ..Case::new("", size, 80, Settings { light: 0.5, bins: 8, ..settings() }, scenes::camera(0.0)).desc
     };
-    let (host, allocator) = device.parts();
+    let (host, kernels, allocator) = device.making();
     // SAFETY: the handles are the device's own.
-    let mut smoke = unsafe { Smoke::new(&host, allocator, smoke_desc) }.expect("smoke");
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, smoke_desc) }.expect("smoke");
     let mut flame = make(&mut device, flame_desc);
     let slot = |_| (Slot::new(&mut device, size, 80), host::source(&mut device, 4 * 20 * 20 * 20));
     let mut slots: Vec<(Slot, Buffer)> = (0..in_flight).map(slot).collect();

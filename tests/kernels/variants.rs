@@ -7,7 +7,7 @@ use celfx::effect::{DeviceLimits, Effort, Kind, describe};
 use celfx::flame::settings::{Colour, Mode, Sampling, Shape};
 use celfx::flame::{self, FlameKind, SceneFormat};
 use celfx::host::DepthFormat;
-use celfx::low_level::gpu::executor::Description;
+use celfx::low_level::plan::Pass;
 use celfx::smoke::SmokeKind;
 use celfx::smoke::settings::{Integrator, Shadow};
 use celfx::toon::Operator;
@@ -16,9 +16,6 @@ use celfx::{blur, smoke};
 use crate::common::bench::RANGE;
 use crate::common::{flame as fire, scenes};
 
-/// What an effect's pipelines are made of.
-pub type Variant = Description;
-
 const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: false };
 
 /// Each of `bits` switches on or off, in all ways.
@@ -26,14 +23,14 @@ fn switches<const N: usize>() -> impl Iterator<Item = [bool; N]> {
     (0..1_u32 << N).map(|word| std::array::from_fn(|bit| word >> bit & 1 == 1))
 }
 
-pub fn all() -> Vec<Variant> {
+pub fn all() -> Vec<Vec<Pass>> {
     let smoke = switches().flat_map(|bits| [Shadow::Exact, Shadow::Map, Shadow::None].map(|s| smoke_of(bits, s)));
     let completions = [Completion::Surface, Completion::Gradient, Completion::None];
     let blur = switches().flat_map(|bits| completions.map(|c| blur_of(bits, c)));
     smoke.chain(flames()).chain(blur).collect()
 }
 
-fn smoke_of([rk2, second, layers, thorough, depth, flat, plain]: [bool; 7], shadow: Shadow) -> Variant {
+fn smoke_of([rk2, second, layers, thorough, depth, flat, plain]: [bool; 7], shadow: Shadow) -> Vec<Pass> {
     let mut settings = smoke::Settings { shadow, ..smoke::Settings::default() };
     settings.integrator = if rk2 { Integrator::Rk2 } else { Integrator::Euler };
     settings.outline.operator = if second { Operator::Second } else { Operator::Roberts };
@@ -45,12 +42,12 @@ fn smoke_of([rk2, second, layers, thorough, depth, flat, plain]: [bool; 7], shad
     described::<SmokeKind>(&desc, if thorough { Effort::Everything } else { Effort::Needed })
 }
 
-fn flames() -> impl Iterator<Item = Variant> {
+fn flames() -> impl Iterator<Item = Vec<Pass>> {
     let colours = || [Colour::Physical, Colour::Displayable, Colour::Ramp(vec![[1.0; 3]; 2])];
     switches().flat_map(move |bits| colours().map(|colour| flame_of(bits, colour)))
 }
 
-fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: Colour) -> Variant {
+fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: Colour) -> Vec<Pass> {
     let settings = flame::Settings {
         mode: if expected { Mode::Expected } else { Mode::Stochastic },
         shape: if cube { Shape::Cube } else { Shape::Ball },
@@ -64,12 +61,12 @@ fn flame_of([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: 
 }
 
 /// What an effect is made of.
-fn described<K: Kind>(desc: &K::Desc, effort: Effort) -> Variant {
+fn described<K: Kind>(desc: &K::Desc, effort: Effort) -> Vec<Pass> {
     let limits = DeviceLimits { storage_range: RANGE, image_side: 4096 };
-    describe(&mut K::new(desc, &limits, effort).expect("it can be made"), desc)
+    describe(&mut K::new(desc, &limits, effort).expect("it can be made"), desc).passes
 }
 
-fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], completion: Completion) -> Variant {
+fn blur_of([screen, by_length, layers, depth, second, plain, many]: [bool; 7], completion: Completion) -> Vec<Pass> {
     let mut settings = blur::Settings { completion, ..blur::Settings::default() };
     settings.space = if screen { Space::Screen } else { Space::Homogeneous };
     settings.refine = if by_length { Refine::Length } else { Refine::Error };

@@ -18,9 +18,9 @@ fn a_hosts_depth_occludes_the_smoke_and_takes_its_depth() {
         let Some(mut device) = device() else { return };
         let mut image = host::image(&mut device, SIZE, FORMAT);
         let desc = Desc { depth: Some(DepthFormat { format: FORMAT, reversed }), ..effect() };
-        let (host, allocator) = device.parts();
+        let (host, kernels, allocator) = device.making();
         // SAFETY: the handles are the device's own.
-        let mut smoke = unsafe { Smoke::new(&host, allocator, desc) }.expect("an effect");
+        let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, desc) }.expect("an effect");
         let mut slot = Slot::new(&mut device, SIZE);
         let terms = HostDepth::perspective(0.1, far, reversed);
         let stored = |z: f32| terms[0] + terms[1] / z;

@@ -82,9 +82,9 @@ impl Slot {
 /// Renders a sequence with so many frames on their way; the pictures. Recording allocates nothing after two frames.
 fn sequence(in_flight: usize, frames: u32) -> Option<Vec<Vec<[u32; 4]>>> {
     let mut device = device()?;
-    let (host, allocator) = device.parts();
+    let (host, kernels, allocator) = device.making();
     // SAFETY: the handles are the device's own, and the device has what is required.
-    let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, effect()) }.expect("an effect");
     let mut slots: Vec<Slot> = (0..in_flight).map(|_| Slot::new(&mut device, SIZE)).collect();
     let record = |host: &Host, commands, slot: &mut Slot, i| {
         let frame = slot.frame(i);
@@ -138,17 +138,17 @@ fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<
 #[test]
 fn resizing_is_like_making_anew() {
     let Some(mut device) = device() else { return };
-    let (host, allocator) = device.parts();
+    let (host, kernels, allocator) = device.making();
     // SAFETY: the handles are the device's own.
-    let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, effect()) }.expect("an effect");
     for size in [[33, 90], [200, 10], SIZE, [1, 1]] {
         let before = smoke.desc().size;
         one_frame(&mut device, &mut smoke, before);
-        let (host, allocator) = device.parts();
+        let (host, kernels, allocator) = device.making();
         // SAFETY: every frame has been waited for.
         let mut fresh = unsafe {
-            smoke.resize(&host, allocator, size).expect("another size");
-            Smoke::new(&host, allocator, Desc { size, ..effect() }).expect("an effect")
+            smoke.resize(&host, kernels, allocator, size).expect("another size");
+            Smoke::new(&host, kernels, allocator, Desc { size, ..effect() }).expect("an effect")
         };
         let resized = one_frame(&mut device, &mut smoke, size);
         assert!(resized == one_frame(&mut device, &mut fresh, size), "{size:?}");
@@ -157,9 +157,9 @@ fn resizing_is_like_making_anew() {
         unsafe { fresh.destroy(&host, allocator) };
     }
     // A size that cannot be leaves the effect as it was.
-    let (host, allocator) = device.parts();
+    let (host, kernels, allocator) = device.making();
     // SAFETY: every frame has been waited for.
-    let refused = unsafe { smoke.resize(&host, allocator, [1 << 20, 4]) };
+    let refused = unsafe { smoke.resize(&host, kernels, allocator, [1 << 20, 4]) };
     assert!(matches!(refused, Err(Error::Limit { .. })), "{refused:?}");
     one_frame(&mut device, &mut smoke, [1, 1]);
     let (host, allocator) = device.parts();
@@ -170,9 +170,9 @@ fn resizing_is_like_making_anew() {
 #[test]
 fn frames_that_do_not_fit_are_refused_by_name() {
     let Some(mut device) = device() else { return };
-    let (host, allocator) = device.parts();
+    let (host, kernels, allocator) = device.making();
     // SAFETY: the handles are the device's own.
-    let mut smoke = unsafe { Smoke::new(&host, allocator, effect()) }.expect("an effect");
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, effect()) }.expect("an effect");
     let mut slot = Slot::new(&mut device, SIZE);
     let good = slot.frame(0);
     let volume = good.volume.expect("a volume");

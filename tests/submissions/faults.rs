@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use ash::vk;
+use celfx::effect::Effort;
 use celfx::error::Error;
 use celfx::flame;
 use celfx::low_level::gpu::headless::{Headless, NoDevice, Options};
@@ -103,8 +104,7 @@ fn a_lost_device_names_its_pass() {
     // Until a step has run it is submitted alone, and the second one is lost; or all of them are.
     for (longest, lost) in [(Some(Duration::ZERO), 1), (None, 0)] {
         let Some(device) = device_of(&options) else { return };
-        let (headless, _verdict) = device.split();
-        let mut offline = Offline::new(headless, effects()).expect("the effects can be made");
+        let mut offline = device.offline(effects(), Effort::Needed).expect("the effects can be made");
         offline.set_longest_submission(longest);
         let (volume, particles) = (puffs(8, 0.0), ball(10, 3));
         arm(lost, Some("vkWaitForFences"));
@@ -159,20 +159,19 @@ fn nothing_is_submitted_after_an_interruption() {
 fn an_interruption_ends_a_wait_for_what_does_not_end() {
     // Without an end to the wait of its own.
     let options = Options { go_on: stop_waiting, timeout: None, ..options() };
-    let Some(device) = device_of(&options) else { return };
-    let (mut headless, verdict) = device.split();
-    let raw = headless.host().device.clone();
+    let Some(mut device) = device_of(&options) else { return };
+    let raw = device.host().device.clone();
     // SAFETY: valid handles. The event is never destroyed: the device may still be using it.
     let event = unsafe { raw.create_event(&vk::EventCreateInfo::default(), None) }.expect("an event");
-    let waited = headless.one_time("frame 12", |host, commands| {
+    let waited = device.one_time("frame 12", |host, commands| {
         let (host_stage, all) = (vk::PipelineStageFlags::HOST, vk::PipelineStageFlags::ALL_COMMANDS);
         // SAFETY: valid handles.
         unsafe { host.device.cmd_wait_events(commands, &[event], host_stage, all, &[], &[], &[]) };
         Ok(())
     });
     assert!(matches!(&waited, Err(Error::Interrupted { what }) if what == "frame 12"), "{waited:?}");
-    assert!(headless.is_stuck());
-    drop(headless);
+    assert!(device.is_stuck());
+    let verdict = device.leave();
     // SAFETY: the device was left alone, so it is still there; now the work can end.
     unsafe { raw.set_event(event) }.expect("set");
     drop(verdict);

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use celfx::effect::Effort;
 use celfx::flame;
 use celfx::flame::FlameKind;
 use celfx::offline::{BlurInput, BlurScene, EffectBuffer, Effects, Offline, Scene};
@@ -12,7 +13,7 @@ use celfx::smoke::{self, Sequence};
 use crate::common::flame::ball;
 use crate::common::rig::Bits;
 use crate::common::scenes::{camera, desc, direction, puffs};
-use crate::common::{Verdict, device};
+use crate::common::{TestOffline, device};
 
 const SIZE: [u32; 2] = [48, 36];
 
@@ -22,13 +23,12 @@ type Frames = Vec<(Bits, Vec<&'static str>, Vec<(&'static str, &'static str)>)>;
 /// A submission a step, one for all of them, and as it is when nothing is said.
 const WAYS: [Option<Option<Duration>>; 3] = [Some(Some(Duration::ZERO)), Some(None), None];
 
-fn offline(effects: Effects, way: Option<Option<Duration>>) -> Option<(Offline, Verdict)> {
-    let (headless, verdict) = device()?.split();
-    let mut offline = Offline::new(headless, effects).expect("the effects can be made");
+fn offline(effects: Effects, way: Option<Option<Duration>>) -> Option<TestOffline> {
+    let mut offline = device()?.offline(effects, Effort::Needed).expect("the effects can be made");
     if let Some(longest) = way {
         offline.set_longest_submission(longest);
     }
-    Some((offline, verdict))
+    Some(offline)
 }
 
 fn keep(offline: &mut Offline, frames: &mut Frames) {
@@ -56,7 +56,7 @@ fn smoke_and_fire_in_one_submission_and_in_many_are_the_same() {
     let (volume, particles) = (puffs(12, 0.0), ball(100, 3));
     let mut rendered = Vec::new();
     for way in WAYS {
-        let Some((mut offline, _verdict)) = offline(effects.clone(), way) else { return };
+        let Some(mut offline) = offline(effects.clone(), way) else { return };
         let layers = [
             EffectBuffer::of::<SmokeKind>(celfx::low_level::smoke::layout::DEPTH),
             EffectBuffer::of::<FlameKind>(celfx::low_level::flame::layout::NEAREST),
@@ -100,7 +100,7 @@ fn blur_in_one_submission_and_in_many_is_the_same() {
         let camera = move |frame: f64| of_shot.camera(frame);
         let mut input = BlurInput::new(scene, camera, shot.frames, settings, shot.size, 2).expect("motion");
         let effects = Effects::from(input.desc(shot.size, shot.frames, shot.seed, true, false));
-        let Some((mut offline, _verdict)) = offline(effects, way) else { return };
+        let Some(mut offline) = offline(effects, way) else { return };
         let mut frames = Frames::new();
         for number in [1, 2, 3, 10] {
             let frame = input.frame(number).expect("a frame");

@@ -1,0 +1,213 @@
+//! The pipelines of a device: each is made once, and all effects share it.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::gpu::module::{create_module, specialisation};
+use crate::gpu::pipelines::{descriptor_type, push_range, stage_flags};
+use crate::gpu::{debug, raster};
+use crate::host::Host;
+use crate::plan::{Blend, Kernel, Pass, Shader, Topology};
+
+/// The pipelines that effects have been made with, on one device. An effect whose pipelines are there already, because
+/// another one or its own former size had them, is made in a fraction of the time.
+///
+/// It may be used by several threads at once. It must outlive the effects that are made with it, and is then destroyed.
+#[derive(Debug, Default)]
+pub struct Kernels {
+    made: Mutex<HashMap<Key, Pipeline>>,
+}
+
+/// A pipeline and what it was made from.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pipeline {
+    pub handle: vk::Pipeline,
+    pub layout: vk::PipelineLayout,
+    pub set_layout: vk::DescriptorSetLayout,
+}
+
+/// The part of a pass that its pipeline depends on. Shaders go by where their words are.
+#[derive(Debug, PartialEq, Eq, Hash)]
+struct Key {
+    shaders: [Option<usize>; 2],
+    specialisation: Vec<u32>,
+    topology: Option<Topology>,
+    colour: Option<(vk::Format, Blend)>,
+    depth: Option<(vk::Format, vk::CompareOp, bool)>,
+}
+
+impl Key {
+    fn of(pass: &Pass) -> Key {
+        let raster = match &pass.kernel {
+            Kernel::Raster(raster) => Some(raster),
+            Kernel::Compute(_) | Kernel::Transfer => None,
+        };
+        Key {
+            shaders: pass.shaders().map(|shader| shader.map(|shader| shader.words.as_ptr().addr())),
+            specialisation: pass.specialisation.clone(),
+            topology: raster.map(|raster| raster.topology),
+            colour: raster.and_then(|raster| raster.colour).map(|colour| (colour.format, colour.blend)),
+            depth: raster.and_then(|raster| raster.depth).map(|depth| (depth.format, depth.compare, depth.write)),
+        }
+    }
+}
+
+impl Kernels {
+    /// Has no pipeline yet.
+    pub fn new() -> Kernels {
+        Kernels::default()
+    }
+
+    /// How many pipelines there are.
+    pub fn count(&self) -> usize {
+        self.lock().len()
+    }
+
+    /// Makes the pipeline of a pass now, if it is not there.
+    ///
+    /// # Errors
+    /// A failed Vulkan call.
+    ///
+    /// # Safety
+    /// `host` holds valid handles, of the same device in all calls.
+    pub unsafe fn make(&self, host: &Host, pass: &Pass) -> Result<()> {
+        match pass.kernel {
+            Kernel::Transfer => Ok(()),
+            // SAFETY: the caller's.
+            Kernel::Compute(_) | Kernel::Raster(_) => unsafe { self.pipeline(host, pass) }.map(drop),
+        }
+    }
+
+    /// The pipeline of a pass that is no transfer.
+    ///
+    /// # Safety
+    /// `host` holds valid handles, of the same device in all calls.
+    pub(crate) unsafe fn pipeline(&self, host: &Host, pass: &Pass) -> Result<Pipeline> {
+        let key = Key::of(pass);
+        if let Some(pipeline) = self.lock().get(&key) {
+            return Ok(*pipeline);
+        }
+        // Others need not wait while it is compiled. Whoever made the same meanwhile was first.
+        // SAFETY: the caller's; a pipeline that is not kept has not been used.
+        unsafe {
+            let mut new = Pipeline::default();
+            if let Err(error) = new.create(host, pass) {
+                new.destroy(host);
+                return Err(error);
+            }
+            debug::set_name(host, new.handle, pass.name);
+            let kept = *self.lock().entry(key).or_insert(new);
+            if kept.handle != new.handle {
+                new.destroy(host);
+            }
+            Ok(kept)
+        }
+    }
+
+    /// Destroys the pipelines.
+    ///
+    /// # Safety
+    /// `host` is of the device that all of them were made on. Every effect that was made with them is destroyed.
+    pub unsafe fn destroy(&mut self, host: &Host) {
+        for (_, pipeline) in self.lock().drain() {
+            // SAFETY: the caller's.
+            unsafe { pipeline.destroy(host) };
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<Key, Pipeline>> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Pipeline {
+    /// # Safety
+    /// `host` holds valid handles.
+    unsafe fn create(&mut self, host: &Host, pass: &Pass) -> Result<()> {
+        // SAFETY: as above; the layouts are made for the pass.
+        unsafe {
+            self.set_layout = create_set_layout(host, pass)?;
+            self.layout = create_layout(host, pass, self.set_layout)?;
+            self.handle = match &pass.kernel {
+                Kernel::Compute(shader) => create_compute(host, pass, shader, self.layout)?,
+                Kernel::Raster(raster) => raster::create(host, pass, raster, self.layout)?,
+                Kernel::Transfer => vk::Pipeline::null(),
+            };
+        }
+        Ok(())
+    }
+
+    /// # Safety
+    /// `host` is the one that it was made with, and nothing uses it any more.
+    unsafe fn destroy(self, host: &Host) {
+        // SAFETY: as above; null handles are ignored.
+        unsafe {
+            host.device.destroy_pipeline(self.handle, None);
+            host.device.destroy_pipeline_layout(self.layout, None);
+            host.device.destroy_descriptor_set_layout(self.set_layout, None);
+        }
+    }
+}
+
+unsafe fn create_set_layout(host: &Host, pass: &Pass) -> Result<vk::DescriptorSetLayout> {
+    let stages = |number| {
+        let shaders = pass.shaders().into_iter().flatten();
+        let using = shaders.filter(|shader| shader.bindings.iter().any(|other| other.number == number));
+        using.fold(vk::ShaderStageFlags::empty(), |flags, shader| flags | stage_flags(shader.stage))
+    };
+    let bindings: Vec<_> = pass
+        .bindings
+        .iter()
+        .map(|(binding, _)| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(binding.number)
+                .descriptor_type(descriptor_type(binding.kind))
+                .descriptor_count(1)
+                .stage_flags(stages(binding.number))
+        })
+        .collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: the caller's.
+    unsafe { host.device.create_descriptor_set_layout(&info, None) }
+        .map_err(Error::vulkan("vkCreateDescriptorSetLayout", pass.name))
+}
+
+unsafe fn create_layout(host: &Host, pass: &Pass, set_layout: vk::DescriptorSetLayout) -> Result<vk::PipelineLayout> {
+    let (stages, size) = push_range(pass);
+    let range = [vk::PushConstantRange { stage_flags: stages, offset: 0, size }];
+    let layouts = [set_layout];
+    let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
+    if size > 0 {
+        info = info.push_constant_ranges(&range);
+    }
+    // SAFETY: the caller's.
+    unsafe { host.device.create_pipeline_layout(&info, None) }
+        .map_err(Error::vulkan("vkCreatePipelineLayout", pass.name))
+}
+
+unsafe fn create_compute(
+    host: &Host,
+    pass: &Pass,
+    shader: &Shader,
+    layout: vk::PipelineLayout,
+) -> Result<vk::Pipeline> {
+    let mut entries = Vec::new();
+    let specialisation = specialisation(pass, &mut entries);
+    // SAFETY: the caller's; the module is only needed until the pipeline is made.
+    unsafe {
+        let module = create_module(host, shader)?;
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(c"main")
+            .specialization_info(&specialisation);
+        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+        let result = host.device.create_compute_pipelines(host.pipeline_cache, &[info], None);
+        host.device.destroy_shader_module(module, None);
+        let pipelines = result.map_err(|(_, e)| e).map_err(Error::vulkan("vkCreateComputePipelines", pass.name))?;
+        Ok(pipelines[0])
+    }
+}
