@@ -57,10 +57,14 @@ void main() {
     if (gl_LocalInvocationIndex == 0u) {
         unexplained = 0u;
     }
-    gather(range, earlier, later, steps, 0u, ALL);
-    solve(steps);
-    gather(range, earlier, later, steps, CLEAR, ALL);
-    solve(steps);
+    barrier();
+    // Without a place every light explains all there is: nothing.
+    if (range.y > 0u) {
+        gather(range, earlier, later, steps, 0u, ALL);
+        solve(steps);
+        gather(range, earlier, later, steps, CLEAR, ALL);
+        solve(steps);
+    }
     uint sum = 0u;
     for (uint i = gl_LocalInvocationIndex; i < range.y; i += gl_WorkGroupSize.x) {
         Site site = sites[range.x + i];

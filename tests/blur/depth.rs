@@ -8,7 +8,7 @@ use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::Vertex;
 use celfx::view::Light;
 
-use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
 use crate::scenes::{Animation, grid, swing};
 
@@ -145,7 +145,7 @@ fn compare(found: &[f32], samples: &Samples, rig: &BlurRig, what: &str) -> usize
 #[test]
 fn the_hosts_depth_takes_that_of_the_distorted_mesh() {
     for convention in CONVENTIONS {
-        let settings = Settings { skirt: 0.0, ..Settings::default() };
+        let settings = Settings { skirt: 0.0, ..incomplete() };
         let Some(mut scene) = Scene::new(settings, Some(convention), false) else { return };
         scene.render(true, true);
         let (found, samples) = (scene.rig.host_depths(), scene.distorted());
@@ -173,7 +173,7 @@ fn a_mesh_that_is_not_blurred_has_its_own_depth() {
 #[test]
 fn what_the_host_has_drawn_nearer_hides_the_mesh() {
     for convention in CONVENTIONS {
-        let Some(mut scene) = Scene::new(Settings::default(), Some(convention), false) else { return };
+        let Some(mut scene) = Scene::new(incomplete(), Some(convention), false) else { return };
         scene.render(true, true);
         let (free, depths) = (scene.rig.picture(), scene.rig.host_depths());
         scene.render(false, false);
@@ -222,7 +222,7 @@ fn a_depth_changes_no_pixel_of_the_picture() {
 #[test]
 fn edges_are_the_meshs_share_of_each_pixel() {
     // Two images of one colour each, so that what is the mesh's and what is not is known.
-    let settings = Settings { skirt: 0.0, ..Settings::default() };
+    let settings = Settings { skirt: 0.0, ..incomplete() };
     let Some(mut scene) = Scene::new(settings, Some((true, f32::INFINITY)), false) else { return };
     for frame in 0..2 {
         scene.rig.set_image(frame, &[[0.5, 0.25, 1.0, 1.0]; PIXELS]);

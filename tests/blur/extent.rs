@@ -9,7 +9,7 @@ use celfx::blur::settings::Ghosts;
 use celfx::blur::{Cluster, Desc, Interval, Mesh, Settings};
 use celfx::low_level::blur::params::Vertex;
 
-use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
 use crate::scenes::{mesh, swing};
 
@@ -48,7 +48,7 @@ fn device(interval: &Interval, triangle: [u32; 3]) -> Option<Vec<Vertex>> {
     let points = interval.motion.len();
     let mesh = mesh(points, &[triangle]);
     // With an after-image, triangles outside of the small picture are refined, too.
-    let settings = Settings { ghosts: Ghosts { count: 1, ..Ghosts::default() }, ..Settings::default() };
+    let settings = Settings { ghosts: Ghosts { count: 1, ..Ghosts::default() }, ..incomplete() };
     let desc = desc(animation.size, &mesh, settings);
     let mut rig =
         BlurRig::new(Desc { size: [64, 64], frames_resident: 4, layers: false, most_triangles: 200, ..desc }, mesh)?;
@@ -181,7 +181,7 @@ fn smoothing_is_the_references() {
     let sides = [24, 16];
     let animation = swing(sides, 6, [480, 270], 0.4);
     for (strength, rounds, teeth) in [(1.0, 8, 43), (0.4, 3, 1), (3.0, 5, 7), (1.0, 0, 2)] {
-        let settings = Settings { strength, seam_smoothing: rounds, ..Settings::default() };
+        let settings = Settings { strength, seam_smoothing: rounds, ..incomplete() };
         let mesh: Mesh = crate::scenes::grid(sides);
         let desc = desc(animation.size, &mesh, settings);
         let segments = desc.segments as usize;

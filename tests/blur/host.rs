@@ -113,7 +113,7 @@ fn skipping_changes_nothing() {
     ];
     for settings in all {
         // Tiles that are not whole at the right and at the bottom.
-        let size = [250, 141];
+        let size = [154, 93];
         let make = |effort| Film::without_layers(800, size, 18..26, settings.clone(), effort);
         let (Some(mut film), Some(mut whole)) = (make(Effort::Needed), make(Effort::Everything)) else { return };
         for i in 1..4 {

@@ -1,8 +1,8 @@
 //! Normals of places where many triangles meet, against f64.
 
-use celfx::blur::{Desc, Settings};
+use celfx::blur::{Background, Desc, Settings};
 use celfx::low_level::blur::layout;
-use celfx::view::Camera;
+use celfx::view::{Camera, Light};
 use glam::DVec3;
 
 use crate::common::blur::{BlurRig, Shot, desc};
@@ -30,10 +30,12 @@ fn fan(count: u32, turned: bool) -> Option<[[DVec3; 2]; 2]> {
     let mesh = mesh(count as usize + 2, &triangles);
     let labels: Vec<u32> = (0..count + 2).map(|point| u32::from((1..9).contains(&point))).collect();
     let interval = interval(&animation, 1, &labels, 0.5, 5, 1);
-    let desc = Desc { frames_resident: 4, layers: false, ..desc(SIZE, &mesh, Settings::default()) };
+    let desc = Desc { frames_resident: 4, layers: false, toon: true, ..desc(SIZE, &mesh, Settings::default()) };
     let group = mesh.normal_groups()[if turned { count as usize - 1 } else { 0 }][0] as usize;
     let groups = desc.groups as usize;
     let mut rig = BlurRig::new(desc, mesh)?;
+    // Drawn frames need normals, and no light has to be found in images.
+    rig.toon = Some((Light::default(), Background::Keep));
     let knots = animation.knots(1, 1);
     let poses = Some((0, &animation.poses[..]));
     let shot = Shot { poses, interval: Some(&interval), views: animation.views(1), knots: Some(&knots) };

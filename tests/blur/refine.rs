@@ -10,7 +10,7 @@ use celfx::blur::{Desc, Interval, Mesh, Settings};
 use celfx::low_level::blur::params::{BASE_MASK, CULLED, Control, ENDED_BY_BUDGET, Vertex};
 use celfx::simulate::mesh::Builtin;
 
-use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::scenes::{Animation, grid, interval, swing};
 use crate::toon::Film;
 
@@ -102,7 +102,7 @@ fn expected(refined: &Refined) -> BTreeSet<Row> {
 
 #[test]
 fn triangles_are_the_references() {
-    let settings = Settings::default;
+    let settings = incomplete;
     let cases = [
         ("error", Settings { tolerance: 4.0, ..settings() }),
         ("length", Settings { refine: Refine::Length, edge: 40.0, ..settings() }),
@@ -128,7 +128,7 @@ fn what_is_outside_the_picture_is_not_refined() {
     // How far the camera is to the side; how far it is until nothing is seen of the mesh.
     for (aside, is_outside) in [(2.6, false), (4.5, true)] {
         for refine in [Refine::Error, Refine::Length] {
-            let settings = Settings { tolerance: 2.0, edge: 40.0, refine, ..Settings::default() };
+            let settings = Settings { tolerance: 2.0, edge: 40.0, refine, ..incomplete() };
             let mut case = Case::new(settings);
             for camera in &mut case.animation.cameras {
                 camera.eye.x += aside;
@@ -157,7 +157,7 @@ fn open_edges(rig: &mut BlurRig) -> Vec<[[u32; 3]; 2]> {
 #[test]
 fn there_are_no_cracks() {
     for tolerance in [4.0, 1.0, 0.3] {
-        let case = Case::new(Settings { tolerance, ..Settings::default() });
+        let case = Case::new(Settings { tolerance, ..incomplete() });
         let Some((mut rig, _)) = case.refined(4) else { return };
         let border = open_edges(&mut rig);
         // The grid's own border, divided: a closed way on which each vertex has one edge before and one after.
@@ -174,7 +174,7 @@ fn there_are_no_cracks() {
 
 #[test]
 fn a_budget_ends_it_and_is_reported() {
-    let mut case = Case::new(Settings { tolerance: 0.5, ..Settings::default() });
+    let mut case = Case::new(Settings { tolerance: 0.5, ..incomplete() });
     case.desc.most_triangles = 1000;
     let Some((mut rig, interval)) = case.refined(3) else { return };
     let refined = case.reference(&interval);
@@ -188,7 +188,7 @@ fn a_budget_ends_it_and_is_reported() {
 /// Nothing ends where the tolerance is 0, but edges of a quarter of a pixel, the rounds and the budget.
 #[test]
 fn no_tolerance_ends() {
-    let mut case = Case::new(Settings { tolerance: 0.0, ..Settings::default() });
+    let mut case = Case::new(Settings { tolerance: 0.0, ..incomplete() });
     (case.desc.size, case.animation.size) = ([48, 27], [48, 27]);
     case.desc.most_triangles = 400_000;
     let Some((mut rig, _)) = case.refined(3) else { return };
@@ -205,7 +205,7 @@ fn no_tolerance_ends() {
 
 #[test]
 fn same_frame_same_bits() {
-    let case = Case::new(Settings { tolerance: 2.0, ..Settings::default() });
+    let case = Case::new(Settings { tolerance: 2.0, ..incomplete() });
     let Some((mut first, _)) = case.refined(3) else { return };
     let Some((mut second, _)) = case.refined(3) else { return };
     assert!(first.finished() == second.finished(), "triangles in the same order");

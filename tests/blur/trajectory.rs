@@ -5,7 +5,7 @@ use celfx::blur::settings::Space;
 use celfx::blur::{Desc, Settings};
 use celfx::low_level::blur::params::Piece;
 
-use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
 use crate::scenes::{Animation, grid, interval, natural, spline, swing};
 
@@ -27,7 +27,7 @@ fn offset(start: [f32; 4], piece: &Piece, first: bool, screen: bool, u: f32) -> 
 fn worst(animation: &Animation, sides: [u32; 2], i: usize, space: Space) -> Option<f64> {
     let screen = space == Space::Screen;
     let mesh = grid(sides);
-    let settings = Settings { space, strength: 3.0, ..Settings::default() };
+    let settings = Settings { space, strength: 3.0, ..incomplete() };
     let desc = Desc { frames_resident: 7, ..desc(animation.size, &mesh, settings) };
     let segments = desc.segments as usize;
     let mut rig = BlurRig::new(Desc { frames_resident: animation.poses.len() as u32, ..desc }, mesh)?;
@@ -119,7 +119,7 @@ fn poses_make_the_pieces_of_the_interval() {
             animation.poses[frame] = animation.poses[frame - 1].clone();
             animation.cameras[frame] = animation.cameras[frame - 1];
         }
-        let settings = Settings { strength, space, ..Settings::default() };
+        let settings = Settings { strength, space, ..incomplete() };
         let pose = |frame: usize| Pose {
             positions: &animation.poses[frame],
             camera: &animation.cameras[frame],

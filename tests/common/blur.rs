@@ -1,6 +1,7 @@
 //! The blur effect under validation, and everything that it makes read back.
 
 use ash::vk;
+use celfx::blur::settings::Completion;
 use celfx::blur::{
     Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, GroupInput, HostDepth, Interval, IntervalInput,
     Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View,
@@ -32,6 +33,11 @@ pub fn desc(size: [u32; 2], mesh: &Mesh, settings: Settings) -> Desc {
         layers: true,
         ..Desc::new(mesh, size, settings)
     }
+}
+
+/// Settings for tests that do not look at what completion makes, which takes longest by far.
+pub fn incomplete() -> Settings {
+    Settings { completion: Completion::None, ..Settings::default() }
 }
 
 /// What an output is made of.
