@@ -100,16 +100,18 @@ fn fire_by_repetitions_by_its_limit_and_by_blending() {
             (&"flame".into(), &"accumulate".into(), &"thin".into())
         );
         assert!(field(row, "gpu_ms") > 0.0 && field(row, "items") > 16.0 * 600.0, "{row}");
-        assert!((5e-3..0.1).contains(&field(row, "error_rms")), "{row}");
+        // A value between 0 and 1 has a variance of 1/4 at most, its mean of 16 a deviation of 1/8.
+        assert!((f64::MIN_POSITIVE..0.125).contains(&field(row, "error_rms")), "{row}");
     }
     // Two ways to the same picture.
     let error = |row: &serde_json::Value| field(row, "error_rms");
-    assert!((error(&repetitions[0]) - error(&repetitions[1])).abs() < 1e-4);
+    // Which is that of the same samples: sums differ in rounding only.
+    assert!((error(&repetitions[0]) - error(&repetitions[1])).abs() < 1e-6);
 
     let expected = rows("flame", "expected 32/thin", &folder);
     assert!(error(&expected[0]) < 0.5 * error(&repetitions[1]), "{}", expected[0]);
     for row in rows("flame", "ed/thin", &folder) {
-        assert!((error(&expected[0])..0.2).contains(&error(&row)), "blending is biased: {row}");
+        assert!((error(&expected[0])..1.0).contains(&error(&row)), "blending is biased: {row}");
     }
     let frame = rows("flame", "frame/R=10/paper", &folder);
     assert_eq!((frame.len(), &frame[0]["pass"]), (1, &"frame".into()));
@@ -134,6 +136,7 @@ fn hulls_windows_and_fine_triangles() {
     assert!(field(&refine[0], "error_p99") < 1.5 && field(&refine[0], "items") > 1000.0, "{}", refine[0]);
     let frame = rows("blur", "frame/default/paper", &folder);
     assert_eq!((frame.len(), &frame[0]["effect"]), (1, &"blur".into()));
+    // Edges are a tolerance of a pixel off, and few pixels are beside an edge: a hundredth, at most as much as 1.
     assert!(field(&frame[0], "error_rms") < 0.1 && field(&frame[0], "cpu_ms") > 0.0, "{}", frame[0]);
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }

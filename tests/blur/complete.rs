@@ -23,6 +23,8 @@ use crate::scenes::Animation;
 
 const SIZE: [u32; 2] = [240, 136];
 const I: usize = 2;
+/// Of 8 bits.
+const STEP: f64 = 1.0 / 255.0;
 const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
 
 /// A mesh, how it moves, and what its triangles are painted with.
@@ -345,14 +347,13 @@ fn completion_is_the_references() {
             let certain: Vec<usize> = (0..PIXELS).filter(|p| !expected.uncertain[*p]).collect();
             let mut errors: Vec<f64> = certain.iter().map(|p| off(picture[*p], expected.picture[*p])).collect();
             errors.sort_by(f64::total_cmp);
-            let wrong = errors.iter().filter(|e| **e > 4e-3).count();
+            let wrong = errors.iter().filter(|e| **e > STEP).count();
             eprintln!("{name}: masks {counts:?}, {} certain, {wrong} off, worst {:?}", certain.len(), errors.last());
             assert!(counts[1] + counts[2] > 300 && certain.len() > PIXELS * 8 / 10, "{name}");
-            // What is uncertain is what the gradient goes on from.
-            let allowed = if completion == Completion::Gradient { PIXELS / 100 } else { PIXELS / 2000 };
-            assert!(wrong <= allowed, "{name}: {wrong} of {}", certain.len());
+            // Floats may decide otherwise than f64 where two ways are equally good, which few pixels are.
+            assert!(wrong <= certain.len() / 1000, "{name}: {wrong} of {}", certain.len());
             let still = certain.iter().filter(|p| expected.picture[**p] == case.images[2][**p].map(f64::from));
-            assert!(still.into_iter().all(|p| off(picture[*p], expected.picture[*p]) < 4e-3), "{name}");
+            assert!(still.into_iter().all(|p| off(picture[*p], expected.picture[*p]) < STEP), "{name}");
         }
     }
 }

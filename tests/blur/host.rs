@@ -73,13 +73,9 @@ fn targets_of_eight_bits_are_floats_rounded() {
         // sRGB is up to 1 / 115 of linear light.
         let step = if format == vk::Format::R8G8B8A8_UNORM { 1.0 / 255.0 } else { 1.0 / 115.0 };
         let off = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
-        let mut differences: Vec<f32> = exact.iter().zip(&rounded).map(off).collect();
-        differences.sort_by(f32::total_cmp);
-        let (usual, worst) = (differences[differences.len() * 99 / 100], differences[differences.len() - 1]);
-        eprintln!("{format:?}: {usual:.4}, {worst:.4}");
-        assert!(usual <= 1.5 * step, "{format:?}: {usual}");
-        // Completion decides by colours which prediction is the better one.
-        assert!(worst < 0.5, "{format:?}: {worst}");
+        let worst = exact.iter().zip(&rounded).map(off).fold(0.0, f32::max);
+        eprintln!("{format:?}: {worst:.4}");
+        assert!(worst <= 1.5 * step, "{format:?}: {worst}");
     }
 }
 
