@@ -1,10 +1,9 @@
 //! The Rust text of a shader, of blocks and of constants.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::reflect::{Block, Blocks};
-use crate::source::Constant;
+use crate::source::{Comments, Constant};
 use crate::{Compiled, Reflection};
 
 /// A shader as the module `module`.
@@ -44,8 +43,12 @@ fn upper_case(name: &str) -> String {
 }
 
 /// Structures with the members, offsets and sizes of blocks, documented as the shaders document them.
-pub fn blocks(table: &mut String, blocks: &Blocks, comments: &BTreeMap<(String, String), String>) {
+/// `shared` names those that are declared for all folders.
+pub fn blocks(table: &mut String, blocks: &Blocks, shared: &[String], comments: &Comments) {
     table.push_str("/// Structures that host and shaders share.\npub mod blocks {\nuse bytemuck::{Pod, Zeroable};\n");
+    for name in shared {
+        let _ = writeln!(table, "pub use crate::shaders::shared::blocks::{name};");
+    }
     for (name, Block { members, size }) in blocks {
         let comment = |member: &str| comments.get(&(name.clone(), member.to_owned())).filter(|text| !text.is_empty());
         let doc = |member: &str, shown: &str| match comment(member) {

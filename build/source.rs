@@ -44,8 +44,11 @@ fn rust_value(value: &str) -> String {
     value.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// Comments on the members of a file's blocks: (block, member) -> comment; on a block itself: (block, "").
-pub fn comments(text: &str, into: &mut BTreeMap<(String, String), String>) {
+/// Comments on the members of blocks: (block, member) -> comment; on a block itself: (block, "").
+pub type Comments = BTreeMap<(String, String), String>;
+
+/// Those of a file.
+pub fn comments(text: &str, into: &mut Comments) {
     let mut block = None;
     let mut above = String::new();
     for line in text.lines() {

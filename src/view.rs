@@ -5,6 +5,7 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::error::{Error, Result};
 use crate::settings::Rule;
 pub use crate::shaders::common::constants::FARTHEST;
+use crate::shaders::shared::blocks::CameraRows;
 
 /// Largest component of a linear colour that is taken, of settings as of pixels and vertices: far beyond what half floats
 /// hold, and so far below what single floats hold that products of several are finite.
@@ -107,29 +108,24 @@ fn is_near(point: DVec3) -> bool {
     point.to_array().iter().all(|x| x.abs() <= f64::from(FARTHEST))
 }
 
-/// A camera as kernels take it: the eye and the rows of the rotation, each as a sum of two floats, and the lens. The
-/// fields of the same names lead every effect's parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CameraRows {
-    pub(crate) eye: [[f32; 4]; 2],
-    /// Right, up, forward.
-    pub(crate) rows: [[[f32; 4]; 2]; 3],
-    /// Half extent at depth 1 along x and y, near, far.
-    pub(crate) lens: [f32; 4],
-}
-
 impl CameraRows {
-    pub(crate) fn new(camera: &Camera, size: [u32; 2]) -> CameraRows {
+    pub(crate) fn new(camera: &Camera) -> CameraRows {
         let split = |v: DVec3| {
             let high = v.as_vec3();
             [high, (v - high.as_dvec3()).as_vec3()].map(|part| part.extend(0.0).to_array())
         };
         let rotation = camera.rotation();
-        let half = camera.half_extent(size).as_vec2();
+        let [right, up, forward] = [0, 1, 2].map(|axis| split(rotation.row(axis)));
+        let [eye, eye_low] = split(camera.eye);
         CameraRows {
-            eye: split(camera.eye),
-            rows: [0, 1, 2].map(|axis| split(rotation.row(axis))),
-            lens: [half.x, half.y, camera.near as f32, camera.far as f32],
+            eye,
+            eye_low,
+            right: right[0],
+            up: up[0],
+            forward: forward[0],
+            right_low: right[1],
+            up_low: up[1],
+            forward_low: forward[1],
         }
     }
 }

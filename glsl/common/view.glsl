@@ -4,14 +4,14 @@
 
 // World to view space, rounded once: what a small sphere far away looks like depends on the last bits. w: what z lost.
 vec4 to_view_and_rest(vec3 p) {
-    vec2 x = two_sum(p.x, -params.eye.x);
-    vec2 y = two_sum(p.y, -params.eye.y);
-    vec2 z = two_sum(p.z, -params.eye.z);
+    vec2 x = two_sum(p.x, -params.camera.eye.x);
+    vec2 y = two_sum(p.y, -params.camera.eye.y);
+    vec2 z = two_sum(p.z, -params.camera.eye.z);
     vec3 q = vec3(x.x, y.x, z.x);
-    vec3 q_low = vec3(x.y, y.y, z.y) - params.eye_low.xyz;
-    vec2 depth = along_parts(params.forward.xyz, params.forward_low.xyz, q, q_low);
+    vec3 q_low = vec3(x.y, y.y, z.y) - params.camera.eye_low.xyz;
+    vec2 depth = along_parts(params.camera.forward.xyz, params.camera.forward_low.xyz, q, q_low);
     vec2 z_parts = two_sum(depth.x, depth.y);
-    return vec4(along_row(params.right.xyz, params.right_low.xyz, q, q_low), along_row(params.up.xyz, params.up_low.xyz, q, q_low),
+    return vec4(along_row(params.camera.right.xyz, params.camera.right_low.xyz, q, q_low), along_row(params.camera.up.xyz, params.camera.up_low.xyz, q, q_low),
                 z_parts);
 }
 

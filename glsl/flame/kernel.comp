@@ -14,10 +14,10 @@ layout(std430, binding = 4) readonly buffer ControlBuffer { Control control; };
 // The chord through the space at an offset across, in metres; empty where begin > end.
 vec2 chord(vec2 at, float radius) {
     if (CUBE == 1u) {
-        vec3 across = params.right.xyz * at.x + params.up.xyz * at.y;
+        vec3 across = params.camera.right.xyz * at.x + params.camera.up.xyz * at.y;
         vec2 range = vec2(-1e30, 1e30);
         for (int axis = 0; axis < 3; ++axis) {
-            float along = params.forward[axis];
+            float along = params.camera.forward[axis];
             along = abs(along) < 1e-6 ? 1e-6 : along;
             vec2 ends = (vec2(-radius, radius) - across[axis]) / along;
             range = vec2(max(range.x, min(ends.x, ends.y)), min(range.y, max(ends.x, ends.y)));

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "common/bits.glsl"
+#include "common/camera.glsl"
 
 const uint TILE = 16u;          // side of a screen tile in pixels
 const uint BLOCK = 8u;          // side of a block in pixels; a tile is 2 x 2 blocks
@@ -53,14 +54,7 @@ struct CellLevel {
 };
 
 layout(binding = 0) uniform FlameParams {
-    vec4 eye;                 // position of the camera, high part; w: unused
-    vec4 eye_low;             // what `eye` lost in rounding
-    vec4 right;               // rows of the view rotation; w: unused
-    vec4 up;
-    vec4 forward;
-    vec4 right_low;           // what they lost in rounding
-    vec4 up_low;
-    vec4 forward_low;
+    CameraRows camera;
     float near;               // view depths that are seen, in metres
     float far;
     float focal_length;       // pixels of a slope of 1

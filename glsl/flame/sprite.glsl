@@ -28,7 +28,7 @@ struct Optics {
 };
 
 Optics optics_of_frame(uint level) {
-    return Optics(params.right.xyz, params.up.xyz, params.forward.xyz, params.spread, depth_base(),
+    return Optics(params.camera.right.xyz, params.camera.up.xyz, params.camera.forward.xyz, params.spread, depth_base(),
         params.near - depth_base(), params.far - depth_base(), params.focal_length,
         0.5 * params.sprite_size, params.is_in_pixels != 0u, params.variants, 0.5 * float(MASK_SIDE >> level), float(1u << (2u * level)));
 }

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "common/bits.glsl"
+#include "common/camera.glsl"
 
 const uint TILE = 32u;                 // side of a screen tile in pixels
 const uint BLOCK = 8u;                 // side of a block in pixels
@@ -24,14 +25,7 @@ struct PyramidLevel {
 };
 
 layout(binding = 0) uniform SmokeParams {
-    vec4 eye;          // position of the camera, high part; w: unused
-    vec4 eye_low;      // what `eye` lost in rounding
-    vec4 right;        // rows of the view rotation; w: unused
-    vec4 up;
-    vec4 forward;
-    vec4 right_low;    // what they lost in rounding
-    vec4 up_low;
-    vec4 forward_low;
+    CameraRows camera;
     vec2 half_extent;  // of the picture at depth 1, along x and y
     float near;        // nearest depth that is seen, metres
     float far;         // farthest

@@ -2,7 +2,7 @@
 #include "../common/view.glsl"
 
 vec3 to_world_direction(vec3 v) {
-    return params.right.xyz * v.x + params.up.xyz * v.y + params.forward.xyz * v.z;
+    return params.camera.right.xyz * v.x + params.camera.up.xyz * v.y + params.camera.forward.xyz * v.z;
 }
 
 // The ray through a pixel's centre, with z = 1: its parameter is the view depth.

@@ -9,7 +9,6 @@ use crate::flame::layout::Layout;
 use crate::flame::settings::{MOST_REPETITIONS, Mode, Shape};
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
-use crate::view::CameraRows;
 
 /// Bits of an index into the Sobol sequence for so many repetitions, 1 to 20.
 pub fn sobol_bits(repetitions: u32) -> u32 {
@@ -48,9 +47,6 @@ impl FlameParams {
     /// Parameters of a frame, as the kernels read them.
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, table: &Table, max_alpha: f32) -> Self {
         let settings = &desc.settings;
-        let CameraRows { eye, rows, lens } = CameraRows::new(&frame.camera, desc.size);
-        let [[right, right_low], [up, up_low], [forward, forward_low]] = rows;
-        let [_, _, near, far] = lens;
         let [width, height] = desc.size;
         let focal_length = f64::from(height) / 2.0 / frame.camera.half_extent(desc.size).y;
         // Draws are renewed as a whole, and the fraction is those particles' whose phases make one more of it.
@@ -65,16 +61,9 @@ impl FlameParams {
         let mut cell_levels = [CellLevel::zeroed(); MAX_CELL_LEVELS as usize];
         cell_levels.iter_mut().zip(&layout.levels).for_each(|(to, level)| *to = *level);
         FlameParams {
-            eye: eye[0],
-            eye_low: eye[1],
-            right,
-            up,
-            forward,
-            right_low,
-            up_low,
-            forward_low,
-            near,
-            far,
+            camera: CameraRows::new(&frame.camera),
+            near: frame.camera.near as f32,
+            far: frame.camera.far as f32,
             focal_length: focal_length as f32,
             pixel_slope: (1.0 / focal_length) as f32,
             principal_point: [width as f32 / 2.0, height as f32 / 2.0],

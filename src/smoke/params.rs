@@ -11,7 +11,7 @@ use crate::smoke::layout::Layout;
 use crate::smoke::search::Pyramid;
 use crate::smoke::settings::{Emitter, Settings};
 use crate::toon::Outline;
-use crate::view::{Camera, CameraRows, Light, LightSource};
+use crate::view::{Camera, Light, LightSource};
 
 impl Control {
     /// The state at the start of a frame.
@@ -46,22 +46,13 @@ impl SmokeParams {
     }
 
     fn set_picture(&mut self, desc: &Desc, layout: &Layout, camera: &Camera) {
-        let CameraRows { eye: [eye, eye_low], rows, lens: [half_width, half_height, near, far] } =
-            CameraRows::new(camera, desc.size);
-        let [[right, right_low], [up, up_low], [forward, forward_low]] = rows;
-        let footprint = 2.0 * camera.half_extent(desc.size).y / f64::from(desc.size[1]);
+        let half_extent = camera.half_extent(desc.size);
+        let footprint = 2.0 * half_extent.y / f64::from(desc.size[1]);
         *self = SmokeParams {
-            eye,
-            eye_low,
-            right,
-            up,
-            forward,
-            right_low,
-            up_low,
-            forward_low,
-            half_extent: [half_width, half_height],
-            near,
-            far,
+            camera: CameraRows::new(camera),
+            half_extent: half_extent.as_vec2().to_array(),
+            near: camera.near as f32,
+            far: camera.far as f32,
             size: desc.size,
             tiles: layout.tiles,
             pixel_footprint: footprint as f32,
