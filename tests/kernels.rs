@@ -4,8 +4,8 @@
 
 mod common;
 
-#[path = "kernels/variants.rs"]
-mod variants;
+#[path = "kernels/radv.rs"]
+mod radv;
 #[path = "kernels/ways.rs"]
 mod ways;
 
@@ -48,9 +48,8 @@ fn swiftshader_makes_every_pipeline() {
     };
     let mut kernels = Kernels::new();
     let mut slow = Vec::new();
-    for variant in variants::all() {
-        slow.extend(variant.iter().filter_map(|pass| make(&headless, &kernels, pass)));
-    }
+    let passes = celfx::program::variants().expect("allowed settings");
+    slow.extend(passes.iter().filter_map(|pass| make(&headless, &kernels, pass)));
     println!("{} pipelines", kernels.count());
     // SAFETY: valid handles; nothing was submitted.
     unsafe { kernels.destroy(&headless.host()) };

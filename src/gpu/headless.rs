@@ -16,6 +16,7 @@ pub use devices::{DeviceInfo, Report, report};
 pub use instance::{Messages, VALIDATION_LAYER};
 
 use crate::error::Result;
+use crate::gpu::costs::Cost;
 use crate::gpu::debug;
 use crate::gpu::kernels::Kernels;
 use crate::host::{Host, requirements};
@@ -36,6 +37,8 @@ pub struct Options {
     /// Asked before each submission and every tenth of a second while one is waited for, with how long that has been:
     /// whether to go on. Once it says no, nothing is submitted any more, and what runs gets a second to end.
     pub go_on: fn(Duration) -> bool,
+    /// Enables what [`Kernels::with_costs`] needs, where the device has it.
+    pub costs: bool,
     /// Wrapper that all calls of the device then go through. For tests, which let calls fail.
     #[doc(hidden)]
     pub table: fn(ash::Device) -> ash::Device,
@@ -43,7 +46,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { validate: false, device: None, timeout: None, go_on: |_| true, table: |device| device }
+        Options { validate: false, costs: false, device: None, timeout: None, go_on: |_| true, table: |device| device }
     }
 }
 
@@ -111,6 +114,7 @@ pub struct Headless {
     /// Dropped by hand, before the device whose memory it holds.
     allocator: ManuallyDrop<Allocator>,
     kernels: Kernels,
+    has_costs: bool,
     opened: Opened,
     queue: Queue,
 }
@@ -153,7 +157,14 @@ impl Headless {
         let mut features = vk::PhysicalDeviceVulkan13Features::default();
         requirements().features.enable(&mut features);
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
-        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+        let mut info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+        let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
+        let extensions = [vk::KHR_PIPELINE_EXECUTABLE_PROPERTIES_NAME.as_ptr()];
+        let has_costs = options.costs && devices::has_costs(&instance, candidate.physical_device);
+        if has_costs {
+            executables = executables.pipeline_executable_info(true);
+            info = info.enabled_extension_names(&extensions).push_next(&mut executables);
+        }
         // SAFETY: a physical device of this instance, which supports these features and has this queue family.
         let device = unsafe { instance.raw.create_device(candidate.physical_device, &info, None) }
             .map_err(|e| format!("vkCreateDevice returned {e:?}"))?;
@@ -188,7 +199,8 @@ impl Headless {
         // SAFETY: the device is valid; debug utils is asked for where it is enabled.
         let debug = unsafe { if instance.has_debug_utils { debug::table(&instance.raw, &device) } else { None } };
         let opened = Opened { candidate, device, debug, instance: ManuallyDrop::new(instance) };
-        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels: Kernels::new(), opened, queue })
+        let kernels = if has_costs { Kernels::with_costs() } else { Kernels::new() };
+        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels, has_costs, opened, queue })
     }
 
     /// The host that an effect is made and recorded with.
@@ -204,6 +216,20 @@ impl Headless {
     /// The same with the device's pipelines, for making effects.
     pub fn making(&mut self) -> (Host<'_>, &Kernels, &mut Allocator) {
         (self.opened.host(), &self.kernels, &mut self.allocator)
+    }
+
+    /// The device's pipelines.
+    pub fn kernels(&self) -> &Kernels {
+        &self.kernels
+    }
+
+    /// What the pipelines cost that were made on it; none if the device does not say, or [`Options::costs`] was not set.
+    ///
+    /// # Errors
+    /// A failed Vulkan call.
+    pub fn costs(&self) -> Result<Option<Vec<Cost>>> {
+        // SAFETY: the device's own handles; the kernels were made so.
+        self.has_costs.then(|| unsafe { self.kernels.costs(&self.host()) }).transpose()
     }
 
     /// Bytes of the allocator's that are in use.

@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use ash::vk;
 
 use crate::error::{Error, Result};
+use crate::gpu::costs::{Cost, executables};
 use crate::gpu::module::{create_module, specialisation};
 use crate::gpu::pipelines::{descriptor_type, push_range, stage_flags};
 use crate::gpu::{debug, raster};
@@ -18,10 +19,20 @@ use crate::plan::{Blend, Kernel, Pass, Shader, Topology};
 /// It may be used by several threads at once. It must outlive the effects that are made with it, and is then destroyed.
 #[derive(Debug, Default)]
 pub struct Kernels {
-    made: Mutex<HashMap<Key, Pipeline>>,
+    made: Mutex<HashMap<Key, Made>>,
+    /// Of pipelines.
+    flags: vk::PipelineCreateFlags,
 }
 
-/// A pipeline and what it was made from.
+/// A pipeline, and what it was made for.
+#[derive(Debug)]
+struct Made {
+    pipeline: Pipeline,
+    pass: &'static str,
+    shaders: Vec<&'static str>,
+}
+
+/// A pipeline and its layouts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pipeline {
     pub handle: vk::Pipeline,
@@ -61,6 +72,33 @@ impl Kernels {
         Kernels::default()
     }
 
+    /// Has no pipeline yet, and lets the driver keep what each costs. The device has
+    /// `VK_KHR_pipeline_executable_properties` and its feature enabled.
+    pub fn with_costs() -> Kernels {
+        Kernels { flags: vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR, ..Kernels::default() }
+    }
+
+    /// What each pipeline costs, by pass, shaders and specialisation.
+    ///
+    /// # Errors
+    /// A failed Vulkan call.
+    ///
+    /// # Safety
+    /// `host` is of the device that all of them were made on, and this was made by [`Kernels::with_costs`].
+    pub unsafe fn costs(&self, host: &Host) -> Result<Vec<Cost>> {
+        let made = self.lock();
+        let cost = |(key, made): (&Key, &Made)| {
+            // SAFETY: the caller's.
+            let executables = unsafe { executables(host, made.pipeline.handle)? };
+            let (shaders, specialisation) = (made.shaders.clone(), key.specialisation.clone());
+            Ok(Cost { pass: made.pass, shaders, specialisation, executables })
+        };
+        let mut costs = made.iter().map(cost).collect::<Result<Vec<Cost>>>()?;
+        drop(made);
+        costs.sort_by(|a, b| (a.pass, &a.shaders, &a.specialisation).cmp(&(b.pass, &b.shaders, &b.specialisation)));
+        Ok(costs)
+    }
+
     /// How many pipelines there are.
     pub fn count(&self) -> usize {
         self.lock().len()
@@ -87,19 +125,20 @@ impl Kernels {
     /// `host` holds valid handles, of the same device in all calls.
     pub(crate) unsafe fn pipeline(&self, host: &Host, pass: &Pass) -> Result<Pipeline> {
         let key = Key::of(pass);
-        if let Some(pipeline) = self.lock().get(&key) {
-            return Ok(*pipeline);
+        if let Some(made) = self.lock().get(&key) {
+            return Ok(made.pipeline);
         }
         // Others need not wait while it is compiled. Whoever made the same meanwhile was first.
         // SAFETY: the caller's; a pipeline that is not kept has not been used.
         unsafe {
             let mut new = Pipeline::default();
-            if let Err(error) = new.create(host, pass) {
+            if let Err(error) = new.create(host, pass, self.flags) {
                 new.destroy(host);
                 return Err(error);
             }
             debug::set_name(host, new.handle, pass.name);
-            let kept = *self.lock().entry(key).or_insert(new);
+            let shaders = pass.shaders().into_iter().flatten().map(|shader| shader.file).collect();
+            let kept = self.lock().entry(key).or_insert(Made { pipeline: new, pass: pass.name, shaders }).pipeline;
             if kept.handle != new.handle {
                 new.destroy(host);
             }
@@ -112,13 +151,13 @@ impl Kernels {
     /// # Safety
     /// `host` is of the device that all of them were made on. Every effect that was made with them is destroyed.
     pub unsafe fn destroy(&mut self, host: &Host) {
-        for (_, pipeline) in self.lock().drain() {
+        for (_, made) in self.lock().drain() {
             // SAFETY: the caller's.
-            unsafe { pipeline.destroy(host) };
+            unsafe { made.pipeline.destroy(host) };
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, HashMap<Key, Pipeline>> {
+    fn lock(&self) -> MutexGuard<'_, HashMap<Key, Made>> {
         self.made.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -126,14 +165,14 @@ impl Kernels {
 impl Pipeline {
     /// # Safety
     /// `host` holds valid handles.
-    unsafe fn create(&mut self, host: &Host, pass: &Pass) -> Result<()> {
+    unsafe fn create(&mut self, host: &Host, pass: &Pass, flags: vk::PipelineCreateFlags) -> Result<()> {
         // SAFETY: as above; the layouts are made for the pass.
         unsafe {
             self.set_layout = create_set_layout(host, pass)?;
             self.layout = create_layout(host, pass, self.set_layout)?;
             self.handle = match &pass.kernel {
-                Kernel::Compute(shader) => create_compute(host, pass, shader, self.layout)?,
-                Kernel::Raster(raster) => raster::create(host, pass, raster, self.layout)?,
+                Kernel::Compute(shader) => create_compute(host, pass, shader, (self.layout, flags))?,
+                Kernel::Raster(raster) => raster::create(host, pass, raster, (self.layout, flags))?,
                 Kernel::Transfer => vk::Pipeline::null(),
             };
         }
@@ -192,7 +231,7 @@ unsafe fn create_compute(
     host: &Host,
     pass: &Pass,
     shader: &Shader,
-    layout: vk::PipelineLayout,
+    (layout, flags): (vk::PipelineLayout, vk::PipelineCreateFlags),
 ) -> Result<vk::Pipeline> {
     let mut entries = Vec::new();
     let specialisation = specialisation(pass, &mut entries);
@@ -204,7 +243,7 @@ unsafe fn create_compute(
             .module(module)
             .name(c"main")
             .specialization_info(&specialisation);
-        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+        let info = vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(layout);
         let result = host.device.create_compute_pipelines(host.pipeline_cache, &[info], None);
         host.device.destroy_shader_module(module, None);
         let pipelines = result.map_err(|(_, e)| e).map_err(Error::vulkan("vkCreateComputePipelines", pass.name))?;

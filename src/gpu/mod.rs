@@ -2,6 +2,7 @@
 
 pub mod buffer;
 pub mod capabilities;
+pub mod costs;
 pub mod debug;
 pub mod executor;
 #[cfg(feature = "cli")]

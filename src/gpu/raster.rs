@@ -10,12 +10,12 @@ use crate::plan::{Blend, Pass, Raster, Topology};
 /// Creates the pipeline of a render pass.
 ///
 /// # Safety
-/// `host` holds valid handles; `layout` was made for `pass`.
+/// `host` holds valid handles; the layout was made for `pass`, and what the flags need is enabled.
 pub(crate) unsafe fn create(
     host: &Host,
     pass: &Pass,
     raster: &Raster,
-    layout: vk::PipelineLayout,
+    made: (vk::PipelineLayout, vk::PipelineCreateFlags),
 ) -> Result<vk::Pipeline> {
     let mut entries = Vec::new();
     let specialisation = specialisation(pass, &mut entries);
@@ -37,7 +37,7 @@ pub(crate) unsafe fn create(
                 .specialization_info(&specialisation)
         };
         let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
-        let result = create_pipeline(host, raster, layout, &stages);
+        let result = create_pipeline(host, raster, made, &stages);
         host.device.destroy_shader_module(vertex, None);
         host.device.destroy_shader_module(fragment, None);
         result.map_err(Error::vulkan("vkCreateGraphicsPipelines", pass.name))
@@ -47,7 +47,7 @@ pub(crate) unsafe fn create(
 unsafe fn create_pipeline(
     host: &Host,
     raster: &Raster,
-    layout: vk::PipelineLayout,
+    (layout, flags): (vk::PipelineLayout, vk::PipelineCreateFlags),
     stages: &[vk::PipelineShaderStageCreateInfo],
 ) -> std::result::Result<vk::Pipeline, vk::Result> {
     let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
@@ -76,6 +76,7 @@ unsafe fn create_pipeline(
         .color_attachment_formats(&formats)
         .depth_attachment_format(raster.depth.map_or(vk::Format::UNDEFINED, |depth| depth.format));
     let info = vk::GraphicsPipelineCreateInfo::default()
+        .flags(flags)
         .stages(stages)
         .vertex_input_state(&vertex_input)
         .input_assembly_state(&assembly)

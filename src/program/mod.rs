@@ -15,13 +15,16 @@ mod hash;
 mod input;
 pub mod layers;
 pub mod smoke;
+mod variants;
 #[cfg(feature = "vignette")]
 pub mod vignette;
 
 use std::sync::Arc;
 
 use crate::bench::Benchmark;
+use crate::error::Result;
 use crate::io::shot::{self, Shot, ShotError, Table};
+use crate::plan::Pass;
 pub(crate) use hash::{Files, add};
 pub use input::InputError;
 pub(crate) use input::{Brought, Input, Opened};
@@ -37,6 +40,8 @@ pub(crate) struct EffectEntry {
     pub(crate) layers: &'static [LayerEntry],
     /// Looked at after each frame.
     pub(crate) watch: Option<Watch>,
+    /// Its passes, in all ways that their kernels are specialised for.
+    pub(crate) variants: fn() -> Result<Vec<Vec<Pass>>>,
     /// Measures it.
     pub(crate) benchmark: Benchmark,
 }
@@ -63,6 +68,15 @@ pub fn benchmarks(name: Option<&str>) -> Vec<Benchmark> {
     chosen.map(|effect| effect.benchmark).collect()
 }
 
+/// The passes of every effect, in all ways that their kernels are specialised for.
+///
+/// # Errors
+/// None, for what effects are known to allow.
+pub fn variants() -> Result<Vec<Pass>> {
+    let passes = EFFECTS.iter().map(|effect| (effect.variants)()).collect::<Result<Vec<_>>>()?;
+    Ok(passes.into_iter().flatten().flatten().collect())
+}
+
 /// The tables that shots may have.
 pub fn tables() -> Vec<&'static Table> {
     EFFECTS.iter().map(|effect| effect.table).collect()
@@ -72,7 +86,7 @@ pub fn tables() -> Vec<&'static Table> {
 ///
 /// # Errors
 /// As there.
-pub fn load(name: &str, sets: &[String]) -> Result<Shot, ShotError> {
+pub fn load(name: &str, sets: &[String]) -> std::result::Result<Shot, ShotError> {
     Shot::load(name, sets, &tables())
 }
 
@@ -80,6 +94,6 @@ pub fn load(name: &str, sets: &[String]) -> Result<Shot, ShotError> {
 ///
 /// # Errors
 /// There is none of this name.
-pub fn builtin_text(name: &str) -> Result<String, ShotError> {
+pub fn builtin_text(name: &str) -> std::result::Result<String, ShotError> {
     shot::builtin_text(name, &tables())
 }

@@ -86,6 +86,21 @@ pub fn report(wanted: Option<&str>) -> Result<Report, NoDevice> {
     })
 }
 
+/// Whether a device says what pipelines cost.
+pub(super) fn has_costs(instance: &Instance, device: vk::PhysicalDevice) -> bool {
+    let name = vk::KHR_PIPELINE_EXECUTABLE_PROPERTIES_NAME;
+    // SAFETY: a device of this instance. A list that cannot be read has nothing.
+    let extensions = unsafe { instance.raw.enumerate_device_extension_properties(device) }.unwrap_or_default();
+    if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name)) {
+        return false;
+    }
+    let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut executables);
+    // SAFETY: as above; the extension is there.
+    unsafe { instance.raw.get_physical_device_features2(device, &mut features) };
+    executables.pipeline_executable_info == vk::TRUE
+}
+
 /// A device that may be used.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {

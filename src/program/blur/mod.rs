@@ -4,6 +4,7 @@ mod feed;
 mod input;
 mod layers;
 mod shot;
+mod variants;
 
 pub use feed::BlurFeed;
 pub use shot::Blur;
@@ -16,5 +17,6 @@ pub(super) static ENTRY: EffectEntry = EffectEntry {
     open: input::open,
     layers: layers::LAYERS,
     watch: Some(layers::REFINEMENT),
+    variants: variants::variants,
     benchmark: Benchmark(bench::blur::measure),
 };

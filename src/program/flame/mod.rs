@@ -4,6 +4,7 @@ mod feed;
 mod input;
 mod layers;
 mod shot;
+mod variants;
 
 pub use feed::FlameFeed;
 pub use shot::Flame;
@@ -16,5 +17,6 @@ pub(super) static ENTRY: EffectEntry = EffectEntry {
     open: input::open,
     layers: layers::LAYERS,
     watch: None,
+    variants: variants::variants,
     benchmark: Benchmark(bench::flame::measure),
 };

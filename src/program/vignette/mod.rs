@@ -8,12 +8,16 @@ use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
 
 use super::layers::{LayerData, LayerEntry};
+use super::variants::{SIZE, passes};
 use super::{Brought, EffectEntry, Files, Input, InputError, Opened, add};
 use crate::bench::Benchmark;
+use crate::effect::Effort;
+use crate::error::Error;
 use crate::host::HostImage;
 use crate::io::ReadError;
 use crate::io::shot::{Part, Section, Shot, ShotError, Table, setting_error};
 use crate::offline::{Depth, Describe, Effects, Feed, Place, Scene, TARGET_FORMAT};
+use crate::plan::Pass;
 use crate::settings::{Setting, settings};
 use effect::{DARKNESS, Vignette};
 pub use effect::{Desc, VignetteKind};
@@ -23,6 +27,7 @@ pub(super) static ENTRY: EffectEntry = EffectEntry {
     open,
     layers: &[LayerEntry::image("vignette.darkness", &[DARKNESS], |made| LayerData::Value(made.image(DARKNESS)))],
     watch: None,
+    variants,
     benchmark: Benchmark(bench::measure),
 };
 
@@ -58,6 +63,12 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     let settings: Settings = section.tree.settings("vignette", &[])?;
     Setting::check(&settings, "vignette", &()).map_err(|e| setting_error(section.tree, &e, ""))?;
     Ok(Arc::new(settings))
+}
+
+fn variants() -> Result<Vec<Vec<Pass>>, Error> {
+    let Settings { strength, radius } = Settings::default();
+    let desc = Desc { size: SIZE, target_format: TARGET_FORMAT, strength, radius };
+    Ok(vec![passes::<VignetteKind>(&desc, Effort::Needed)?])
 }
 
 /// Input of its frames: nothing but the shot.

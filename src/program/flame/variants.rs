@@ -1,0 +1,37 @@
+//! The flame in all ways that its kernels are specialised for.
+
+use crate::effect::Effort;
+use crate::error::Result;
+use crate::flame::settings::{Colour, Mode, Sampling, Shape};
+use crate::flame::{Desc, FlameKind, SceneFormat, Settings};
+use crate::offline::TARGET_FORMAT;
+use crate::plan::Pass;
+use crate::program::variants::{SIZE, passes, switches};
+
+pub(super) fn variants() -> Result<Vec<Vec<Pass>>> {
+    let colours = || [Colour::Physical, Colour::Displayable, Colour::Ramp(vec![[1.0; 3]; 2])];
+    switches().flat_map(|switches| colours().map(|colour| variant(switches, colour))).collect()
+}
+
+fn variant([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: Colour) -> Result<Vec<Pass>> {
+    let settings = Settings {
+        mode: if expected { Mode::Expected } else { Mode::Stochastic },
+        shape: if cube { Shape::Cube } else { Shape::Ball },
+        sampling: if sobol { Sampling::ShuffledSobol } else { Sampling::Independent },
+        flicker: if flicker { 0.5 } else { 0.0 },
+        colour,
+        spread: Some(0.1),
+        ..Settings::default()
+    };
+    let desc = Desc {
+        size: SIZE,
+        target_format: TARGET_FORMAT,
+        scene: scene.then_some(SceneFormat::Buffer),
+        particles: 8,
+        hottest: settings.hottest,
+        seed: 1,
+        settings,
+        layers,
+    };
+    passes::<FlameKind>(&desc, Effort::Needed)
+}
