@@ -192,22 +192,22 @@ impl Pipeline {
 }
 
 unsafe fn create_set_layout(host: &Host, pass: &Pass) -> Result<vk::DescriptorSetLayout> {
-    let stages = |number| {
-        let shaders = pass.shaders().into_iter().flatten();
-        let using = shaders.filter(|shader| shader.bindings.iter().any(|other| other.number == number));
-        using.fold(vk::ShaderStageFlags::empty(), |flags, shader| flags | stage_flags(shader.stage))
-    };
-    let bindings: Vec<_> = pass
-        .bindings
-        .iter()
-        .map(|(binding, _)| {
-            vk::DescriptorSetLayoutBinding::default()
-                .binding(binding.number)
-                .descriptor_type(descriptor_type(binding.kind))
-                .descriptor_count(1)
-                .stage_flags(stages(binding.number))
-        })
-        .collect();
+    let mut bindings: Vec<vk::DescriptorSetLayoutBinding> = Vec::new();
+    for shader in pass.shaders().into_iter().flatten() {
+        let stages = stage_flags(shader.stage);
+        for binding in shader.bindings {
+            match bindings.iter_mut().find(|other| other.binding == binding.number) {
+                Some(shared) => shared.stage_flags |= stages,
+                None => bindings.push(
+                    vk::DescriptorSetLayoutBinding::default()
+                        .binding(binding.number)
+                        .descriptor_type(descriptor_type(binding.kind))
+                        .descriptor_count(1)
+                        .stage_flags(stages),
+                ),
+            }
+        }
+    }
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
     // SAFETY: the caller's.
     unsafe { host.device.create_descriptor_set_layout(&info, None) }
