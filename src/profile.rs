@@ -3,6 +3,7 @@
 //! Passes may overlap on the device, so the time of a frame is the span from its first begin to its last end, never
 //! the sum of its passes.
 
+pub use crate::gpu::costs::{Cost, Executable, Statistic};
 pub use crate::gpu::profiler::{Mode, Profiler, Timing, queries};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

@@ -2,14 +2,16 @@
 
 use ash::vk;
 use celfx::data::Volume;
+use celfx::effect::{DeviceLimits, Effort, Kernels, Kind, describe};
 use celfx::error::Error;
 use celfx::host::{Host, HostBuffer, HostImage};
 use celfx::low_level::gpu::buffer::Buffer;
 use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::COPIED_FROM;
+use celfx::low_level::plan::Pass;
 use celfx::offline::TARGET_FORMAT;
-use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, VolumeInput};
+use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
 
 use crate::common::allocations::allocated;
 use crate::common::host::{self, DISCARDED};
@@ -135,12 +137,35 @@ fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<
     pixels
 }
 
+/// Pipelines may be made by any threads: each is kept once.
+#[test]
+fn threads_share_pipelines() {
+    let Some(device) = device() else { return };
+    let passes = described(&effect());
+    let (host, mut shared, mut alone) = (device.host(), Kernels::new(), Kernels::new());
+    // SAFETY: valid handles, of one device; nothing is submitted.
+    unsafe {
+        passes.iter().for_each(|pass| alone.make(&host, pass).expect("a pipeline"));
+        let make = || passes.iter().for_each(|pass| shared.make(&host, pass).expect("a pipeline"));
+        std::thread::scope(|scope| (0..3).for_each(|_| drop(scope.spawn(make))));
+        assert!(alone.count() > 20 && shared.count() == alone.count(), "{}", shared.count());
+        shared.destroy(&host);
+        alone.destroy(&host);
+    }
+}
+
+fn described(desc: &Desc) -> Vec<Pass> {
+    let limits = DeviceLimits { storage_range: 128 << 20, image_side: 4096 };
+    describe(&mut SmokeKind::new(desc, &limits, Effort::Needed).expect("an effect"), desc).passes
+}
+
 #[test]
 fn resizing_is_like_making_anew() {
     let Some(mut device) = device() else { return };
     let (host, kernels, allocator) = device.making();
     // SAFETY: the handles are the device's own.
     let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, effect()) }.expect("an effect");
+    let made = device.kernels().count();
     for size in [[33, 90], [200, 10], SIZE, [1, 1]] {
         let before = smoke.desc().size;
         one_frame(&mut device, &mut smoke, before);
@@ -156,6 +181,7 @@ fn resizing_is_like_making_anew() {
         // SAFETY: every frame has been waited for.
         unsafe { fresh.destroy(&host, allocator) };
     }
+    assert_eq!(device.kernels().count(), made, "no pipeline depends on the size");
     // A size that cannot be leaves the effect as it was.
     let (host, kernels, allocator) = device.making();
     // SAFETY: every frame has been waited for.
