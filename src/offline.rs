@@ -155,11 +155,11 @@ impl Offline {
     fn create(&mut self, mut effects: Effects, effort: Effort) -> Result<()> {
         let is_shared = effects.share_depth();
         let queue_family = self.device.queue_family();
-        let (host, kernels, allocator) = self.device.making();
         let Parts { players, target, depth, profiler, .. } = &mut self.parts;
+        effects.make(&mut self.device, effort, |name, player| players.push((name, player)))?;
+        let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own and outlives what is made here.
         unsafe {
-            effects.make(&host, kernels, allocator, effort, |name, player| players.push((name, player)))?;
             let steps: usize = players.iter().map(|(_, player)| player.executor().plan().steps.capacity()).sum();
             *profiler = Some(Profiler::new(&host, queue_family, 1, steps as u32)?);
             if is_shared {

@@ -11,8 +11,8 @@ vec4 to_view_and_rest(vec3 p) {
     vec3 q_low = vec3(x.y, y.y, z.y) - params.camera.eye_low.xyz;
     vec2 depth = along_parts(params.camera.forward.xyz, params.camera.forward_low.xyz, q, q_low);
     vec2 z_parts = two_sum(depth.x, depth.y);
-    return vec4(along_row(params.camera.right.xyz, params.camera.right_low.xyz, q, q_low), along_row(params.camera.up.xyz, params.camera.up_low.xyz, q, q_low),
-                z_parts);
+    return vec4(along_row(params.camera.right.xyz, params.camera.right_low.xyz, q, q_low),
+                along_row(params.camera.up.xyz, params.camera.up_low.xyz, q, q_low), z_parts);
 }
 
 vec3 to_view(vec3 p) {

@@ -105,15 +105,10 @@ impl Rig {
         let size = desc.size();
         self.effects.push(Slot { player: None, target: None, size });
         let Some(slot) = self.effects.last_mut() else { return Ok(id) };
-        let (host, kernels, allocator) = self.headless.making();
-        // SAFETY: the device's own handles; what is made is destroyed in `clear`.
-        unsafe {
-            slot.player
-                .insert(make(&host, kernels, allocator, desc, Effort::Needed)?)
-                .executor_mut()
-                .set_mode(Mode::Isolated);
-            slot.target = Some(Image::new(&host, allocator, &image_desc("picture", size))?);
-        }
+        slot.player.insert(make(&mut self.headless, desc, Effort::Needed)?).executor_mut().set_mode(Mode::Isolated);
+        let (host, allocator) = self.headless.parts();
+        // SAFETY: the device's own handles; it is destroyed in `clear`.
+        slot.target = Some(unsafe { Image::new(&host, allocator, &image_desc("picture", size))? });
         Ok(id)
     }
 

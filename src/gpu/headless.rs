@@ -114,7 +114,6 @@ pub struct Headless {
     /// Dropped by hand, before the device whose memory it holds.
     allocator: ManuallyDrop<Allocator>,
     kernels: Kernels,
-    has_costs: bool,
     opened: Opened,
     queue: Queue,
 }
@@ -200,7 +199,7 @@ impl Headless {
         let debug = unsafe { if instance.has_debug_utils { debug::table(&instance.raw, &device) } else { None } };
         let opened = Opened { candidate, device, debug, instance: ManuallyDrop::new(instance) };
         let kernels = if has_costs { Kernels::with_costs() } else { Kernels::new() };
-        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels, has_costs, opened, queue })
+        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels, opened, queue })
     }
 
     /// The host that an effect is made and recorded with.
@@ -228,8 +227,8 @@ impl Headless {
     /// # Errors
     /// A failed Vulkan call.
     pub fn costs(&self) -> Result<Option<Vec<Cost>>> {
-        // SAFETY: the device's own handles; the kernels were made so.
-        self.has_costs.then(|| unsafe { self.kernels.costs(&self.host()) }).transpose()
+        // SAFETY: the device's own handles.
+        unsafe { self.kernels.costs(&self.host()) }
     }
 
     /// Bytes of the allocator's that are in use.

@@ -8,10 +8,9 @@ use ash::vk;
 use crate::error::{Error, Result};
 use crate::gpu::costs::{Cost, executables};
 use crate::gpu::module::{create_module, specialisation};
-use crate::gpu::pipelines::{descriptor_type, push_range, stage_flags};
 use crate::gpu::{debug, raster};
 use crate::host::Host;
-use crate::plan::{Blend, Kernel, Pass, Shader, Topology};
+use crate::plan::{Blend, DescriptorKind, Kernel, Pass, Shader, Stage, Topology};
 
 /// The pipelines that effects have been made with, on one device. An effect whose pipelines are there already, because
 /// another one or its own former size had them, is made in a fraction of the time.
@@ -78,14 +77,17 @@ impl Kernels {
         Kernels { flags: vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR, ..Kernels::default() }
     }
 
-    /// What each pipeline costs, by pass, shaders and specialisation.
+    /// What each pipeline costs, by pass, shaders and specialisation; none unless this was made by [`Kernels::with_costs`].
     ///
     /// # Errors
     /// A failed Vulkan call.
     ///
     /// # Safety
-    /// `host` is of the device that all of them were made on, and this was made by [`Kernels::with_costs`].
-    pub unsafe fn costs(&self, host: &Host) -> Result<Vec<Cost>> {
+    /// `host` is of the device that all of them were made on.
+    pub unsafe fn costs(&self, host: &Host) -> Result<Option<Vec<Cost>>> {
+        if !self.flags.contains(vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR) {
+            return Ok(None);
+        }
         let made = self.lock();
         let cost = |(key, made): (&Key, &Made)| {
             // SAFETY: the caller's.
@@ -96,7 +98,7 @@ impl Kernels {
         let mut costs = made.iter().map(cost).collect::<Result<Vec<Cost>>>()?;
         drop(made);
         costs.sort_by(|a, b| (a.pass, &a.shaders, &a.specialisation).cmp(&(b.pass, &b.shaders, &b.specialisation)));
-        Ok(costs)
+        Ok(Some(costs))
     }
 
     /// How many pipelines there are.
@@ -191,6 +193,23 @@ impl Pipeline {
     }
 }
 
+pub(crate) fn descriptor_type(kind: DescriptorKind) -> vk::DescriptorType {
+    match kind {
+        DescriptorKind::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
+        DescriptorKind::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
+        DescriptorKind::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
+        DescriptorKind::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
+    }
+}
+
+fn stage_flags(stage: Stage) -> vk::ShaderStageFlags {
+    match stage {
+        Stage::Compute => vk::ShaderStageFlags::COMPUTE,
+        Stage::Vertex => vk::ShaderStageFlags::VERTEX,
+        Stage::Fragment => vk::ShaderStageFlags::FRAGMENT,
+    }
+}
+
 unsafe fn create_set_layout(host: &Host, pass: &Pass) -> Result<vk::DescriptorSetLayout> {
     let mut bindings: Vec<vk::DescriptorSetLayoutBinding> = Vec::new();
     for shader in pass.shaders().into_iter().flatten() {
@@ -212,6 +231,14 @@ unsafe fn create_set_layout(host: &Host, pass: &Pass) -> Result<vk::DescriptorSe
     // SAFETY: the caller's.
     unsafe { host.device.create_descriptor_set_layout(&info, None) }
         .map_err(Error::vulkan("vkCreateDescriptorSetLayout", pass.name))
+}
+
+/// The push-constant range of a pass: its stages and its size.
+pub(crate) fn push_range(pass: &Pass) -> (vk::ShaderStageFlags, u32) {
+    let shaders = pass.shaders().into_iter().flatten().filter(|shader| shader.push_size > 0);
+    shaders.fold((vk::ShaderStageFlags::empty(), 0), |(flags, size), shader| {
+        (flags | stage_flags(shader.stage), size.max(shader.push_size))
+    })
 }
 
 unsafe fn create_layout(host: &Host, pass: &Pass, set_layout: vk::DescriptorSetLayout) -> Result<vk::PipelineLayout> {

@@ -4,10 +4,10 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::gpu::kernels::{Kernels, Pipeline};
+use crate::gpu::kernels::{Kernels, Pipeline, descriptor_type};
 use crate::gpu::resources::Resources;
 use crate::host::Host;
-use crate::plan::{DescriptorKind, Kernel, Pass, Resource, Stage};
+use crate::plan::{DescriptorKind, Kernel, Pass, Resource};
 
 /// The Vulkan side of one pass; null handles for transfer passes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,15 +84,6 @@ unsafe fn bind(
     }
 }
 
-pub(crate) fn descriptor_type(kind: DescriptorKind) -> vk::DescriptorType {
-    match kind {
-        DescriptorKind::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
-        DescriptorKind::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
-        DescriptorKind::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
-        DescriptorKind::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
-    }
-}
-
 unsafe fn create_pool(host: &Host, passes: &[Pass]) -> Result<vk::DescriptorPool> {
     let mut sizes = Vec::new();
     for kind in [
@@ -109,22 +100,6 @@ unsafe fn create_pool(host: &Host, passes: &[Pass]) -> Result<vk::DescriptorPool
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(passes.len().max(1) as u32).pool_sizes(&sizes);
     // SAFETY: the caller's.
     unsafe { host.device.create_descriptor_pool(&info, None) }.map_err(Error::vulkan("vkCreateDescriptorPool", ""))
-}
-
-pub(crate) fn stage_flags(stage: Stage) -> vk::ShaderStageFlags {
-    match stage {
-        Stage::Compute => vk::ShaderStageFlags::COMPUTE,
-        Stage::Vertex => vk::ShaderStageFlags::VERTEX,
-        Stage::Fragment => vk::ShaderStageFlags::FRAGMENT,
-    }
-}
-
-/// The push-constant range of a pass: its stages and its size.
-pub(crate) fn push_range(pass: &Pass) -> (vk::ShaderStageFlags, u32) {
-    let shaders = pass.shaders().into_iter().flatten().filter(|shader| shader.push_size > 0);
-    shaders.fold((vk::ShaderStageFlags::empty(), 0), |(flags, size), shader| {
-        (flags | stage_flags(shader.stage), size.max(shader.push_size))
-    })
 }
 
 unsafe fn allocate_set(

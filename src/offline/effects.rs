@@ -3,13 +3,11 @@
 use std::any::Any;
 use std::fmt;
 
-use gpu_allocator::vulkan::Allocator;
-
 use super::depth::FORMAT;
 use super::player::{self, Depth, Describe, Feed, Player, Sharing};
-use crate::effect::{Effort, Kernels, Kind};
+use crate::effect::{Effort, Kind};
 use crate::error::{Error, Result};
-use crate::host::Host;
+use crate::gpu::headless::Headless;
 
 /// Descriptions of effects, in the order in which they are drawn: at least one, all of one picture size.
 #[derive(Debug, Default)]
@@ -82,21 +80,15 @@ impl Effects {
     }
 
     /// Makes them, one after the other, and hands each to `take`.
-    ///
-    /// # Safety
-    /// As [`crate::effect::Effect::new`].
-    pub(super) unsafe fn make(
+    pub(super) fn make(
         self,
-        host: &Host,
-        kernels: &Kernels,
-        allocator: &mut Allocator,
+        device: &mut Headless,
         effort: Effort,
         mut take: impl FnMut(&'static str, Box<dyn Player>),
     ) -> Result<()> {
         for effect in self.0 {
             let name = effect.name();
-            // SAFETY: the caller's.
-            take(name, unsafe { effect.make(host, kernels, allocator, effort)? });
+            take(name, effect.make(device, effort)?);
         }
         Ok(())
     }
@@ -110,15 +102,7 @@ trait Described: fmt::Debug {
     fn share(&mut self, sharing: Sharing);
     fn boxed(&self) -> Box<dyn Described>;
     fn as_any(&self) -> &dyn Any;
-    /// # Safety
-    /// As [`crate::effect::Effect::new`].
-    unsafe fn make(
-        self: Box<Self>,
-        host: &Host,
-        kernels: &Kernels,
-        allocator: &mut Allocator,
-        effort: Effort,
-    ) -> Result<Box<dyn Player>>;
+    fn make(self: Box<Self>, device: &mut Headless, effort: Effort) -> Result<Box<dyn Player>>;
 }
 
 impl<D: Describe> Described for D {
@@ -146,14 +130,7 @@ impl<D: Describe> Described for D {
         self
     }
 
-    unsafe fn make(
-        self: Box<Self>,
-        host: &Host,
-        kernels: &Kernels,
-        allocator: &mut Allocator,
-        effort: Effort,
-    ) -> Result<Box<dyn Player>> {
-        // SAFETY: the caller's.
-        unsafe { player::make(host, kernels, allocator, *self, effort) }
+    fn make(self: Box<Self>, device: &mut Headless, effort: Effort) -> Result<Box<dyn Player>> {
+        player::make(device, *self, effort)
     }
 }

@@ -7,7 +7,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::Scene;
 use super::depth::PlacedDepth;
-use crate::effect::{Effect, Effort, Kernels, Kind};
+use crate::effect::{Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::executor::Executor;
 use crate::gpu::headless::Headless;
@@ -222,19 +222,14 @@ impl<F: Feed<Kind: 'static>> Player for Fed<F> {
     }
 }
 
-/// Makes an effect; leaves nothing behind on error.
+/// Makes an effect.
 ///
-/// # Safety
+/// # Errors
 /// As [`Effect::new`].
-pub(crate) unsafe fn make<D: Describe>(
-    host: &Host,
-    kernels: &Kernels,
-    allocator: &mut Allocator,
-    desc: D,
-    effort: Effort,
-) -> Result<Box<dyn Player>> {
-    // SAFETY: the caller's.
-    let effect = unsafe { Effect::with_effort(host, kernels, allocator, desc.fitted(host), effort)? };
+pub(crate) fn make<D: Describe>(device: &mut Headless, desc: D, effort: Effort) -> Result<Box<dyn Player>> {
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: the device's own handles.
+    let effect = unsafe { Effect::with_effort(&host, kernels, allocator, desc.fitted(&host), effort)? };
     Ok(Box::new(Fed::<D::Feed> { effect, feed: D::Feed::default() }))
 }
 

@@ -115,12 +115,6 @@ impl TestDevice {
         std::mem::take(&mut *self.verdict.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Ends the device; what validation says can be dropped, to be looked at, later.
-    pub fn leave(mut self) -> impl Drop {
-        drop(self.headless.take());
-        Verdict(std::mem::take(&mut self.verdict.0))
-    }
-
     /// What validation has said so far.
     pub fn said(&self) -> Vec<String> {
         self.verdict.said()

@@ -9,7 +9,6 @@ use celfx::low_level::gpu::buffer::Buffer;
 use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::COPIED_FROM;
-use celfx::low_level::plan::Pass;
 use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
 
@@ -141,7 +140,10 @@ fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<
 #[test]
 fn threads_share_pipelines() {
     let Some(device) = device() else { return };
-    let passes = described(&effect());
+    // SAFETY: valid handles.
+    let limits = unsafe { DeviceLimits::of(&device.host()) };
+    let mut kind = SmokeKind::new(&effect(), &limits, Effort::Needed).expect("an effect");
+    let passes = describe(&mut kind, &effect()).passes;
     let (host, mut shared, mut alone) = (device.host(), Kernels::new(), Kernels::new());
     // SAFETY: valid handles, of one device; nothing is submitted.
     unsafe {
@@ -152,11 +154,6 @@ fn threads_share_pipelines() {
         shared.destroy(&host);
         alone.destroy(&host);
     }
-}
-
-fn described(desc: &Desc) -> Vec<Pass> {
-    let limits = DeviceLimits { storage_range: 128 << 20, image_side: 4096 };
-    describe(&mut SmokeKind::new(desc, &limits, Effort::Needed).expect("an effect"), desc).passes
 }
 
 #[test]
