@@ -41,10 +41,11 @@ pub struct Statistic {
     pub value: f64,
 }
 
+/// What drivers say under names of their own: those of Mesa's RADV and ANV are known here. Others' are among the statistics.
 impl Executable {
     /// Registers of an invocation.
     pub fn registers(&self) -> Option<f64> {
-        self.first(&["VGPRs", "Register Count", "Registers", "Number of temporary registers"])
+        self.first(&["VGPRs", "Max live registers"])
     }
 
     /// Registers that are kept in memory for want of room.
@@ -53,24 +54,24 @@ impl Executable {
         spills.map(|statistic| statistic.value).reduce(|a, b| a + b)
     }
 
-    /// Bytes of memory of its own that it needs.
+    /// Bytes of memory of its own that a subgroup needs.
     pub fn scratch(&self) -> Option<f64> {
-        self.first(&["Scratch size", "Scratch Memory Size", "Local Memory Size", "Stack Size"])
+        self.first(&["Scratch size", "Scratch Memory Size"])
     }
 
     /// Bytes of shared memory of a workgroup.
     pub fn shared_memory(&self) -> Option<f64> {
-        self.first(&["LDS size", "Shared Memory Size", "Workgroup Memory Size"])
+        self.first(&["LDS size", "Workgroup Memory Size"])
     }
 
     /// How many subgroups a unit of the device can hold at a time.
     pub fn occupancy(&self) -> Option<f64> {
-        self.first(&["Subgroups per SIMD", "Occupancy", "Max Waves"])
+        self.first(&["Subgroups per SIMD"])
     }
 
     /// Bytes of code.
     pub fn code_size(&self) -> Option<f64> {
-        self.first(&["Code size", "Binary Size", "Code Size"])
+        self.first(&["Code size"])
     }
 
     /// The first of these statistics that there is.
