@@ -12,10 +12,17 @@ pub struct Constant {
     pub comment: String,
 }
 
-/// The scalar constants of a file, in its order. One whose value calls a function, or takes several lines, is the shaders'
-/// own.
+/// The scalar constants of a file, in its order. One whose value calls a function, takes several lines, or follows from a
+/// specialisation constant of the file, is the shaders' own.
 pub fn constants(text: &str) -> impl Iterator<Item = Constant> {
-    text.lines().filter_map(|line| constant(line.strip_prefix("const ")?))
+    let specialised: Vec<&str> = text.lines().filter_map(specialised).collect();
+    let all = text.lines().filter_map(|line| constant(line.strip_prefix("const ")?));
+    all.filter(move |constant| !constant.value.split(' ').any(|word| specialised.contains(&word)))
+}
+
+/// `layout(constant_id = 0) const uint NAME = 1;` declares `NAME`.
+fn specialised(line: &str) -> Option<&str> {
+    line.strip_prefix("layout(constant_id")?.split_once(" const ")?.1.split(' ').nth(1)
 }
 
 fn constant(line: &str) -> Option<Constant> {

@@ -1,8 +1,13 @@
 //! From what steps read and write to the barriers between them. Pure: unit tests need no device.
+//!
+//! A barrier costs a device some microseconds in which it empties itself, and costs little more for what it covers. So
+//! there are as few as the order of the steps allows: one before each step that depends on a step since the last one, and
+//! it orders all before it with all after it.
 
 use ash::vk;
 
-use crate::plan::{Pass, Plan, Resource, Step, Usage};
+use crate::host::ImageState;
+use crate::plan::{Command, ImageId, Pass, Plan, Resource, Step, Usage};
 
 /// A memory barrier before a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -22,127 +27,245 @@ impl Barrier {
     pub fn is_empty(&self) -> bool {
         self.src_stage.is_empty()
     }
-
-    fn add(&mut self, src_stage: vk::PipelineStageFlags2, src_access: vk::AccessFlags2, usage: &Usage) {
-        self.src_stage |= src_stage;
-        self.src_access |= src_access;
-        self.dst_stage |= usage.stage;
-        self.dst_access |= usage.access();
-    }
 }
 
-/// Accesses to a resource since the frame began.
+/// An image that is brought from one state into another, together with a barrier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// The image.
+    pub image: ImageId,
+    /// Its state before.
+    pub from: ImageState,
+    /// Its state after.
+    pub to: ImageState,
+}
+
+/// How a frame has touched a resource: after how many barriers last. 0: not at all.
 #[derive(Clone, Copy, Debug, Default)]
-struct History {
-    /// The last write.
-    write_stage: vk::PipelineStageFlags2,
-    write_access: vk::AccessFlags2,
-    /// Whom barriers have already shown that write to; the oldest is forgotten first, which only costs a barrier.
-    visible: [(vk::PipelineStageFlags2, vk::AccessFlags2); 4],
-    next_visible: usize,
-    /// Stages that read since the last write, less those that a barrier has waited for.
-    read_stage: vk::PipelineStageFlags2,
+struct Touched {
+    read: u32,
+    written: u32,
+    /// Whether some step of the frame uses it.
+    is_used: bool,
 }
 
 /// Derives barriers while a frame's steps go by in order.
 #[derive(Debug)]
 pub struct Tracker {
-    buffers: Vec<History>,
-    images: Vec<History>,
+    buffers: Vec<Touched>,
+    images: Vec<Touched>,
+    /// The states of images. Own ones begin and end frames in [`OWN`].
+    states: Vec<ImageState>,
+    /// Which images the host has handed over.
+    is_host: Vec<bool>,
+    /// Those that change with the barrier that was returned last.
+    changes: Vec<Change>,
+    /// What has been touched since the last barrier.
+    pending: Barrier,
+    /// Stages and accesses of the frame.
+    frame: (vk::PipelineStageFlags2, vk::AccessFlags2),
+    /// Barriers so far.
+    count: u32,
 }
 
 impl Tracker {
     /// For resources with ids below the given counts.
     pub fn new(buffers: usize, images: usize) -> Tracker {
-        Tracker { buffers: vec![History::default(); buffers], images: vec![History::default(); images] }
+        Tracker {
+            buffers: vec![Touched::default(); buffers],
+            images: vec![Touched::default(); images],
+            states: vec![OWN; images],
+            is_host: vec![false; images],
+            changes: Vec::with_capacity(images),
+            pending: Barrier::default(),
+            frame: Default::default(),
+            count: 0,
+        }
     }
 
-    /// Begins a frame. The barrier returned orders it after the frame before it, whatever that one ran: it covers
-    /// every stage and access of this plan's passes, and nothing that they don't use.
-    pub fn begin(&mut self, plan: &Plan, passes: &[Pass]) -> Barrier {
-        self.buffers.fill(History::default());
-        self.images.fill(History::default());
-        let mut barrier = Barrier::default();
-        for pass in passes {
-            for (_, usage) in &pass.uses {
-                barrier.src_stage |= usage.stage;
-                barrier.src_access |= usage.writes;
-            }
+    /// Begins a frame. Its first barrier orders it after the frame before it, whatever that one ran: it waits for every
+    /// stage of this effect's passes.
+    pub fn begin(&mut self, plan: &Plan, passes: &[Pass]) {
+        self.buffers.fill(Touched::default());
+        self.images.fill(Touched::default());
+        self.states.fill(OWN);
+        self.is_host.fill(false);
+        (self.pending, self.frame, self.count) = (Barrier::default(), Default::default(), 0);
+        for (_, usage) in passes.iter().flat_map(|pass| &pass.uses) {
+            self.pending.src_stage |= usage.stage;
+            self.pending.src_access |= usage.writes;
         }
         for step in &plan.steps {
             for_each_use(step, &passes[usize::from(step.pass.0)], |_, usage| {
-                barrier.dst_stage |= usage.stage;
-                barrier.dst_access |= usage.access();
+                self.frame.0 |= usage.stage;
+                self.frame.1 |= usage.access();
             });
         }
-        barrier
     }
 
-    /// Notes a write that happened before the frame, by the host.
-    pub fn written_before(&mut self, resource: Resource, stage: vk::PipelineStageFlags2, access: vk::AccessFlags2) {
-        let history = self.history(resource);
-        *history = History { write_stage: stage, write_access: access, ..History::default() };
+    /// Notes a buffer that the host has written before the frame.
+    pub fn take_buffer(&mut self, stage: vk::PipelineStageFlags2, access: vk::AccessFlags2) {
+        self.pending.src_stage |= stage;
+        self.pending.src_access |= access;
     }
 
-    /// The barrier that `step` needs before it; then takes the step as done.
-    pub fn before(&mut self, step: &Step, pass: &Pass) -> Barrier {
-        let mut barrier = Barrier::default();
-        for_each_use(step, pass, |resource, usage| self.require(resource, usage, &mut barrier));
-        if !barrier.is_empty() {
-            self.apply(&barrier);
+    /// Notes an image that the host hands over in this state.
+    pub fn take_image(&mut self, image: ImageId, state: ImageState) {
+        self.states[usize::from(image.0)] = state;
+        self.is_host[usize::from(image.0)] = true;
+        self.pending.src_stage |= state.stage;
+        self.pending.src_access |= state.access;
+    }
+
+    /// The barrier that `step` needs before it; then takes the step as done. The first one of a frame brings all
+    /// images into the states in which they are used first.
+    pub fn before(&mut self, plan: &Plan, index: usize, passes: &[Pass]) -> Barrier {
+        let step = &plan.steps[index];
+        let pass = &passes[usize::from(step.pass.0)];
+        self.changes.clear();
+        let mut is_needed = index == 0;
+        if index == 0 {
+            self.open(plan, passes);
+        } else {
+            for_each_use(step, pass, |resource, usage| is_needed |= self.change(resource, usage));
+            // Copies that follow change theirs together with it.
+            let copies = |step: &&Step| is_needed && matches!(step.command, Command::CopyImage { .. });
+            for step in plan.steps[index..].iter().take_while(copies).skip(1) {
+                let pass = &passes[usize::from(step.pass.0)];
+                for_each_use(step, pass, |resource, usage| {
+                    self.change(resource, usage);
+                });
+            }
         }
+        for_each_use(step, pass, |resource, usage| is_needed |= self.conflicts(resource, usage));
+        let barrier = if is_needed { self.barrier() } else { Barrier::default() };
         for_each_use(step, pass, |resource, usage| self.note(resource, usage));
         barrier
     }
 
-    fn history(&mut self, resource: Resource) -> &mut History {
+    /// The images that change with the barrier that was returned last.
+    pub fn changes(&self) -> &[Change] {
+        &self.changes
+    }
+
+    /// How many barriers the frame has so far; none of them empty.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The barrier after the last step, if images change with it: those of the host are to be left in `states`.
+    pub fn end(&mut self, states: impl Iterator<Item = (ImageId, ImageState)>) -> Barrier {
+        self.changes.clear();
+        let own =
+            self.states.iter().enumerate().filter(|(index, from)| !self.is_host[*index] && from.layout != OWN.layout);
+        self.changes.extend(own.map(|(index, from)| Change { image: ImageId(index as u16), from: *from, to: OWN }));
+        let host = states.map(|(image, to)| Change { image, from: self.states[usize::from(image.0)], to });
+        self.changes.extend(host);
+        if self.changes.is_empty() { Barrier::default() } else { self.barrier() }
+    }
+
+    /// Orders all before with all after.
+    fn barrier(&mut self) -> Barrier {
+        self.count += 1;
+        let (dst_stage, dst_access) = self.frame;
+        let mut barrier = Barrier { dst_stage, dst_access, ..std::mem::take(&mut self.pending) };
+        if !self.changes.is_empty() {
+            // What was in order before an image changes is so through the second half of an earlier barrier.
+            barrier.src_stage |= dst_stage;
+        }
+        barrier
+    }
+
+    fn touched(&mut self, resource: Resource) -> &mut Touched {
         match resource {
             Resource::Buffer(id) => &mut self.buffers[usize::from(id.0)],
             Resource::Image(id) => &mut self.images[usize::from(id.0)],
         }
     }
 
-    fn require(&mut self, resource: Resource, usage: &Usage, barrier: &mut Barrier) {
-        let history = *self.history(resource);
-        let shown = |(stage, access): &(vk::PipelineStageFlags2, vk::AccessFlags2)| {
-            stage.contains(usage.stage) && access.contains(usage.access())
-        };
-        if !history.write_stage.is_empty() && !history.visible.iter().any(shown) {
-            barrier.add(history.write_stage, history.write_access, usage);
-        }
-        if !usage.writes.is_empty() && !history.read_stage.is_empty() {
-            barrier.add(history.read_stage, vk::AccessFlags2::NONE, usage);
+    /// Notes how images are used first.
+    fn open(&mut self, plan: &Plan, passes: &[Pass]) {
+        for step in &plan.steps {
+            for_each_use(step, &passes[usize::from(step.pass.0)], |resource, usage| {
+                let Resource::Image(image) = resource else { return };
+                if std::mem::replace(&mut self.images[usize::from(image.0)].is_used, true) {
+                    return;
+                }
+                self.change(resource, usage);
+            });
         }
     }
 
-    /// A memory barrier is global: whatever it covers is in order for every resource.
-    fn apply(&mut self, barrier: &Barrier) {
-        for history in self.buffers.iter_mut().chain(&mut self.images) {
-            let covered = barrier.src_stage.contains(history.write_stage)
-                && barrier.src_access.contains(history.write_access)
-                && !history.write_stage.is_empty();
-            if covered {
-                history.visible[history.next_visible] = (barrier.dst_stage, barrier.dst_access);
-                history.next_visible = (history.next_visible + 1) % history.visible.len();
-            }
+    /// Whether an image has to change for this use: notes it.
+    fn change(&mut self, resource: Resource, usage: &Usage) -> bool {
+        let Resource::Image(image) = resource else { return false };
+        let index = usize::from(image.0);
+        let layout = layout(self.is_host[index], usage);
+        let to = ImageState { stage: usage.stage, access: usage.access(), layout };
+        let from = std::mem::replace(&mut self.states[index], to);
+        if from.layout != to.layout {
+            self.changes.push(Change { image, from, to });
         }
+        from.layout != to.layout
+    }
+
+    /// Whether a resource was touched since the last barrier so that this use has to wait.
+    fn conflicts(&mut self, resource: Resource, usage: &Usage) -> bool {
+        let now = self.count;
+        let touched = self.touched(resource);
+        touched.written > now || (touched.read > now && !usage.writes.is_empty())
     }
 
     fn note(&mut self, resource: Resource, usage: &Usage) {
-        let history = self.history(resource);
-        if usage.writes.is_empty() {
-            history.read_stage |= usage.stage;
-        } else {
-            *history = History { write_stage: usage.stage, write_access: usage.writes, ..History::default() };
+        self.pending.src_stage |= usage.stage;
+        self.pending.src_access |= usage.writes;
+        let now = self.count + 1;
+        let touched = self.touched(resource);
+        match usage.writes.is_empty() {
+            true => touched.read = now,
+            false => touched.written = now,
         }
     }
 }
 
-fn for_each_use(step: &Step, pass: &Pass, mut f: impl FnMut(Resource, &Usage)) {
-    for (resource, usage) in &pass.uses {
-        f(*resource, usage);
+/// The state of own images at the start and the end of a frame.
+const OWN: ImageState = ImageState {
+    stage: vk::PipelineStageFlags2::NONE,
+    access: vk::AccessFlags2::NONE,
+    layout: vk::ImageLayout::GENERAL,
+};
+
+/// The layout in which an image is used so. Own images stay in GENERAL, unless they are copied; the host's take the layout
+/// of each use.
+pub fn layout(is_host: bool, usage: &Usage) -> vk::ImageLayout {
+    match *usage {
+        Usage::COPY_SOURCE => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+        Usage::COPY_TARGET => vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+        Usage::COLOUR if is_host => vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        Usage::DEPTH if is_host => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+        _ => vk::ImageLayout::GENERAL,
     }
-    if let Some(arguments) = step.arguments() {
-        f(Resource::Buffer(arguments), &Usage::INDIRECT);
+}
+
+/// What a step touches: a transfer its own command's, of all that its pass may.
+fn for_each_use(step: &Step, pass: &Pass, mut f: impl FnMut(Resource, &Usage)) {
+    let mut copies = |from: Option<Resource>, to: Resource| {
+        from.iter().for_each(|from| f(*from, &Usage::COPY_SOURCE));
+        f(to, &Usage::COPY_TARGET);
+    };
+    match step.command {
+        Command::Fill { buffer, .. } | Command::Update { buffer, .. } => copies(None, buffer.into()),
+        Command::Clear { image, .. } => copies(None, image.into()),
+        Command::CopyBuffer { from, to, .. } => copies(Some(from.into()), to.into()),
+        Command::CopyRange { from, to, .. } => copies(Some(from.0.into()), to.0.into()),
+        Command::CopyImage { from, to, .. } => copies(Some(from.into()), to.into()),
+        Command::CopyDepth { from, to, .. } => copies(Some(from.into()), to.into()),
+        Command::Dispatch { .. }
+        | Command::DispatchIndirect { .. }
+        | Command::Draw { .. }
+        | Command::DrawIndirect { .. } => {
+            pass.uses.iter().for_each(|(resource, usage)| f(*resource, usage));
+            step.arguments().iter().for_each(|arguments| f(Resource::Buffer(*arguments), &Usage::INDIRECT));
+        }
     }
 }

@@ -24,7 +24,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
-pub use crate::gpu::capabilities::DeviceLimits;
+pub use crate::gpu::capabilities::DeviceTraits;
 use crate::gpu::executor::{Description, Executor};
 use crate::gpu::image::ImageDesc;
 pub use crate::gpu::kernels::Kernels;
@@ -68,7 +68,7 @@ pub trait Kind: fmt::Debug + Sized {
     ///
     /// # Errors
     /// A setting out of range; something larger than a limit.
-    fn new(desc: &Self::Desc, limits: &DeviceLimits, effort: Effort) -> Result<Self>;
+    fn new(desc: &Self::Desc, traits: &DeviceTraits, effort: Effort) -> Result<Self>;
 
     /// The same for a picture of another size.
     fn resized(desc: &Self::Desc, size: [u32; 2]) -> Self::Desc;
@@ -136,13 +136,12 @@ pub struct Effect<K: Kind> {
 }
 
 impl<K: Kind> Effect<K> {
-    /// Device memory that an effect will take, before alignment. `limit` is the device's `maxStorageBufferRange`.
+    /// Device memory that an effect will take on a device with these traits, before alignment.
     ///
     /// # Errors
-    /// A setting out of range, or something larger than `limit`.
-    pub fn memory(desc: &K::Desc, limit: u64) -> Result<Memory> {
-        let limits = DeviceLimits { storage_range: limit, image_side: u32::MAX };
-        Ok(K::new(desc, &limits, Effort::Needed)?.layout().memory(desc))
+    /// A setting out of range, or something too large for the device.
+    pub fn memory(desc: &K::Desc, traits: &DeviceTraits) -> Result<Memory> {
+        Ok(K::new(desc, traits, Effort::Needed)?.layout().memory(desc))
     }
 
     /// Creates buffers and images, and pipelines that `kernels` has not got yet; but for those it leaves nothing behind on
@@ -175,7 +174,7 @@ impl<K: Kind> Effect<K> {
         effort: Effort,
     ) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        let mut kind = K::new(&desc, &unsafe { DeviceLimits::of(host) }, effort)?;
+        let mut kind = K::new(&desc, &unsafe { kernels.traits(host) }, effort)?;
         let description = describe(&mut kind, &desc);
         // SAFETY: the caller's.
         let executor = unsafe { Executor::new(host, kernels, allocator, description)? };

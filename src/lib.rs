@@ -30,6 +30,7 @@ pub mod profile;
 pub mod settings;
 pub mod smoke;
 pub mod toon;
+pub mod tuning;
 pub mod view;
 
 // What effects are made of; `low_level` shows it.
@@ -39,6 +40,7 @@ mod layout;
 mod noise;
 mod plan;
 mod random;
+mod scan;
 mod shaders;
 mod threads;
 

@@ -17,6 +17,8 @@ modules! {
     noise = crate::noise;
     /// Passes, and plans of them.
     plan = crate::plan;
+    /// Prefix sums.
+    scan = crate::scan;
     /// Hashes and random numbers of the shaders, on the CPU.
     random = crate::random;
     /// The output of build.rs for `glsl`: SPIR-V, its bindings, structures and constants.

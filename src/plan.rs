@@ -134,6 +134,8 @@ pub struct Plan {
     pub skipped: Vec<(PassId, &'static str)>,
     /// Bytes that updates write.
     pub data: Vec<u8>,
+    /// How many barriers are between its steps, before and after them: known once it has been recorded.
+    pub barriers: u32,
 }
 
 impl Plan {
@@ -143,6 +145,7 @@ impl Plan {
             steps: Vec::with_capacity(passes.iter().map(|pass| pass.most_steps).sum()),
             skipped: Vec::with_capacity(passes.len()),
             data: Vec::with_capacity(passes.iter().map(|pass| pass.most_bytes).sum()),
+            barriers: 0,
         }
     }
 
@@ -151,6 +154,7 @@ impl Plan {
         self.steps.clear();
         self.skipped.clear();
         self.data.clear();
+        self.barriers = 0;
     }
 
     /// Adds a step without constants.

@@ -30,6 +30,10 @@ pub struct FrameTimes {
     pub passes: Vec<PassTime>,
     /// Passes that did not run: name and reason.
     pub skipped: Vec<(&'static str, &'static str)>,
+    /// Steps that were recorded: dispatches, draws, copies, clears.
+    pub steps: u32,
+    /// Barriers between them, before and after them.
+    pub barriers: u32,
 }
 
 impl FrameTimes {
@@ -152,6 +156,10 @@ pub fn table(frames: &[FrameTimes]) -> String {
         }
     }
     line("frame", &whole);
+    let (steps, barriers) = (frames.iter().map(|f| f.steps).max(), frames.iter().map(|f| f.barriers).max());
+    if let (Some(steps @ 1..), Some(barriers)) = (steps, barriers) {
+        let _ = writeln!(text, "at most {steps} steps and {barriers} barriers a frame");
+    }
     text
 }
 
@@ -204,10 +212,10 @@ pub fn chrome_trace(frames: &[FrameTimes], device: &str) -> String {
     const FRAMES: u32 = 1;
     const PASSES: u32 = 2;
     let microseconds = |ns: u64| ns as f64 * 1e-3;
-    let complete = |name: &str, track: u32, begin_ns: u64, duration_ns: u64, frame: u32| {
+    let complete = |name: &str, track: u32, begin_ns: u64, duration_ns: u64, args: serde_json::Value| {
         json!({
             "name": name, "cat": "gpu", "ph": "X", "pid": 1, "tid": track,
-            "ts": microseconds(begin_ns), "dur": microseconds(duration_ns), "args": { "frame": frame },
+            "ts": microseconds(begin_ns), "dur": microseconds(duration_ns), "args": args,
         })
     };
     let named = |what: &str, track: u32, name: &str| json!({ "name": what, "ph": "M", "pid": 1, "tid": track, "args": { "name": name } });
@@ -219,10 +227,12 @@ pub fn chrome_trace(frames: &[FrameTimes], device: &str) -> String {
     for frame in frames {
         let begin = frame.passes.iter().map(|p| p.begin_ns).min();
         if let Some(begin) = begin {
-            events.push(complete(&format!("frame {}", frame.frame), FRAMES, begin, frame.total_ns(), frame.frame));
+            let args = json!({ "frame": frame.frame, "steps": frame.steps, "barriers": frame.barriers });
+            events.push(complete(&format!("frame {}", frame.frame), FRAMES, begin, frame.total_ns(), args));
         }
         for PassTime { name, begin_ns, end_ns } in &frame.passes {
-            events.push(complete(name, PASSES, *begin_ns, end_ns - begin_ns, frame.frame));
+            let args = json!({ "frame": frame.frame });
+            events.push(complete(name, PASSES, *begin_ns, end_ns - begin_ns, args));
         }
         for (name, reason) in &frame.skipped {
             events.push(json!({
@@ -246,11 +256,15 @@ mod tests {
                 frame: 7,
                 passes: vec![pass("smoke.grow", 0, 1_000_000), pass("smoke.outline", 500_000, 2_000_000)],
                 skipped: vec![("smoke.shadow", "off, or \"none\"")],
+                steps: 2,
+                barriers: 3,
             },
             FrameTimes {
                 frame: 8,
                 passes: vec![pass("smoke.grow", 10_000_000, 13_000_000)],
                 skipped: vec![("smoke.shadow", "off, or \"none\"")],
+                steps: 1,
+                barriers: 2,
             },
         ]
     }
@@ -304,6 +318,7 @@ mod tests {
         assert_eq!(words[1], ["smoke.grow", "2.000", "1.000", "3.000", "80.0", "%", "2"]);
         assert_eq!(words[2], ["smoke.outline", "1.500", "1.500", "1.500", "30.0", "%", "1"]);
         assert_eq!(words[3], ["frame", "2.500", "2.000", "3.000", "100.0", "%", "2"]);
+        assert_eq!(words[4], "at most 2 steps and 3 barriers a frame".split(' ').collect::<Vec<_>>());
         assert!(table(&[]).lines().count() == 2, "no frames: a header and an empty frame row");
     }
 
@@ -335,6 +350,7 @@ mod tests {
         assert_eq!((&grow["ph"], &grow["ts"], &grow["dur"]), (&"X".into(), &10_000.0.into(), &3_000.0.into()));
         let frame = events.iter().find(|e| e["name"] == "frame 7").expect("frame 7");
         assert_eq!(frame["dur"], 2_000.0);
+        assert_eq!(frame["args"], serde_json::json!({ "frame": 7, "steps": 2, "barriers": 3 }));
         let skipped = events.iter().find(|e| e["ph"] == "i").expect("skipped");
         assert_eq!((&skipped["args"]["pass"], &skipped["args"]["skipped"]), (&"smoke.shadow".into(), &true.into()));
         assert_eq!(events[0]["args"]["name"], "llvm \"pipe\"");

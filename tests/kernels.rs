@@ -11,10 +11,11 @@ mod ways;
 
 use std::time::Instant;
 
-use celfx::effect::Kernels;
+use celfx::effect::{DeviceTraits, Kernels};
 use celfx::low_level::gpu::headless::{Headless, Options};
 use celfx::low_level::plan::Pass;
 use celfx::low_level::shaders;
+use celfx::tuning::Tuning;
 
 /// A driver that is slower than SwiftShader, or has less memory to compile with, is not expected.
 const MOST_SECONDS: f64 = 20.0;
@@ -48,8 +49,11 @@ fn swiftshader_makes_every_pipeline() {
     };
     let mut kernels = Kernels::new();
     let mut slow = Vec::new();
-    let passes = celfx::program::variants().expect("allowed settings");
-    slow.extend(passes.iter().filter_map(|pass| make(&headless, &kernels, pass)));
+    // As it has them itself, and as GPUs have them.
+    for traits in [headless.traits(), DeviceTraits { tuning: Tuning::GPU, ..headless.traits() }] {
+        let passes = celfx::program::variants(&traits).expect("allowed settings");
+        slow.extend(passes.iter().filter_map(|pass| make(&headless, &kernels, pass)));
+    }
     println!("{} pipelines", kernels.count());
     // SAFETY: valid handles; nothing was submitted.
     unsafe { kernels.destroy(&headless.host()) };

@@ -2,20 +2,20 @@
 #![cfg(feature = "cli")]
 
 use ash::vk;
-use celfx::effect::Inventory;
+use celfx::effect::{DeviceTraits, Inventory};
 use celfx::error::Error;
 use celfx::low_level::shaders::smoke as shaders;
 use celfx::low_level::shaders::smoke::constants::BLOCK;
 use celfx::low_level::smoke::layout::{self, Layout};
 use celfx::low_level::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
-use celfx::low_level::smoke::params::{BUCKETS, Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
+use celfx::low_level::smoke::params::{Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::low_level::smoke::search::{Pyramid, growth_rows};
 use celfx::smoke::settings::{Emitter, Grow, Radius, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 use celfx::toon::{Outline, Tone};
 
 /// Lavapipe's range of a storage buffer; the least that Vulkan allows is 128 MiB, too.
-const RANGE: u64 = 128 << 20;
+const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
 /// Lavapipe ends an invocation's loops after 65,535 iterations in all. What is cut into parts of [`LOOP_BUDGET`] leaves room
 /// below this for what leads up to it.
 const BUDGET: u64 = 50_000;
@@ -41,7 +41,7 @@ fn many(particles: u32, fade: u32) -> Settings {
 
 #[test]
 fn sizes_follow_from_counts() {
-    let layout = Layout::new(&desc([200, 150], [33, 20, 10], many(500, 6)), RANGE).unwrap();
+    let layout = Layout::new(&desc([200, 150], [33, 20, 10], many(500, 6)), &TRAITS).unwrap();
     assert_eq!((layout.spheres, layout.tiles), (3500, [7, 5]));
     assert_eq!(layout.size(layout::PARTICLES), 500 * size_of::<Particle>() as u64);
     assert_eq!(layout.size(layout::SPHERES), 3500 * 16);
@@ -68,7 +68,7 @@ fn what_is_switched_off_takes_no_room() {
         ..many(500, 0)
     };
     let off = Desc { layers: false, velocity: false, ..desc([200, 150], [33, 20, 10], settings) };
-    let layout = Layout::new(&off, RANGE).unwrap();
+    let layout = Layout::new(&off, &TRAITS).unwrap();
     for id in [
         layout::VELOCITY,
         layout::DYING,
@@ -84,8 +84,8 @@ fn what_is_switched_off_takes_no_room() {
     ] {
         assert_eq!(layout.size(id), 16, "{id:?}");
     }
-    let on = Smoke::memory(&desc([200, 150], [33, 20, 10], many(500, 6)), RANGE).unwrap();
-    let memory = Smoke::memory(&off, RANGE).unwrap();
+    let on = Smoke::memory(&desc([200, 150], [33, 20, 10], many(500, 6)), &TRAITS).unwrap();
+    let memory = Smoke::memory(&off, &TRAITS).unwrap();
     assert!(memory.total() < on.total() && memory.history < on.history);
 }
 
@@ -93,11 +93,11 @@ fn what_is_switched_off_takes_no_room() {
 fn memory_is_what_buffers_and_images_take() {
     for shadow in [Shadow::Exact, Shadow::Map] {
         let desc = Desc { point_light: true, ..desc([64, 64], [8; 3], Settings { shadow, ..many(100, 6) }) };
-        let layout = Layout::new(&desc, RANGE).unwrap();
+        let layout = Layout::new(&desc, &TRAITS).unwrap();
         let buffers: u64 = layout.buffers().iter().map(|buffer| buffer.size).sum();
         let images = layout.images(&desc);
         let pixels = images.iter().map(|i| u64::from(i.extent[0] * i.extent[1] * i.layers)).sum::<u64>();
-        assert_eq!(Smoke::memory(&desc, RANGE).unwrap().total(), buffers + 4 * pixels);
+        assert_eq!(Smoke::memory(&desc, &TRAITS).unwrap().total(), buffers + 4 * pixels);
         assert_eq!(images[2].layers, 6, "a point light has six faces");
     }
 }
@@ -106,7 +106,7 @@ fn memory_is_what_buffers_and_images_take() {
 fn groups_go_in_batches_of_64_mib() {
     for (size, groups) in [([1920, 1080], 8), ([1920, 1080], 254), ([64, 64], 254), ([3000, 2700], 20)] {
         let settings = Settings { groups, ..many(10, 0) };
-        let layout = Layout::new(&desc(size, [8; 3], settings), RANGE).unwrap();
+        let layout = Layout::new(&desc(size, [8; 3], settings), &TRAITS).unwrap();
         let bytes = layout.size(layout::ROW_SUMS);
         let one = u64::from(layout.tiles[0] * layout.tiles[1] * SLOT_PIXELS) * 8;
         assert!(bytes <= 64 << 20 || bytes == one, "{size:?}: {bytes}");
@@ -116,7 +116,7 @@ fn groups_go_in_batches_of_64_mib() {
 
 /// The error of a description that does not fit.
 fn limit(desc: &Desc) -> (&'static str, u64, u64, String) {
-    match Smoke::memory(desc, RANGE) {
+    match Smoke::memory(desc, &TRAITS) {
         Err(error @ Error::Limit { what, needed, limit, .. }) => (what, needed, limit, error.to_string()),
         other => panic!("{other:?}"),
     }
@@ -125,25 +125,25 @@ fn limit(desc: &Desc) -> (&'static str, u64, u64, String) {
 #[test]
 fn what_is_too_large_is_refused_by_name() {
     let (what, needed, allowed, text) = limit(&desc([16_384, 16_384], [8; 3], many(10, 0)));
-    assert!(what.starts_with("smoke's buffer ") && needed > allowed && allowed == RANGE, "{text}");
+    assert!(what.starts_with("smoke's buffer ") && needed > allowed && allowed == TRAITS.storage_range, "{text}");
     assert!(text.contains("render a smaller picture"), "{text}");
     let (what, needed, _, text) = limit(&desc([64, 64], [8; 3], many(1_000_000, 64)));
     assert!(what.starts_with("smoke's buffer "), "{text}");
-    assert!(needed > RANGE && text.contains("fewer particles"), "{text}");
+    assert!(needed > TRAITS.storage_range && text.contains("fewer particles"), "{text}");
     let (_, needed, allowed, text) = limit(&desc([64, 64], [512; 3], many(10, 0)));
     assert!(needed > allowed && text.contains("use a smaller volume"), "{text}");
     // The pyramid has twelve levels: 2048 rows.
-    assert!(Smoke::memory(&desc([64, 64], [1, 2048, 2], many(10, 0)), RANGE).is_ok());
+    assert!(Smoke::memory(&desc([64, 64], [1, 2048, 2], many(10, 0)), &TRAITS).is_ok());
     let (what, needed, allowed, _) = limit(&desc([64, 64], [1, 2049, 2], many(10, 0)));
     assert_eq!((what, needed, allowed), ("the volume's height or depth in voxels", 2049, 2048));
     // Workgroups along an axis, on a device whose buffers are large enough.
     let huge = Desc { velocity: false, ..desc([64, 64], [2048; 3], many(10, 0)) };
-    match Smoke::memory(&huge, u64::MAX) {
+    match Smoke::memory(&huge, &DeviceTraits { storage_range: u64::MAX, ..TRAITS }) {
         Err(Error::Limit { needed, limit: 65_535, .. }) => assert!(needed > 65_535),
         other => panic!("{other:?}"),
     }
     // Exact shadows may take a coarser grid before they are refused.
-    let layout = Layout::new(&desc([64, 64], [8; 3], many(1_000_000, 1)), RANGE).unwrap();
+    let layout = Layout::new(&desc([64, 64], [8; 3], many(1_000_000, 1)), &TRAITS).unwrap();
     assert_eq!(layout.cells_across, 1);
 }
 
@@ -169,21 +169,21 @@ fn loops_stay_within_their_budget() {
         // Each iteration of a search may look at every word of a row, to the left and to the right; the first dispatch looks
         // at the particle's own row before.
         let turn = 1 + 2 * u64::from(pyramid.row_words);
-        let worst = u64::from(pyramid.iterations()) * turn + turn;
+        let worst = u64::from(pyramid.iterations(&TRAITS)) * turn + turn;
         assert!(worst <= BUDGET, "{x} voxels along x: {worst} iterations");
     }
     // An invocation of `luminance` shades the pixels of a tile that are as many rows apart as its workgroup is high,
     // and walks over the levels for each.
     let rows = u64::from(TILE / shaders::luminance_exact::SHADER.local_size[1]);
     for (particles, fade) in [(1, 0), (500, 6), (20_000, 6), (1_000_000, 0)] {
-        let layout = Layout::new(&desc([64, 64], [8; 3], many(particles, fade)), RANGE).unwrap();
+        let layout = Layout::new(&desc([64, 64], [8; 3], many(particles, fade)), &TRAITS).unwrap();
         assert!(rows * (1 + u64::from(LUMINANCE_ENTRIES + layout.light_levels)) <= BUDGET);
         assert!(u64::from(layout.luminance_parts) * u64::from(LUMINANCE_ENTRIES) >= u64::from(layout.spheres));
     }
     // Rows and columns: blocks to each side of the window. Each loads its taps and their weights, and adds all taps to each
     // result; results are cleared before and written after.
     let wide = Settings { sigma: 64.0, cutoff: 4.0, ..many(10, 0) };
-    let blocks = u64::from(Layout::new(&desc([64, 64], [8; 3], wide), RANGE).unwrap().window_blocks);
+    let blocks = u64::from(Layout::new(&desc([64, 64], [8; 3], wide), &TRAITS).unwrap().window_blocks);
     let taps = u64::from(BLOCK);
     let block = taps + (2 * taps - 1) + taps * (1 + taps);
     assert!((blocks + 1) * (1 + 2 * (1 + block)) + 2 * taps <= BUDGET);
@@ -191,7 +191,7 @@ fn loops_stay_within_their_budget() {
     let lanes = u64::from(shaders::items::SHADER.local_size[0]);
     let settings = Settings { sigma: 64.0, cutoff: 4.0, groups: 254, ..many(10, 0) };
     for size in [[64, 64], [1000, 1000], [2800, 2900]] {
-        let layout = Layout::new(&desc(size, [8; 3], settings.clone()), RANGE).unwrap();
+        let layout = Layout::new(&desc(size, [8; 3], settings.clone()), &TRAITS).unwrap();
         let runs = u64::from(layout.batch_capacity).div_ceil(lanes);
         let reach = u64::from(layout.window_blocks).div_ceil(TILE_BLOCKS.into());
         assert!(runs * (1 + 2 * reach + 1 + u64::from(lanes.ilog2())) <= BUDGET, "{size:?}");
@@ -203,9 +203,10 @@ fn searches_have_as_many_dispatches_as_they_may_need() {
     for dimensions in [[1; 3], [256; 3], [8, 256, 256], [500, 30, 200]] {
         for (grow, radius) in [(Grow::Pyramid, Radius::Ball), (Grow::Growth, Radius::Ball)] {
             let settings = Settings { grow, radius, ..many(10, 0) };
-            let layout = Layout::new(&Desc { velocity: false, ..desc([64, 64], dimensions, settings) }, RANGE).unwrap();
+            let layout =
+                Layout::new(&Desc { velocity: false, ..desc([64, 64], dimensions, settings) }, &TRAITS).unwrap();
             let pyramid = Pyramid::new(dimensions);
-            let iterations = u64::from(layout.search_parts) * u64::from(pyramid.iterations());
+            let iterations = u64::from(layout.search_parts) * u64::from(pyramid.iterations(&TRAITS));
             let shape = Shape { dimensions, voxel_size: [1.0; 3], origin: [0.0; 3] };
             // Nodes of the whole walk: leaves and a third of that above them.
             let needed = match grow {
@@ -251,28 +252,28 @@ fn settings_out_of_range_are_refused_by_key() {
         ("smoke.outline.colour", Settings { outline: Outline { colour: [f32::NAN; 3], ..Outline::default() }, ..s() }),
     ];
     for (key, settings) in cases {
-        match Smoke::memory(&desc([64, 64], [8; 3], settings), RANGE) {
+        match Smoke::memory(&desc([64, 64], [8; 3], settings), &TRAITS) {
             Err(Error::Setting { name, allowed, .. }) => {
                 assert!(name == key && !allowed.is_empty(), "{name}: {allowed}")
             }
             other => panic!("{key}: {other:?}"),
         }
     }
-    assert!(Smoke::memory(&desc([0, 64], [8; 3], s()), RANGE).is_err());
-    assert!(Smoke::memory(&desc([64, 64], [8, 0, 8], s()), RANGE).is_err());
-    assert!(Smoke::memory(&desc([64, 64], [8, 1 << 17, 8], s()), RANGE).is_err());
+    assert!(Smoke::memory(&desc([0, 64], [8; 3], s()), &TRAITS).is_err());
+    assert!(Smoke::memory(&desc([64, 64], [8, 0, 8], s()), &TRAITS).is_err());
+    assert!(Smoke::memory(&desc([64, 64], [8, 1 << 17, 8], s()), &TRAITS).is_err());
 }
 
 #[test]
-fn the_sum_over_light_space_tiles_keeps_the_loop_budget() {
+fn looking_at_light_space_lists_keeps_the_loop_budget() {
     for point_light in [false, true] {
         for particles in [1, 500, 10_000, 1_000_000] {
             let desc = Desc { point_light, ..desc([64, 64], [8; 3], many(particles, 0)) };
-            let layout = Layout::new(&desc, RANGE).unwrap();
-            // `shadow_scan`: each lane goes over its run of the counters twice, and over the other lanes' sums.
-            let [lanes, ..] = shaders::shadow_scan::SHADER.local_size;
-            let run = (layout.light_cells * layout.light_faces).div_ceil(lanes) * BUCKETS;
-            assert!(u64::from(2 * run + lanes) <= BUDGET, "{particles}, {point_light}: {run}");
+            let layout = Layout::new(&desc, &TRAITS).unwrap();
+            // `occupied_sum`: a single workgroup of the smallest picture goes over all lists.
+            let [lanes, ..] = shaders::occupied_sum::SHADER.local_size;
+            let lists = (layout.light_cells * layout.light_faces).div_ceil(lanes);
+            assert!(u64::from(lists + lanes.ilog2()) <= BUDGET, "{particles}, {point_light}: {lists}");
         }
     }
 }

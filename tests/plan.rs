@@ -3,11 +3,13 @@
 
 #[path = "common/allocations.rs"]
 mod allocations;
+#[path = "plan/commands.rs"]
+mod commands;
 #[path = "plan/kinds.rs"]
 mod kinds;
 
 use ash::vk;
-use celfx::effect::Effort;
+use celfx::effect::{DeviceTraits, Effort};
 use celfx::host::{HostImage, ImageState};
 use celfx::low_level::barrier::{Barrier, Tracker};
 use celfx::low_level::plan::{BufferId, Command, ImageId, Kernel, Pass, PassId, Plan, Resource, Usage};
@@ -22,7 +24,7 @@ use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
 use celfx::toon::{Operator, Outline};
 use celfx::view::{Camera, Light};
 
-const RANGE: u64 = 128 << 20;
+const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
 const A: BufferId = BufferId(0);
 const B: BufferId = BufferId(1);
 
@@ -47,56 +49,81 @@ fn fragment_read(buffer: BufferId) -> Pass {
     Pass::transfer("fragment read").uses(buffer, usage(FRAGMENT, true, false))
 }
 
-/// Derived barriers of passes that run one after the other.
-fn barriers(passes: &[Pass]) -> Vec<Barrier> {
+/// A plan of these passes, one after the other.
+fn in_order(passes: &[Pass]) -> Plan {
     let mut plan = Plan::default();
     (0..passes.len()).for_each(|i| plan.step(PassId(i as u16), Command::Dispatch { threads: [1; 3] }));
+    plan
+}
+
+/// Barriers of a plan.
+fn derived(tracker: &mut Tracker, plan: &Plan, passes: &[Pass]) -> Vec<Barrier> {
+    (0..plan.steps.len()).map(|index| tracker.before(plan, index, passes)).collect()
+}
+
+/// Derived barriers of passes that run one after the other.
+fn barriers(passes: &[Pass]) -> Vec<Barrier> {
+    let plan = in_order(passes);
     let mut tracker = Tracker::new(2, 1);
     tracker.begin(&plan, passes);
-    plan.steps.iter().zip(passes).map(|(step, pass)| tracker.before(step, pass)).collect()
+    let found = derived(&mut tracker, &plan, passes);
+    assert_eq!(tracker.count() as usize, found.iter().filter(|barrier| !barrier.is_empty()).count());
+    found
+}
+
+/// Which passes have a barrier before them.
+fn waiting(passes: &[Pass]) -> Vec<usize> {
+    let found = barriers(passes).into_iter().enumerate();
+    found.filter(|(_, barrier)| !barrier.is_empty()).map(|(index, _)| index).collect()
 }
 
 #[test]
 fn writes_are_waited_for_and_made_visible() {
     let found = barriers(&[write(A), read(A)]);
-    assert!(found[0].is_empty());
     let expected = Barrier {
         src_stage: COMPUTE,
         src_access: vk::AccessFlags2::SHADER_STORAGE_WRITE,
         dst_stage: COMPUTE,
-        dst_access: vk::AccessFlags2::SHADER_STORAGE_READ,
+        dst_access: vk::AccessFlags2::SHADER_STORAGE_READ | vk::AccessFlags2::SHADER_STORAGE_WRITE,
     };
     assert_eq!(found[1], expected, "read after write");
-    let found = barriers(&[write(A), write(A)])[1];
-    assert_eq!(found.src_access, vk::AccessFlags2::SHADER_STORAGE_WRITE, "write after write");
-    assert_eq!((found.src_stage, found.dst_access), (COMPUTE, vk::AccessFlags2::SHADER_STORAGE_WRITE));
+    assert_eq!(waiting(&[write(A), write(A)]), [0, 1], "write after write");
 }
 
 #[test]
 fn reads_are_waited_for_before_a_write_and_not_made_available() {
     let found = barriers(&[read(A), fragment_read(A), write(A)]);
-    assert!(found[0].is_empty() && found[1].is_empty());
+    assert!(!found[0].is_empty() && found[1].is_empty());
     assert_eq!((found[2].src_stage, found[2].src_access), (COMPUTE | FRAGMENT, vk::AccessFlags2::NONE));
-    assert_eq!(found[2].dst_stage, COMPUTE);
+    assert!(found[2].dst_stage.contains(COMPUTE));
 }
 
 #[test]
-fn nothing_is_waited_for_twice() {
-    // Two readers of one stage after one write; another buffer; the same stage again.
-    let found = barriers(&[write(A), write(B), read(A), read(A), read(B), fragment_read(A), fragment_read(B), read(A)]);
-    let needed: Vec<bool> = found.iter().map(|barrier| !barrier.is_empty()).collect();
-    // A memory barrier is global: the one for A shows B as well, once for each stage.
-    assert_eq!(needed, [false, false, true, false, false, true, false, false]);
-    assert_eq!(found[5].dst_stage, FRAGMENT);
+fn one_barrier_orders_all_before_it_with_all_after_it() {
+    // Readers of one stage and another, of one buffer and another.
+    let passes = [write(A), write(B), read(A), read(A), read(B), fragment_read(A), fragment_read(B), read(A)];
+    assert_eq!(waiting(&passes), [0, 2]);
+    assert_eq!(barriers(&passes)[2].dst_stage, COMPUTE | FRAGMENT, "all that comes after it");
+    // Steps that touch nothing in common.
+    assert_eq!(waiting(&[write(A), write(B)]), [0]);
+    // A reader before a barrier is not waited for again.
+    assert_eq!(waiting(&[write(A), read(A), write(B), read(B), write(A)]), [0, 1, 3]);
+    assert_eq!(waiting(&[write(A), fragment_read(A), read(A), write(A), read(A)]), [0, 1, 3, 4]);
 }
 
 #[test]
-fn what_a_barrier_has_shown_to_one_stage_another_still_waits_for() {
-    let found = barriers(&[write(A), fragment_read(A), read(A), write(A), read(A)]);
-    let stages: Vec<_> = found.iter().map(|barrier| barrier.dst_stage).collect();
-    assert_eq!(stages, [vk::PipelineStageFlags2::NONE, FRAGMENT, COMPUTE, COMPUTE, COMPUTE]);
-    // The write waits for both readers and for the write before.
-    assert_eq!(found[3].src_stage, COMPUTE | FRAGMENT);
+fn a_transfer_touches_what_its_command_does() {
+    let both = Pass::transfer("fills").fills(A).fills(B);
+    let passes = [both, Pass::transfer("copies").copies(A, B)];
+    let mut plan = Plan::default();
+    for buffer in [A, B, A] {
+        plan.step(PassId(0), Command::Fill { buffer, word: 0 });
+    }
+    plan.step(PassId(1), Command::CopyBuffer { from: A, to: B, bytes: 4 });
+    let mut tracker = Tracker::new(2, 1);
+    tracker.begin(&plan, &passes);
+    let found: Vec<bool> = derived(&mut tracker, &plan, &passes).iter().map(|barrier| !barrier.is_empty()).collect();
+    assert_eq!(found, [true, false, true, true]);
 }
 
 #[test]
@@ -107,11 +134,11 @@ fn indirect_arguments_are_read_at_their_own_stage() {
     plan.step(PassId(1), Command::DispatchIndirect { arguments: A, offset: 0 });
     plan.step(PassId(0), Command::Dispatch { threads: [1; 3] });
     let mut tracker = Tracker::new(2, 1);
-    let opening = tracker.begin(&plan, &passes);
-    assert!(opening.dst_stage.contains(vk::PipelineStageFlags2::DRAW_INDIRECT));
-    let found: Vec<_> = plan.steps.iter().map(|s| tracker.before(s, &passes[usize::from(s.pass.0)])).collect();
-    assert_eq!(found[1].dst_stage, vk::PipelineStageFlags2::DRAW_INDIRECT);
-    assert_eq!(found[1].dst_access, vk::AccessFlags2::INDIRECT_COMMAND_READ);
+    tracker.begin(&plan, &passes);
+    let found = derived(&mut tracker, &plan, &passes);
+    assert!(found[0].dst_stage.contains(vk::PipelineStageFlags2::DRAW_INDIRECT));
+    assert!(found[1].dst_stage.contains(vk::PipelineStageFlags2::DRAW_INDIRECT));
+    assert!(found[1].dst_access.contains(vk::AccessFlags2::INDIRECT_COMMAND_READ));
     // The arguments are written again: their reader is waited for.
     assert!(found[2].src_stage.contains(vk::PipelineStageFlags2::DRAW_INDIRECT));
 }
@@ -120,17 +147,53 @@ fn indirect_arguments_are_read_at_their_own_stage() {
 fn a_frame_waits_for_the_one_before_and_for_the_host() {
     let image = Pass::transfer("image").uses(ImageId(0), Usage::COLOUR);
     let passes = [write(A), fragment_read(A), image];
+    let plan = in_order(&passes[..1]);
+    let mut tracker = Tracker::new(2, 1);
+    tracker.begin(&plan, &passes);
+    tracker.take_buffer(vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE);
+    let found = tracker.before(&plan, 0, &passes);
+    // All that the effect's passes may have done, whether this frame does it or not.
+    let stages = COMPUTE | FRAGMENT | vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
+    assert_eq!(found.src_stage, stages | vk::PipelineStageFlags2::HOST);
+    let writes = vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::COLOR_ATTACHMENT_WRITE;
+    assert_eq!((found.src_access, found.dst_stage), (writes | vk::AccessFlags2::HOST_WRITE, COMPUTE));
+}
+
+/// Images of the host's come in its states, have the layout of each use, and go back in its states.
+#[test]
+fn images_of_the_host_change_with_barriers() {
+    const TARGET: ImageId = ImageId(0);
+    let passes = [write(A), Pass::transfer("clear").fills(B).copies(ImageId(1), TARGET), {
+        Pass::transfer("draw").uses(TARGET, Usage::COLOUR)
+    }];
     let mut plan = Plan::default();
     plan.step(PassId(0), Command::Dispatch { threads: [1; 3] });
-    let mut tracker = Tracker::new(2, 1);
-    let opening = tracker.begin(&plan, &passes);
-    // All that the effect's passes may have done, whether this frame does it or not.
-    assert_eq!(opening.src_stage, COMPUTE | FRAGMENT | vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT);
-    let writes = vk::AccessFlags2::SHADER_STORAGE_WRITE | vk::AccessFlags2::COLOR_ATTACHMENT_WRITE;
-    assert_eq!((opening.src_access, opening.dst_stage), (writes, COMPUTE));
-    tracker.written_before(Resource::Buffer(A), vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE);
-    let found = tracker.before(&plan.steps[0], &passes[0]);
-    assert_eq!((found.src_stage, found.src_access), (vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE));
+    plan.step(PassId(1), Command::Clear { image: TARGET, value: [0; 4] });
+    plan.step(PassId(2), Command::Draw { vertices: 4 });
+    plan.step(PassId(2), Command::Draw { vertices: 4 });
+    let state = |layout| ImageState { stage: FRAGMENT, access: vk::AccessFlags2::SHADER_SAMPLED_READ, layout };
+    let (colour, copied) = (vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+    for layout in [vk::ImageLayout::UNDEFINED, colour, copied] {
+        let mut tracker = Tracker::new(2, 2);
+        tracker.begin(&plan, &passes);
+        tracker.take_image(TARGET, state(layout));
+        let mut layouts = Vec::new();
+        for index in 0..plan.steps.len() {
+            let barrier = tracker.before(&plan, index, &passes);
+            assert!(tracker.changes().is_empty() || !barrier.is_empty());
+            layouts.push(
+                tracker.changes().iter().map(|change| (change.from.layout, change.to.layout)).collect::<Vec<_>>(),
+            );
+            assert!(index > 0 || barrier.src_stage.contains(FRAGMENT), "the host's own use of it is waited for");
+        }
+        let first = if layout == copied { vec![] } else { vec![(layout, copied)] };
+        assert_eq!(layouts, [first, vec![], vec![(copied, colour)], vec![]], "{layout:?}");
+        let back = state(vk::ImageLayout::GENERAL);
+        assert!(!tracker.end([(TARGET, back)].into_iter()).is_empty());
+        assert_eq!(tracker.changes().iter().map(|change| change.to).collect::<Vec<_>>(), [back]);
+        // The first, the draw's, the second draw's (the same target again) and the last.
+        assert_eq!(tracker.count(), 4);
+    }
 }
 
 #[test]
@@ -171,7 +234,7 @@ struct Effect {
 
 impl Effect {
     fn new(desc: Desc) -> Effect {
-        let layout = Layout::new(&desc, RANGE).unwrap();
+        let layout = Layout::new(&desc, &TRAITS).unwrap();
         let tables = Tables::new(&desc.settings, &layout);
         let passes = Passes::new(&desc, &layout, &tables, Effort::Needed);
         Effect { desc, layout, plan: Plan::for_passes(&passes.list), passes, tables }
@@ -209,7 +272,7 @@ impl Effect {
         let params = SmokeParams::new(&self.desc, &self.layout, frame, &delta.shape, 0);
         let Effect { desc, layout, passes, tables, plan } = self;
         plan.clear();
-        Steps { plan, passes, desc, layout, delta }.fill(frame, &params, tables);
+        Steps { plan, passes, desc, layout, traits: &TRAITS, delta }.fill(frame, &params, tables);
     }
 
     /// Names of the steps, each once where it stands several times in a row.
@@ -228,30 +291,38 @@ impl Effect {
 
 #[test]
 fn the_steps_of_a_frame_in_order() {
-    // The search is named, so that the order does not hang on which is fastest for this volume.
+    // The search is named, so that the order does not hang on which is fastest for this volume. Steps that do not wait for each
+    // other stand beside each other.
     let mut effect = Effect::new(desc(Settings { grow: Grow::Field, ..Settings::default() }));
     effect.fill(&effect.frame(), &effect.delta());
     let expected = [
         "smoke.background",
         "smoke.params",
         "smoke.tables",
+        "smoke.restart",
+        "smoke.shadow",
+        "smoke.clear",
+        "smoke.occlusion",
         "smoke.volume",
         "smoke.occupancy",
         "smoke.field",
-        "smoke.restart",
+        "smoke.occupancy",
+        "smoke.field",
         "smoke.advect",
         "smoke.grow",
         "smoke.list",
         "smoke.shadow",
-        "smoke.clear",
         "smoke.occlusion",
+        "smoke.shadow",
+        "smoke.occlusion",
+        "smoke.shadow",
         "smoke.spheres",
+        "smoke.shadow",
         "smoke.tiles",
         "smoke.luminance",
-        "smoke.tiles",
+        "smoke.outline",
         "smoke.rows",
         "smoke.columns",
-        "smoke.outline",
         "smoke.tone",
         "smoke.composite",
     ];

@@ -10,13 +10,15 @@ layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
 layout(std430, binding = 5) readonly buffer Rounds { Round rounds[]; };
 layout(std430, binding = 6) buffer Active { uvec4 active_triangles[]; };
-layout(std430, binding = 7) writeonly buffer Blocks { uvec2 blocks[]; };
+layout(std430, binding = 7) writeonly buffer PartSums { uvec2 block_sums[]; };
 #include "round.glsl"
 layout(constant_id = 1) const uint BY_LENGTH = 0;  // 1: long edges are split, whatever they look like
 #include "curve.glsl"
 #include "extent.glsl"
 #include "vertex.glsl"
-#include "block.glsl"
+#include "parts.glsl"
+#define SCAN_TYPE uvec2
+#include "common/scan.glsl"
 
 // What is drawn of an edge at a quarter, half or three quarters of it.
 vec2 straight_at(vec2 from, vec2 to, uint where) {
@@ -100,8 +102,8 @@ void main() {
             parts = parts_of(triangle.w);
         }
     }
-    uvec4 sum = sum_block(parts);
+    uvec2 all = scan_workgroup(parts).all;
     if (gl_LocalInvocationID.x == 0u) {
-        blocks[gl_WorkGroupID.x] = sum.zw;
+        block_sums[gl_WorkGroupID.x] = all;
     }
 }

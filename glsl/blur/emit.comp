@@ -1,4 +1,4 @@
-// Divides the triangles of a round: what is not divided is finished. The order is that of the triangles before.
+// Divides the triangles of a round: what is not divided is finished. The order is that of the triangles before. And what the next round is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
@@ -7,18 +7,22 @@ layout(std430, binding = 1) buffer Splines { Piece splines[]; };
 layout(std430, binding = 2) buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
-layout(std430, binding = 5) readonly buffer Rounds { Round rounds[]; };
+layout(std430, binding = 5) buffer Rounds { Round rounds[]; };
 layout(std430, binding = 6) readonly buffer Active { uvec4 active_triangles[]; };
 layout(std430, binding = 7) writeonly buffer Next { uvec4 next_triangles[]; };
 layout(std430, binding = 8) writeonly buffer Finished { uvec4 finished[]; };
-layout(std430, binding = 9) readonly buffer Blocks { uvec2 blocks[]; };
+layout(std430, binding = 9) readonly buffer PartSums { uvec2 block_sums[]; };
 layout(std430, binding = 10) readonly buffer Triangles { uvec4 triangles[]; };
+layout(std430, binding = 11) buffer ControlBuffer { Control control; };
 #include "round.glsl"
 #include "curve.glsl"
 #include "extent.glsl"
 #include "vertex.glsl"
-#include "block.glsl"
+#include "parts.glsl"
 #include "base.glsl"
+#define SCAN_TYPE uvec2
+#define SCAN_BLOCKS
+#include "common/scan.glsl"
 
 const uint ALL_OPEN = 7u;
 
@@ -81,14 +85,37 @@ void divide(uvec4 triangle, uint at, uint made) {
     add(at, uvec3(ab, bc, ca), base, ALL_OPEN);
 }
 
+// The next round has what is divided, `made` triangles of `divided` ones.
+void begin_next(Round current, uint made, uint divided) {
+    uint finished_before = current.finished_before + current.triangles - divided;
+    uint vertices_before = current.vertices_before + made - divided;
+    if (constants.round < ROUNDS) {
+        uint groups = (made + BLOCK - 1u) / BLOCK;
+        rounds[constants.round + 1u] = Round(uvec4(groups, 1u, 1u, 0u), made, finished_before, vertices_before, 0u);
+    }
+    control.triangles = finished_before;
+    control.vertices = vertices_before;
+    control.draw = uvec4(3u * finished_before, 1u, 0u, 0u);
+}
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     Round current = rounds[constants.round];
     bool exists = index < current.triangles;
     uvec4 triangle = exists ? active_triangles[index] : uvec4(0u);
-    bool is_last = current.is_last != 0u;
+    Scan blocks = scan_blocks(gl_WorkGroupID.x, current.groups.x);
+    bool is_over = current.finished_before + current.triangles - blocks.all.y + blocks.all.x > params.triangle_budget;
+    // It would divide some, and must not.
+    bool is_last = blocks.all.x > 0u && (is_over || constants.round == ROUNDS);
     uvec2 parts = exists && !is_last ? parts_of(triangle.w) : uvec2(0u);
-    uvec2 before = sum_block(parts).xy + (is_last ? uvec2(0u) : blocks[gl_WorkGroupID.x]);
+    uvec2 before = (is_last ? uvec2(0u) : blocks.before) + scan_workgroup(parts).before;
+    if (index == 0u) {
+        if (is_last) {
+            control.ended_by = is_over ? ENDED_BY_BUDGET : ENDED_BY_ROUNDS;
+            control.undivided = blocks.all.y;
+        }
+        begin_next(current, is_last ? 0u : blocks.all.x, is_last ? 0u : blocks.all.y);
+    }
     if (!exists) {
         return;
     }

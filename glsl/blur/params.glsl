@@ -8,7 +8,7 @@
 
 const uint NONE = 0xffffffffu;     // no index, no bin, no colour: there is none
 const uint TILE = 8u;              // pixels along each side of a tile, and of workgroups over pixels
-const uint BLOCK = 128u;           // triangles of a workgroup of the refinement
+const uint BLOCK = 256u;           // triangles of a workgroup of the refinement
 const uint ROUNDS = 16u;           // rounds of it, at most
 const uint USUAL_ROUNDS = 11u;     // after these, each round's tolerance is twice the one's before
 const float UNIT = 262144.0;       // 1 - k' is a multiple of 2^-18 while it is smoothed
@@ -151,11 +151,10 @@ struct Vertex {
 // A round of the refinement.
 struct Round {
     uvec4 groups;          // dispatch over its triangles; w: unused
-    uvec4 scan;            // dispatch of the scan; w: unused
     uint triangles;
-    uint is_last;          // it divides nothing
     uint finished_before;  // finished triangles before it
     uint vertices_before;  // vertices before it
+    uint unused;
 };
 
 // What the device decides during a frame.

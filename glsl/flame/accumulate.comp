@@ -1,6 +1,6 @@
 // Repetitions of a tile's render particles. A tile owns its pixels: there are no atomics on them, and no render particle
-// ever reaches memory. Particles come in batches of so many as there are invocations, front first. In a round each invocation makes one sprite of a repetition and notes the blocks
-// that it touches; then invocations are columns of pixels, and test the sprites that touch their block. Nearest wins, then the smaller id, then
+// ever reaches memory. Particles come in batches, front first. In a round invocations make a sprite of a repetition each and note the blocks that it
+// touches; then invocations are columns of pixels, and test the sprites that touch their block. Nearest wins, then the smaller id, then
 // the first row: nothing depends on the order of the lists. Sums are integers.
 //
 // Loops are such as end at their bottom, and what a loop needs is read before it: on a device that runs invocations in step, an iteration that
@@ -10,7 +10,6 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
 #include "columns.glsl"
-layout(local_size_x = LANES) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
@@ -20,7 +19,7 @@ layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
 layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(std430, binding = 8) buffer Winners { uvec4 winners[]; };
 layout(binding = 9, r32f) uniform readonly image2D levels;
-layout(constant_id = 4) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
+layout(constant_id = 5) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "lists.glsl"
@@ -29,21 +28,23 @@ layout(constant_id = 4) const uint HAS_SCENE = 0;  // 1: the scene's depth occlu
 #include "sprite.glsl"
 #include "winner.glsl"
 
+const uint WORDS = BATCH / 32u;  // a bit for each sprite of a round
+
 shared uvec2 lists[MAX_CELL_LEVELS];           // where each level's list begins, and its end among all entries of the tile
 shared uint waiting;              // entries that are next in a batch
-shared uint waiting_rows[2u * LANES];
-shared uint batch_sums[LANES];    // render particles of a batch up to here, and particles that have any in the upper 8 bits
-shared vec4 batch_place[LANES];   // of those particles: x, y, depth, alpha
-shared vec4 batch_slope[LANES];   // slope and reach; or, near the camera, x and y in view space and -1
-shared uvec3 batch_draw[LANES];   // row + 1, id, hash of the id less the place of its first render particle in the batch
-shared uint starts;               // a bit for each sprite of the round that is its particle's first
-shared vec4 sprite_place[LANES];  // x, y, depth, texels a pixel
-shared uvec4 sprite_draw[LANES];  // row + 1, id, texel, alpha
-shared uvec4 touches;             // which of 8 sprites each touch: a byte for each block
-shared uvec4 column_farthest[LANES / 4u];  // of what is nearest in each column's pixels
-shared uvec4 farthest;                     // in each block's
+shared uint waiting_rows[BATCH + LANES];
+shared uint batch_sums[BATCH];    // render particles of a batch up to here, and particles that have any in the upper 8 bits
+shared vec4 batch_place[BATCH];   // of those particles: x, y, depth, alpha
+shared vec4 batch_slope[BATCH];   // slope and reach; or, near the camera, x and y in view space and -1
+shared uvec3 batch_draw[BATCH];   // row + 1, id, hash of the id less the place of its first render particle in the batch
+shared vec4 sprite_place[BATCH];  // x, y, depth, texels a pixel
+shared uvec4 sprite_draw[BATCH];  // row + 1, id, texel, alpha
+// For even rounds and for odd ones: while one is used, the other is emptied.
+shared uint starts[2u * WORDS];         // a bit for each sprite of the round that is its particle's first
+shared uint touches[2u * BATCH / 8u];   // which of 8 sprites each touch: a byte for each block
+shared uint farthest[2u * BLOCKS];      // of what is nearest in the pixels of each block as the round begins
 
-// A column of a block: what is nearest in each of its pixels. Rows count from 1; 0 is nobody.
+// What is nearest in each pixel of the column. Rows count from 1; 0 is nobody.
 uint nearest_depth[ROWS];
 uint nearest_id[ROWS];
 uint nearest_row[ROWS];
@@ -80,48 +81,58 @@ uint entry_at(uint index) {
     return entries[lists[level].x + index - before];
 }
 
-// Looks for the entries of the next batch from `at` on; how many wait then. What all pixels have nearer is left out, unless nothing is known of
-// them yet: behind the front of a fire, most of a list is.
-uint find_batch(inout uint at, uint end, bool is_first) {
+// Looks for the entries of the next batch from `at` on, `found` of which wait already; how many wait then. What all pixels have nearer, as the last round (`parity`) knew, is left
+// out, unless nothing is known of them yet: behind the front of a fire, most of a list is.
+uint find_batch(inout uint at, uint end, uint found, bool is_first, uint parity) {
     uint lane = gl_LocalInvocationID.x;
-    uint most = is_first ? INFINITY_BITS : max(max(farthest.x, farthest.y), max(farthest.z, farthest.w));
-    uint found;
+    uint most = is_first ? INFINITY_BITS : 0u;
+    [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
+        most = max(most, farthest[BLOCKS * parity + block]);
+    }
     do {
-        if (at + lane < end) {
+        // Where a batch is smaller than a workgroup, more may wait already than it takes.
+        bool is_short = LANES == BATCH || found < BATCH;
+        if (is_short && at + lane < end) {
             uint row = entry_at(at + lane);
             if (floatBitsToUint(max(nearest_of(particles[row].depth), 0.0)) <= most) {
                 waiting_rows[atomicAdd(waiting, 1u)] = row;
             }
         }
-        at += LANES;
+        at += is_short ? LANES : 0u;
         barrier();
         found = waiting;
         barrier();
-    } while (at < end && found < LANES);
+    } while (at < end && found < BATCH);
     return found;
 }
 
 struct Batch {
     uint total;  // its render particles
+    uint left;   // entries that wait for the next one
     uint start;  // the place among them where this invocation's particle begins
 };
 
-// Loads the first of those that wait; the others are at most as many.
+// Loads the first of those that wait; the others are at most as many as there are invocations.
 Batch load_batch(uint found, vec2 origin) {
     uint lane = gl_LocalInvocationID.x;
     uint row = waiting_rows[lane];
-    uint next = waiting_rows[LANES + lane];
+    uint next = waiting_rows[BATCH + lane];
+    uint left = found - min(found, BATCH);
     uint count = 0u;
-    if (lane < found) {
+    if (is_in_batch() && lane < found) {
         count = particles[row].count;
     }
     uint sum = count + (count > 0u ? 1u << 24u : 0u);
-    batch_sums[lane] = sum;
-    [[unroll]] for (uint width = 1u; width < LANES; width *= 2u) {
-        barrier();
-        sum += lane >= width ? batch_sums[lane - width] : 0u;
-        barrier();
+    if (is_in_batch()) {
         batch_sums[lane] = sum;
+    }
+    [[unroll]] for (uint width = 1u; width < BATCH; width *= 2u) {
+        barrier();
+        sum += is_in_batch() && lane >= width ? batch_sums[lane - width] : 0u;
+        barrier();
+        if (is_in_batch()) {
+            batch_sums[lane] = sum;
+        }
     }
     uint start = (sum & 0xffffffu) - count;
     if (count > 0u) {
@@ -135,14 +146,14 @@ Batch load_batch(uint found, vec2 origin) {
     }
     waiting_rows[lane] = next;
     if (lane == 0u) {
-        waiting = found - min(found, LANES);
+        waiting = left;
     }
     barrier();
-    return Batch(batch_sums[LANES - 1u] & 0xffffffu, count > 0u ? start : NOTHING);
+    return Batch(batch_sums[BATCH - 1u] & 0xffffffu, left, count > 0u ? start : NOTHING);
 }
 
 // Makes render particle `t` of the batch, which is of the particle at `slot`, and notes which blocks it touches.
-void note_sprite(Optics optics, uint slot, uint t, uint repetition) {
+void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity) {
     uint lane = gl_LocalInvocationID.x;
     vec4 place = batch_place[slot];
     vec3 slope = batch_slope[slot].xyz;
@@ -154,27 +165,24 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition) {
     float reach = abs(slope.z) * optics.half_mask / sprite.scale + 1e-3;
     vec4 bounds = vec4(sprite.at - reach, sprite.at + reach);
     uint depth = floatBitsToUint(sprite.z);
-    uvec4 limits = farthest;
     uint touched = 0u;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         vec2 corner = vec2(block_corner(block));
         bool is_near = all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5))) && all(greaterThanEqual(bounds.zw, corner + 0.5));
-        touched |= is_near && depth <= limits[block] ? 1u << (8u * block) : 0u;
+        touched |= is_near && depth <= farthest[BLOCKS * parity + block] ? 1u << (8u * block) : 0u;
     }
     if (sprite.exists && touched != 0u) {
         sprite_place[lane] = vec4(sprite.at, sprite.z, sprite.scale);
         sprite_draw[lane] = uvec4(draw.xy, sprite.texel, floatBitsToUint(place.w));
-        atomicOr(touches[lane / 8u], touched << (lane % 8u));
+        atomicOr(touches[(BATCH * parity + lane) / 8u], touched << (lane % 8u));
     }
 }
 
-// Tests the sprites that touch a block against a column of its pixels. `centre`: of its first pixel.
-void test_sprites(uint block, vec2 centre, uint level, float half_mask, float threshold) {
-    uvec4 bytes = touches >> (8u * block) & 0xffu;
-    uint left = bytes.x | bytes.y << 8u | bytes.z << 16u | bytes.w << 24u;
+// Tests sprites, 32 from `first` on, against a column: those that `left` has a bit for. `centre`: of the column's pixel in the block's first row.
+void test_sprites(uint left, uint first, Column column, vec2 centre, uint level, float half_mask, float threshold) {
     do {
         bool is_one = left != 0u;
-        uint i = uint(findLSB(left)) & (LANES - 1u);
+        uint i = first + (uint(findLSB(left)) & 31u);
         left &= left - 1u;
         vec4 place = sprite_place[i];
         uvec4 sprite = sprite_draw[i];
@@ -182,11 +190,11 @@ void test_sprites(uint block, vec2 centre, uint level, float half_mask, float th
         float alpha = uintBitsToFloat(sprite.w);
         vec2 t = (centre - place.xy) * place.w + half_mask;
         Look look = begin_look(t.x, sprite.z, level);
-        [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            float value = mask_value(look, t.y + float(y) * place.w);
+        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+            float value = mask_value(look, t.y + float(column.row + y) * place.w);
             bool passes = is_one && value > 0.0 && alpha * value >= threshold;
-            bool first = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
-            bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first);
+            bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
+            bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first_of_equals);
             bool wins = passes && nearer;
             nearest_depth[y] = wins ? depth : nearest_depth[y];
             nearest_id[y] = wins ? sprite.y : nearest_id[y];
@@ -195,23 +203,48 @@ void test_sprites(uint block, vec2 centre, uint level, float half_mask, float th
     } while (left != 0u);
 }
 
-// Begins a round: no sprite touches anything yet. What is nearest in a block's pixels can only come nearer: what is behind all of it need not be
-// looked at.
-void begin_round(uint block, bool skips) {
-    uint lane = gl_LocalInvocationID.x;
-    uint own = 0u;
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+// Which sprites of a round touch a block, 32 of them.
+uint touching(uint block, uint word, uint parity) {
+    uint bits = 0u;
+    [[unroll]] for (uint i = 0u; i < 4u; ++i) {
+        bits |= (touches[BATCH / 8u * parity + 4u * word + i] >> (8u * block) & 0xffu) << (8u * i);
+    }
+    return bits;
+}
+
+// Notes how far away the farthest of what is nearest is: it can only come nearer, and what is behind all of it need not be looked at.
+void note_farthest(uint block, uint parity, bool skips) {
+    uint own = skips ? 0u : INFINITY_BITS;
+    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
         own = max(own, nearest_depth[y]);
     }
-    column_farthest[lane / 4u][lane % 4u] = own;
-    barrier();
-    if (lane % BLOCK == 0u) {
-        uvec4 both = max(column_farthest[lane / 4u], column_farthest[lane / 4u + 1u]);
-        farthest[block] = skips ? max(max(both.x, both.y), max(both.z, both.w)) : INFINITY_BITS;
+    atomicMax(farthest[BLOCKS * parity + block], own);
+}
+
+// Empties what a round leaves behind.
+void empty_round(uint parity) {
+    uint lane = gl_LocalInvocationID.x;
+    if (lane < BATCH / 8u) {
+        touches[BATCH / 8u * parity + lane] = 0u;
     }
-    if (lane == 0u) {
-        touches = uvec4(0u);
+    if (lane < WORDS) {
+        starts[WORDS * parity + lane] = 0u;
     }
+    if (lane < BLOCKS) {
+        farthest[BLOCKS * parity + lane] = 0u;
+    }
+}
+
+// The particles that have begun in a round: up to an invocation's sprite, and all.
+uvec2 count_starts(uint parity) {
+    uint lane = gl_LocalInvocationID.x;
+    uvec2 count = uvec2(0u);
+    [[unroll]] for (uint word = 0u; word < WORDS; ++word) {
+        uint begun = starts[WORDS * parity + word];
+        uint up_to_own = lane / 32u > word ? ~0u : lane / 32u == word ? ~0u >> (31u - lane % 32u) : 0u;
+        count += uvec2(bitCount(begun & up_to_own), bitCount(begun));
+    }
+    return count;
 }
 
 void main() {
@@ -226,20 +259,19 @@ void main() {
     uint last = min(first + control.part_repetitions, constants.last);
     bool is_last_segment = segment + 1u == control.segments;
 
-    uint block = lane / BLOCK;
-    uvec2 corner = block_corner(block);
-    uvec2 pixel = tile * TILE + corner + uvec2(lane % BLOCK, 0u);
-    vec2 centre = vec2(corner) + vec2(float(lane % BLOCK) + 0.5, 0.5);
+    Column column = own_column();
+    uvec2 pixel = tile * TILE + column.corner + uvec2(column.x, column.row);
+    vec2 centre = vec2(column.corner) + vec2(float(column.x) + 0.5, 0.5);
     vec2 origin = vec2(tile * TILE);
-    uint column = pixel_index(pixel);
+    uint first_pixel = pixel_index(pixel);
     bool inside[ROWS];
     uint scene_depth[ROWS];
     Sum sum[ROWS];
     uint before = params.repetitions_before;
     bool is_first = before + first == 0u;
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        inside[y] = pixel.x < params.size.x && pixel.y + uint(y) < params.size.y;
-        uint at = column + uint(y) * params.size.x;
+    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        inside[y] = pixel.x < params.size.x && pixel.y + y < params.size.y;
+        uint at = first_pixel + y * params.size.x;
         scene_depth[y] = inside[y] ? INFINITY_BITS : 0u;
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
@@ -254,27 +286,31 @@ void main() {
     Optics optics = optics_of_frame(level);
     float threshold = params.threshold;
     bool skips = params.is_skipping != 0u;
+    empty_round(0u);
+    empty_round(1u);
     if (lane == 0u) {
-        starts = 0u;
         waiting = 0u;
     }
     barrier();
+    uint parity = 0u;
     uint repetition = first;
     uint at = first_entry;
+    uint left = 0u;
     do {
         bool is_first_batch = at == first_entry;
-        uint found = find_batch(at, last_entry, is_first_batch);
-        bool is_last_batch = at >= last_entry && found <= LANES;
+        uint found = find_batch(at, last_entry, left, is_first_batch, 1u - parity);
+        bool is_last_batch = at >= last_entry && found <= BATCH;
         Batch batch = load_batch(found, origin);
+        left = batch.left;
         // One batch that is all of the list serves all repetitions.
         do {
             if (is_first_batch) {
-                [[unroll]] for (int y = 0; y < ROWS; ++y) {
+                [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
                     nearest_depth[y] = scene_depth[y];
                     nearest_id[y] = 0u;
                     nearest_row[y] = 0u;
                     if (segment > 0u && inside[y]) {
-                        uvec4 winner = winners[column + uint(y) * params.size.x];
+                        uvec4 winner = winners[first_pixel + y * params.size.x];
                         nearest_depth[y] = winner.x;
                         nearest_id[y] = winner.y;
                         nearest_row[y] = winner.z;
@@ -284,28 +320,32 @@ void main() {
             uint made = 0u;
             uint particles_before = 0u;
             do {
-                begin_round(block, skips);
-                if (batch.start - made < LANES) {
-                    atomicOr(starts, 1u << (batch.start - made));
+                note_farthest(column.block, parity, skips);
+                uint begins = batch.start - made;
+                if (begins < BATCH) {
+                    atomicOr(starts[WORDS * parity + begins / 32u], 1u << (begins % 32u));
                 }
                 barrier();
-                uint begun = starts;
-                uint slot = particles_before + uint(bitCount(begun & (~0u >> (LANES - 1u - lane)))) - 1u;
-                particles_before += uint(bitCount(begun));
-                if (made + lane < batch.total) {
-                    note_sprite(optics, slot, made + lane, before + repetition);
+                empty_round(1u - parity);
+                uvec2 begun = count_starts(parity);
+                if (is_in_batch() && made + lane < batch.total) {
+                    note_sprite(optics, particles_before + begun.x - 1u, made + lane, before + repetition, parity);
                 }
-                made += LANES;
+                particles_before += begun.y;
+                made += BATCH;
                 barrier();
-                if (lane == 0u) {
-                    starts = 0u;
+                [[unroll]] for (uint word = 0u; word < WORDS; ++word) {
+                    uint touching_block = touching(column.block, word, parity);
+                    if (WORDS == 1u || touching_block != 0u) {
+                        test_sprites(touching_block, 32u * word, column, centre, level, optics.half_mask, threshold);
+                    }
                 }
-                test_sprites(block, centre, level, optics.half_mask, threshold);
+                parity = 1u - parity;
             } while (made < batch.total);
             if (is_last_batch) {
-                [[unroll]] for (int y = 0; y < ROWS; ++y) {
+                [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
                     if (inside[y] && !is_last_segment) {
-                        winners[column + uint(y) * params.size.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
+                        winners[first_pixel + y * params.size.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
                     }
                     if (is_last_segment && nearest_row[y] != 0u) {
                         add_winner(sum[y], particles[nearest_row[y] - 1u].light, nearest_depth[y]);
@@ -316,8 +356,8 @@ void main() {
         } while (is_first_batch && is_last_batch && repetition < last);
         at = is_last_batch ? first_entry : at;
     } while (repetition < last);
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        uint at = column + uint(y) * params.size.x;
+    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        uint at = first_pixel + y * params.size.x;
         if (inside[y] && is_last_segment) {
             store_sum(at, sum[y]);
         }

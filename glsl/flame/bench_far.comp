@@ -5,7 +5,7 @@
 #include "params.glsl"
 #include "kernel.glsl"
 layout(local_size_x = KERNEL_LANES) in;
-layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; };
+layout(std430, binding = 1) readonly buffer KernelState { KernelTable table; };
 layout(std430, binding = 2) readonly buffer Shares { float shares[]; };
 layout(std430, binding = 3) writeonly buffer FarTable { float far_table[]; };
 
@@ -16,7 +16,7 @@ void main() {
         return;
     }
     vec2 m = kernel_reach() * (2.0 * vec2(place % KERNEL_PLACES, place / KERNEL_PLACES) / LAST_PLACE - 1.0);
-    uint side = MASK_SIDE >> kernel_level;
+    uint side = MASK_SIDE >> table.level;
     float texel_side = params.sprite_size / float(side);
     float radius = max(params.spread, 2.0 * texel_side);
     float chords = 0.0;

@@ -1,15 +1,18 @@
 // Counts particles in the cells that they touch, by depth bucket, and writes their colours as shares of the frame's
-// brightest, which is known now.
+// brightest, which is known now. For the expected image, weighs them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) buffer Particles { Particle particles[]; };
-layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
+layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) buffer Cells { uint cell_ends[]; };
+layout(binding = 4, r32f) uniform readonly image2D levels;
+layout(constant_id = 0) const uint EXPECTED = 0;  // 1: the kernel table is asked for
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "mask_level.glsl"
+#include "weigh.glsl"
 
 uint share_of(float component, float brightest) {
     return brightest > 0.0 ? min(uint(component / brightest * LIGHT_STEPS + 0.5), uint(LIGHT_STEPS)) : 0u;
@@ -19,6 +22,9 @@ void main() {
     uint row = gl_GlobalInvocationID.x;
     if (row >= params.particle_count || particles[row].count == 0u) {
         return;
+    }
+    if (EXPECTED == 1u) {
+        weigh(row);
     }
     vec3 view = vec3(particles[row].view, particles[row].depth);
     vec4 colour = particles[row].colour;

@@ -2,9 +2,9 @@
 // only, whose results differ between devices by roundings at most.
 #include "../common/random.glsl"
 
-layout(constant_id = 0) const uint CUBE = 0;     // 1: offsets fill a cube, not a ball
-layout(constant_id = 1) const uint SOBOL = 0;    // 1: offsets are stratified over the repetitions
-layout(constant_id = 2) const uint FLICKER = 0;  // 1: some draws change from frame to frame
+layout(constant_id = 1) const uint CUBE = 0;     // 1: offsets fill a cube, not a ball
+layout(constant_id = 2) const uint SOBOL = 0;    // 1: offsets are stratified over the repetitions
+layout(constant_id = 3) const uint FLICKER = 0;  // 1: some draws change from frame to frame
 
 // How often a render particle has been drawn anew up to this frame, times an odd number that is added to its words.
 uint flickered(uint particle_word) {

@@ -7,7 +7,6 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
 #include "columns.glsl"
-layout(local_size_x = LANES) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) readonly buffer Cells { uint cell_ends[]; };
@@ -18,8 +17,8 @@ layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(binding = 8, r32f) uniform readonly image2D kernel;
 layout(std430, binding = 9) buffer Winners { uvec4 winners[]; };  // of an unfinished bin: sums of optical depth times squared colour
 layout(std430, binding = 10) buffer Unlaid { vec4 unlaid[]; };  // between dispatches: the bin that is not composited yet, and the one before it
-layout(constant_id = 0) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
-layout(constant_id = 1) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
+layout(constant_id = 1) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
+layout(constant_id = 2) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "kernel.glsl"
@@ -32,25 +31,57 @@ const float FIXED_SQUARES = 0.25 * FIXED;  // a sum of three
 const float MOST_DEPTH = 127.0;  // optical depth of one particle in one bin
 const uint UNLAID = UNLAID_VECTORS + KEEP_LAYERS;
 
-shared uint queue[BLOCKS][LANES];
+shared uint queue[BLOCKS][BATCH];
 shared uint queue_length[BLOCKS];
 shared uint clearest;
 shared uvec2 lists[MAX_CELL_LEVELS];
 
-// A column of a block.
-vec3 mean[ROWS];
+// What of a pixel is only needed between bins.
+struct Finished {
+    vec3 mean;
+    float transmittance;  // before the bin that is not composited yet
+    vec4 nearer_bin;      // the one before that: mean colour, optical depth
+    vec3 nearer_square;   // its mean squared colours
+    float depth_sum;
+    float bin_square;     // sum of the mean squared colours of the bin that is not composited yet
+};
+
+// An invocation that has one pixel has no registers left for it while particles are added.
+const uint SHARED_PIXELS = LANES / (TILE * TILE) * (TILE * TILE - 1u) + 1u;
+shared vec4 finished[3u * SHARED_PIXELS];
+shared float finished_squares[SHARED_PIXELS];
+Finished finished_rows[ROWS];
+
+// The pixels of the column.
 vec3 second[ROWS];
-float transmittance[ROWS];   // before the bin that is not composited yet
-float depth_sum[ROWS];
 uvec4 bin_low[ROWS];   // sums of the bin: optical depth times colour, optical depth
 uvec4 bin_high[ROWS];
 uvec4 square_low[ROWS];  // optical depth times squared colour, and its sum over the channels
 uvec4 square_high[ROWS];
 vec4 bins[ROWS];         // not composited yet: mean colour, optical depth
-vec4 nearer_bins[ROWS];  // the ones before
-vec4 bin_squares[ROWS];  // mean squared colours, and their sum
-vec3 nearer_squares[ROWS];
+vec3 bin_squares[ROWS];  // mean squared colours
 float scene_depth[ROWS];
+
+Finished load_finished(uint y) {
+    if (ROWS == 1u) {
+        uint at = gl_LocalInvocationID.x;
+        vec4 a = finished[at], b = finished[SHARED_PIXELS + at], c = finished[2u * SHARED_PIXELS + at];
+        return Finished(a.xyz, a.w, b, c.xyz, c.w, finished_squares[at]);
+    }
+    return finished_rows[y];
+}
+
+void store_finished(uint y, Finished of_pixel) {
+    if (ROWS == 1u) {
+        uint at = gl_LocalInvocationID.x;
+        finished[at] = vec4(of_pixel.mean, of_pixel.transmittance);
+        finished[SHARED_PIXELS + at] = of_pixel.nearer_bin;
+        finished[2u * SHARED_PIXELS + at] = vec4(of_pixel.nearer_square, of_pixel.depth_sum);
+        finished_squares[at] = of_pixel.bin_square;
+        return;
+    }
+    finished_rows[y] = of_pixel;
+}
 
 // ln(1 - G) at a corner of the grid, between two depths.
 float corner(ivec2 at, float share) {
@@ -163,20 +194,17 @@ struct Meeting {
     vec2 zeta;    // where a bin, as far as the scene lets one see, begins and ends; metres behind the particle
 };
 
-Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, int y) {
-    vec2 slope = vec2(ray.x, ray.y - float(y) * step_down);
+Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, uint row, uint y) {
+    vec2 slope = vec2(ray.x, ray.y - float(row + y) * step_down);
     float end = min(bin.y, scene_depth[y]);
     vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.bounding_radius, params.bounding_radius);
     return Meeting(slope, z * slope - view.xy, zeta);
 }
 
-// Adds a particle's share of a bin to a column of pixels, the first of which has slope `ray` and the next ones are `step` below.
-void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, float brightest) {
+// Adds a particle's share of a bin to a column of pixels. `ray`: slope of the one in the block's first row; each further row is `step_down` below.
+void add_particle(bool is_one, uint row, Column column, vec2 bin, vec2 ray, float step_down, float brightest) {
     vec3 view = vec3(particles[row].view, particles[row].depth);
-    vec3 colour = particles[row].colour.rgb / brightest;
     int class_index = int(particles[row].class_index);
-    float weight = is_one ? particles[row].weight : 0.0;
-    float chance = particles[row].chance;
     float z = from_eye(view).z;
     float pixel = params.pixel_slope * z;
     bool narrow = is_narrow(pixel);
@@ -184,23 +212,26 @@ void add_particle(bool is_one, uint row, vec2 bin, vec2 ray, float step_down, fl
     // What decides for all rows is asked once, and not in each.
     float rises[ROWS];
     if (narrow) {
-        [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            Meeting met = meet(view, z, bin, ray, step_down, y);
-            rises[y] = narrow_rise(met.centre, met.zeta, near, pixel, chance);
+        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+            Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
+            rises[y] = narrow_rise(met.centre, met.zeta, near, pixel, particles[row].chance);
         }
     } else {
-        [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            Meeting met = meet(view, z, bin, ray, step_down, y);
+        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+            Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
             rises[y] = rise(met.centre, met.slope, met.zeta, class_index);
         }
         if (near > -params.bounding_radius) {
-            [[unroll]] for (int y = 0; y < ROWS; ++y) {
-                Meeting met = meet(view, z, bin, ray, step_down, y);
+            [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+                Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
                 rises[y] /= cut_by_near(met.centre, met.slope, met.zeta.x, near, class_index);
             }
         }
     }
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+    // Read no earlier than they are needed: registers are few.
+    vec3 colour = particles[row].colour.rgb / brightest;
+    float weight = is_one ? particles[row].weight : 0.0;
+    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
         float h = min(weight * depth_of(clamp(rises[y], 0.0, 1.0)), MOST_DEPTH);
         h = bin.x < min(bin.y, scene_depth[y]) ? h : 0.0;
         uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);
@@ -227,28 +258,31 @@ float middle(uint bin, vec2 scale) {
 
 // Composites the pending bin behind what is nearer; the finished one takes its place. `depth`: of the former.
 void composite_bin(float depth) {
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
         vec4 sum = vec4(bin_high[y]) * FIXED_WORD + vec4(bin_low[y]) / FIXED;
         vec4 farther = vec4(sum.rgb / max(sum.w, 1e-30), sum.w);
-        float left = transmittance[y] > OPAQUE ? transmittance[y] : 0.0;
+        Finished before = load_finished(y);
+        float left = before.transmittance > OPAQUE ? before.transmittance : 0.0;
         float share = left * opacity(bins[y].w);
-        vec3 slope = slope_of(nearer_bins[y], bins[y], farther);
-        float leans = left * fade(bins[y], bin_squares[y].w, slope) * leaning(bins[y].w);
-        mean[y] += max(share * bins[y].rgb + leans * slope, 0.0);
+        vec3 slope = slope_of(before.nearer_bin, bins[y], farther);
+        float leans = left * fade(bins[y], before.bin_square, slope) * leaning(bins[y].w);
+        before.mean += max(share * bins[y].rgb + leans * slope, 0.0);
         vec4 squares = vec4(square_high[y]) * vec4(vec3(FIXED_WORD), 4.0 * FIXED_WORD) + vec4(square_low[y]) / vec4(vec3(FIXED), FIXED_SQUARES);
         squares /= max(sum.w, 1e-30);
         if (KEEP_LAYERS == 1u) {
-            vec4 nearer = vec4(nearer_squares[y], nearer_bins[y].w);
-            vec3 square_slope = slope_of(nearer, vec4(bin_squares[y].xyz, bins[y].w), vec4(squares.xyz, sum.w));
-            second[y] += max(share * bin_squares[y].xyz + leans * square_slope, 0.0);
-            nearer_squares[y] = bin_squares[y].xyz;
+            vec4 nearer = vec4(before.nearer_square, before.nearer_bin.w);
+            vec3 square_slope = slope_of(nearer, vec4(bin_squares[y], bins[y].w), vec4(squares.xyz, sum.w));
+            second[y] += max(share * bin_squares[y] + leans * square_slope, 0.0);
+            before.nearer_square = bin_squares[y];
+            bin_squares[y] = squares.xyz;
         }
-        bin_squares[y] = squares;
+        before.bin_square = squares.w;
         square_low[y] = uvec4(0u);
         square_high[y] = uvec4(0u);
-        depth_sum[y] += share * depth;
-        transmittance[y] -= share;
-        nearer_bins[y] = bins[y];
+        before.depth_sum += share * depth;
+        before.transmittance -= share;
+        before.nearer_bin = bins[y];
+        store_finished(y, before);
         bins[y] = farther;
         bin_low[y] = uvec4(0u);
         bin_high[y] = uvec4(0u);
@@ -256,19 +290,19 @@ void composite_bin(float depth) {
 }
 
 // What the dispatch before has left: the bin that is not composited yet and the one before it, and sums of an unfinished one.
-void load_unlaid(int y, uint at, bool is_there, bool is_unfinished) {
+void load_unlaid(uint y, uint at, bool is_there, bool is_unfinished, inout Finished of_pixel) {
     bins[y] = vec4(0.0);
-    nearer_bins[y] = vec4(0.0);
-    bin_squares[y] = vec4(0.0);
-    nearer_squares[y] = vec3(0.0);
+    bin_squares[y] = vec3(0.0);
     square_low[y] = uvec4(0u);
     square_high[y] = uvec4(0u);
     if (is_there) {
         bins[y] = unlaid[UNLAID * at];
-        nearer_bins[y] = unlaid[UNLAID * at + 1u];
-        bin_squares[y] = unlaid[UNLAID * at + 2u];
+        of_pixel.nearer_bin = unlaid[UNLAID * at + 1u];
+        vec4 squares = unlaid[UNLAID * at + 2u];
+        bin_squares[y] = squares.xyz;
+        of_pixel.bin_square = squares.w;
         if (KEEP_LAYERS == 1u) {
-            nearer_squares[y] = unlaid[UNLAID * at + 3u].xyz;
+            of_pixel.nearer_square = unlaid[UNLAID * at + 3u].xyz;
         }
         if (is_unfinished) {
             square_low[y] = winners[UNFINISHED_VECTORS * at];
@@ -277,12 +311,12 @@ void load_unlaid(int y, uint at, bool is_there, bool is_unfinished) {
     }
 }
 
-void store_unlaid(int y, uint at, bool is_finished) {
+void store_unlaid(uint y, uint at, bool is_finished, Finished of_pixel) {
     unlaid[UNLAID * at] = bins[y];
-    unlaid[UNLAID * at + 1u] = nearer_bins[y];
-    unlaid[UNLAID * at + 2u] = bin_squares[y];
+    unlaid[UNLAID * at + 1u] = of_pixel.nearer_bin;
+    unlaid[UNLAID * at + 2u] = vec4(bin_squares[y], of_pixel.bin_square);
     if (KEEP_LAYERS == 1u) {
-        unlaid[UNLAID * at + 3u] = vec4(nearer_squares[y], 0.0);
+        unlaid[UNLAID * at + 3u] = vec4(of_pixel.nearer_square, 0.0);
     }
     if (!is_finished) {
         winners[UNFINISHED_VECTORS * at] = square_low[y];
@@ -303,14 +337,14 @@ void main() {
     uint last = min(first + control.part_repetitions, buckets);
     bool is_last_segment = segment + 1u == control.segments;
 
-    uint block = lane / BLOCK;
-    uvec2 pixel = tile * TILE + block_corner(block) + uvec2(lane % BLOCK, 0u);
-    vec2 ray = ray_at(vec2(pixel) + 0.5);
-    uint column = pixel_index(pixel);
+    Column column = own_column();
+    uvec2 pixel = tile * TILE + column.corner + uvec2(column.x, column.row);
+    vec2 ray = ray_at(vec2(tile * TILE + column.corner + uvec2(column.x, 0u)) + 0.5);
+    uint first_pixel = pixel_index(pixel);
     bool inside[ROWS];
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        inside[y] = pixel.x < params.size.x && pixel.y + uint(y) < params.size.y;
-        uint at = column + uint(y) * params.size.x;
+    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        inside[y] = pixel.x < params.size.x && pixel.y + y < params.size.y;
+        uint at = first_pixel + y * params.size.x;
         scene_depth[y] = uintBitsToFloat(INFINITY_BITS);
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
@@ -324,13 +358,13 @@ void main() {
             c = sums[SUM_VECTORS * at + 2u];
             d = sums[SUM_VECTORS * at + 3u];
         }
-        mean[y] = uintBitsToFloat(a.xyz);
-        transmittance[y] = inside[y] ? uintBitsToFloat(a.w) : 0.0;
+        float transmittance = inside[y] ? uintBitsToFloat(a.w) : 0.0;
+        Finished of_pixel = Finished(uintBitsToFloat(a.xyz), transmittance, vec4(0.0), vec3(0.0), uintBitsToFloat(b.w), 0.0);
         second[y] = uintBitsToFloat(b.xyz);
-        depth_sum[y] = uintBitsToFloat(b.w);
         bin_low[y] = c;
         bin_high[y] = d;
-        load_unlaid(y, at, inside[y] && constants.part > 0u, segment > 0u);
+        load_unlaid(y, at, inside[y] && constants.part > 0u, segment > 0u, of_pixel);
+        store_finished(y, of_pixel);
     }
     if (lane < BLOCKS) {
         queue_length[lane] = 0u;
@@ -360,7 +394,7 @@ void main() {
         depths = max(depths, vec2(params.near - depth_base()));
         uint at = from;
         do {
-            if (at + lane < to) {
+            if (is_in_batch() && at + lane < to) {
                 uint index = at + lane;
                 uint level = 0u;
                 while (index >= lists[level].y - lists[level].x) {
@@ -380,11 +414,11 @@ void main() {
                 }
             }
             barrier();
-            uint length = queue_length[block];
+            uint length = queue_length[column.block];
             uint i = 0u;
             do {
                 bool is_one = i < length;
-                add_particle(is_one, is_one ? queue[block][i] : 0u, depths, ray, params.pixel_slope, brightest);
+                add_particle(is_one, is_one ? queue[column.block][i] : 0u, column, depths, ray, params.pixel_slope, brightest);
                 ++i;
             } while (i < length);
             barrier();
@@ -392,7 +426,7 @@ void main() {
                 queue_length[lane] = 0u;
             }
             barrier();
-            at += LANES;
+            at += BATCH;
         } while (at < to);
         if (is_last_segment) {
             // Nothing is behind the last bin: it is composited as well.
@@ -408,22 +442,23 @@ void main() {
         }
         barrier();
         float own = 0.0;
-        [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            own = max(own, transmittance[y]);
+        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+            own = max(own, load_finished(y).transmittance);
         }
         atomicMax(clearest, floatBitsToUint(max(own, 0.0)));
         barrier();
         ++bin;
     } while (bin < last);
     bool is_done = last == buckets && is_last_segment;
-    [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        uint at = column + uint(y) * params.size.x;
+    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        uint at = first_pixel + y * params.size.x;
+        Finished of_pixel = load_finished(y);
         if (inside[y] && !is_done) {
-            store_unlaid(y, at, is_last_segment);
+            store_unlaid(y, at, is_last_segment, of_pixel);
         }
         if (inside[y]) {
-            sums[SUM_VECTORS * at] = uvec4(floatBitsToUint(mean[y]), floatBitsToUint(transmittance[y]));
-            sums[SUM_VECTORS * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(depth_sum[y]));
+            sums[SUM_VECTORS * at] = uvec4(floatBitsToUint(of_pixel.mean), floatBitsToUint(of_pixel.transmittance));
+            sums[SUM_VECTORS * at + 1u] = uvec4(floatBitsToUint(second[y]), floatBitsToUint(of_pixel.depth_sum));
             sums[SUM_VECTORS * at + 2u] = bin_low[y];
             sums[SUM_VECTORS * at + 3u] = bin_high[y];
         }

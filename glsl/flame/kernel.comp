@@ -6,10 +6,9 @@ layout(constant_id = 0) const uint CUBE = 0;
 #include "params.glsl"
 #include "kernel.glsl"
 layout(local_size_x = KERNEL_LANES) in;
-layout(std430, binding = 1) readonly buffer KernelState { uint kernel_level; uint kernel_classes; };
+layout(std430, binding = 1) readonly buffer KernelState { KernelTable table; };
 layout(std430, binding = 2) readonly buffer Shares { float shares[]; };
 layout(binding = 3, r32f) uniform writeonly image2D kernel;
-layout(std430, binding = 4) readonly buffer ControlBuffer { Control control; };
 
 // The chord through the space at an offset across, in metres; empty where begin > end.
 vec2 chord(vec2 at, float radius) {
@@ -32,13 +31,13 @@ vec2 chord(vec2 at, float radius) {
 void main() {
     uint place = gl_GlobalInvocationID.x % (KERNEL_PLACES * KERNEL_PLACES);
     uint class_index = gl_GlobalInvocationID.x / (KERNEL_PLACES * KERNEL_PLACES);
-    if (class_index >= KERNEL_CLASSES || !has_class(control.new_classes, class_index)) {
+    if (class_index >= KERNEL_CLASSES || !has_class(table.new_classes, class_index)) {
         return;
     }
     ivec2 grid = ivec2(place % KERNEL_PLACES, place / KERNEL_PLACES);
     float reach = kernel_reach();
     vec2 m = reach * (2.0 * vec2(grid) / LAST_PLACE - 1.0);
-    uint side = MASK_SIDE >> kernel_level;
+    uint side = MASK_SIDE >> table.level;
     // Coarse texels are areas: each is looked at in several places.
     bool is_thin = params.spread < 2.0 * params.sprite_size / float(MASK_PLACES);
     uint places = max((is_thin ? FINE_MASK_PLACES : MASK_PLACES) / side, 1u);

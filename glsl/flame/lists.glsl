@@ -6,3 +6,18 @@ uvec2 list_range(uvec2 tile, uint level) {
     uint first = cell == 0u ? 0u : cell_ends[cell - 1u];
     return uvec2(first, cell_ends[cell + params.bucket_count - 1u]);
 }
+
+// Entries of all of a tile's lists.
+uint entries_of(uvec2 tile) {
+    uint entries = 0u;
+    for (uint level = 0u; level < params.cell_level_count; ++level) {
+        uvec2 range = list_range(tile, level);
+        entries += range.y - range.x;
+    }
+    return entries;
+}
+
+// Whether a tile with so many entries is worked on.
+bool is_occupied(uint tile, uint entries) {
+    return tile < params.tiles.x * params.tiles.y && (entries > 0u || params.is_skipping == 0u);
+}

@@ -5,7 +5,7 @@ const uint MINIFIED = 0u;   // how the mask is looked up: the nearest texel of a
 const uint MAGNIFIED = 1u;  // between texels of level 0,
 const uint EITHER = 2u;     // or what the level asks for
 
-layout(constant_id = 3) const uint LOOK_UP = 0;
+layout(constant_id = 4) const uint LOOK_UP = 0;
 
 // What all pixels of a column have in common. Coordinates are texels of the mask's level from the sprite's corner.
 struct Look {

@@ -109,18 +109,25 @@ struct Control {
     uint part_repetitions; // repetitions of a dispatch
     uint listed;           // entries of the longest list that a tile can have
     uint classes;          // of the kernel table: a bit for each that a particle needs
-    uint new_classes;      // those of them that the table does not have
     uint base;             // bits of the view depth that particles' depths are less; 0 unless the fire is far away
     uint depth_low;        // depth range of what can be seen from there, if it is not 0
     uint depth_high;
-    uint unused;
+    uint unused[2];
     uvec4 tile_groups;     // dispatch over occupied tiles
     uvec4 active_groups;   // dispatch over tiles that need more repetitions
     uvec4 tile_draw;       // draw of occupied tiles
-    uvec4 share_groups;    // dispatches that make the kernel table anew
-    uvec4 kernel_groups;
     uvec4 screen_draw;     // draw of the whole picture
     uvec4 sprite_draw;     // draw of all sprites of a repetition
+};
+
+// The kernel table on the device, and what is made of it anew.
+struct KernelTable {
+    uvec4 share_groups;   // dispatches that make it
+    uvec4 kernel_groups;
+    uint level;           // of the mask that it is of
+    uint classes;         // that it has: a bit each
+    uint new_classes;     // those of them that are new
+    uint unused;
 };
 
 // A physical particle in a frame.

@@ -5,7 +5,7 @@
 layout(binding = 4, r32f) uniform readonly image2D levels;
 layout(std430, binding = 5) readonly buffer Scene { float scene[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
-layout(constant_id = 4) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
+layout(constant_id = 5) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
 layout(location = 0) flat in vec4 place;
 layout(location = 1) flat in uvec4 sprite;
 layout(location = 0) out uvec2 winner;

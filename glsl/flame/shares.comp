@@ -6,17 +6,16 @@
 #include "kernel.glsl"
 layout(local_size_x = KERNEL_LANES) in;
 layout(binding = 1, r32f) uniform readonly image2D levels;
-layout(std430, binding = 2) readonly buffer KernelState { uint kernel_level; uint kernel_classes; };
+layout(std430, binding = 2) readonly buffer KernelState { KernelTable table; };
 layout(std430, binding = 3) writeonly buffer Shares { float shares[]; };
-layout(std430, binding = 4) readonly buffer ControlBuffer { Control control; };
 #include "pass_count.glsl"
 
 void main() {
-    uint level = kernel_level;
+    uint level = table.level;
     uint side = MASK_SIDE >> level;
     uint texel = gl_GlobalInvocationID.x % (side * side);
     uint class_index = gl_GlobalInvocationID.x / (side * side);
-    if (class_index >= KERNEL_CLASSES || !has_class(control.new_classes, class_index)) {
+    if (class_index >= KERNEL_CLASSES || !has_class(table.new_classes, class_index)) {
         return;
     }
     uint passing = 0u;

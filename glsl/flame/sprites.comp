@@ -1,4 +1,4 @@
-// The list of all render particles of a repetition, in one workgroup: what the paper's way draws.
+// The list of all render particles of a repetition: what the paper's way draws.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
@@ -6,23 +6,20 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) writeonly buffer SpriteList { uvec2 sprite_list[]; };
-#include "share.glsl"
+layout(std430, binding = 4) readonly buffer SpriteSums { uint block_sums[]; };
+#define SCAN_TYPE uint
+#define SCAN_BLOCKS
+#include "common/scan.glsl"
 
 void main() {
-    uvec2 share = share_of_list(params.particle_count);
-    uint sum = 0u;
-    for (uint row = share.x; row < share.y; ++row) {
-        sum += particles[row].count;
+    uint row = gl_GlobalInvocationID.x;
+    uint count = row < params.particle_count ? particles[row].count : 0u;
+    Scan blocks = scan_blocks(gl_WorkGroupID.x, gl_NumWorkGroups.x);
+    uint at = blocks.before + scan_workgroup(count).before;
+    for (uint k = 0u; k < count; ++k) {
+        sprite_list[at + k] = uvec2(row, k);
     }
-    uvec2 sums = prefix_sum(sum);
-    uint at = sums.x;
-    for (uint row = share.x; row < share.y; ++row) {
-        uint count = particles[row].count;
-        for (uint k = 0u; k < count; ++k) {
-            sprite_list[at++] = uvec2(row, k);
-        }
-    }
-    if (gl_LocalInvocationID.x == 0u) {
-        control.sprite_draw = uvec4(QUAD_VERTICES, sums.y, 0u, 0u);
+    if (gl_GlobalInvocationID.x == 0u) {
+        control.sprite_draw = uvec4(QUAD_VERTICES, blocks.all, 0u, 0u);
     }
 }

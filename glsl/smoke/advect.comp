@@ -12,7 +12,6 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Velocity { float velocity[]; };
 layout(std430, binding = 2) readonly buffer Occupancy { uint occupancy[]; };
 layout(std430, binding = 3) readonly buffer BirthCounts { uint birth_counts[]; };
-layout(std430, binding = 4) readonly buffer HistoryBuffer { History history; };
 layout(std430, binding = 5) buffer Particles { Particle particles[]; };
 layout(std430, binding = 6) buffer Dying { vec4 dying[]; };           // position, radius at death
 layout(std430, binding = 7) buffer DyingSteps { vec4 dying_steps[]; };
@@ -51,11 +50,16 @@ vec3 step_from(vec3 p) {
     return dt * (MIDPOINT ? velocity_at(p + v * (0.5 * dt)) : v);
 }
 
+// Blocks of words whose births are counted; after the last stands how many voxels a birth may choose.
+uint birth_blocks() {
+    return (params.row_words * params.dimensions.y * params.dimensions.z + BIRTH_BLOCK - 1u) / BIRTH_BLOCK;
+}
+
 // The k-th voxel that a birth may choose.
 ivec3 birth_voxel(uint k) {
     uint words = params.row_words * params.dimensions.y * params.dimensions.z;
     uint low = 0u;
-    uint high = (words + BIRTH_BLOCK - 1u) / BIRTH_BLOCK;
+    uint high = birth_blocks();
     while (high - low > 1u) {
         uint middle = (low + high) / 2u;
         if (birth_counts[middle] <= k) { low = middle; } else { high = middle; }
@@ -84,7 +88,7 @@ ivec3 birth_voxel(uint k) {
 
 vec3 birth_position(uint slot, uint generation) {
     uint seed = params.seed;
-    ivec3 v = birth_voxel(below(hash(seed, slot, generation, BIRTH_VOXEL), history.births));
+    ivec3 v = birth_voxel(below(hash(seed, slot, generation, BIRTH_VOXEL), birth_counts[birth_blocks()]));
     precise vec3 p;
     for (int a = 0; a < 3; ++a) {
         precise float low = params.origin[a] + float(v[a]) * params.voxel_size[a];
@@ -163,7 +167,7 @@ void main() {
     }
     if (age_bits == DEAD) {
         groups[slot] = 0u;
-        if (history.births > 0u) {
+        if (birth_counts[birth_blocks()] > 0u) {
             p = birth_position(slot, generation);
             generation += 1u;
             // With a lifetime, particles of the first frame have lived for a while: they don't all end together.

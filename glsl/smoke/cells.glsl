@@ -1,6 +1,5 @@
 // How the lists of light-space tiles lie in memory: face by face, from the coarsest level, each in buckets.
 const uint BUCKETS = 64u;           // of a tile's list, by the distance from the light
-const uint MAX_LIGHT_LEVELS = 16u;  // more than there are
 
 uint first_cell(uint face, uint level) {
     return face * params.light_cells + ((1u << 2u * level) - 1u) / 3u;

@@ -1,4 +1,4 @@
-// Counts the live and the visible spheres of each run of slots, and finds the depth range of the live ones and their
+// Counts the live and the visible spheres of each block of slots, and finds the depth range of the live ones and their
 // bounds in light space. Puts them into view space for all that follows.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,9 +9,12 @@
 #include "light_space.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
-layout(std430, binding = 2) writeonly buffer ListCounts { uvec2 list_counts[]; };
+layout(std430, binding = 2) writeonly buffer ListSums { uvec2 block_sums[]; };
 layout(std430, binding = 3) buffer ControlBuffer { Control control; };
 layout(std430, binding = 4) writeonly buffer ViewSpheres { vec4 view_spheres[]; };
+
+#define SCAN_TYPE uvec2
+#include "common/scan.glsl"
 
 shared uint extremes[8];  // depth low, high; light-space low x, y, z, high x, y, z
 
@@ -44,11 +47,9 @@ void main() {
             measure(sphere, view_sphere.z);
         }
     }
-    if (first < params.spheres) {
-        list_counts[gl_GlobalInvocationID.x] = count;
-    }
-    barrier();
+    uvec2 all = scan_workgroup(count).all;
     if (lane == 0u) {
+        block_sums[gl_WorkGroupID.x] = all;
         atomicMin(control.depth_low, extremes[0]);
         atomicMax(control.depth_high, extremes[1]);
         atomicMin(control.light_low_x, extremes[2]);

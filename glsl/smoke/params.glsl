@@ -11,6 +11,7 @@ const uint TILE = 32u;                 // side of a screen tile in pixels
 const uint BLOCK = 8u;                 // side of a block in pixels
 const uint TILE_BLOCKS = TILE / BLOCK; // blocks of a tile across and down
 const uint SLOT_PIXELS = TILE * TILE;  // pixels of a tile
+const uint MAX_LIGHT_LEVELS = 16u;  // levels of light-space tiles: more than there are
 const uint LIST_RUN = 16u;             // sphere slots that one invocation counts and lists
 const uint LIVE_LANES = 64u;           // invocations of a workgroup of kernels over live spheres
 const uint QUAD_VERTICES = 4u;         // what a draw of a sphere or tile has
@@ -87,6 +88,7 @@ layout(binding = 0) uniform SmokeParams {
     uint occlusion_side;    // of a block of the occlusion test, pixels
     PyramidLevel levels[MAX_LEVELS];
     uvec2 occlusion_blocks;  // across and down
+    uint range_before;       // where the depth range of the frame before stands
 } params;
 
 // What the device decides during a frame; the host resets it at the frame's start.
@@ -106,15 +108,19 @@ struct Control {
     uint light_high_x;
     uint light_high_y;
     uint light_high_z;
+    uint longest[MAX_LIGHT_LEVELS];  // longest list of light-space tiles of each level
+};
+
+// A smoothed depth range, if there is one.
+struct Range {
+    float low;
+    float high;
+    uint exists;
 };
 
 // Survives from frame to frame.
 struct History {
-    float range_low;   // smoothed depth range
-    float range_high;
-    uint has_range;
-    uint births;       // occupied voxels that a birth may choose
-    uint longest;      // longest list of light-space tiles that one ray can meet
+    Range ranges[2];  // of this frame and of the one before
 };
 
 #endif

@@ -8,7 +8,6 @@ use ash::vk;
 use crate::effect::Effort;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
-use crate::gpu::capabilities::DeviceLimits;
 use crate::gpu::executor::Executor;
 use crate::gpu::headless::{Headless, Messages};
 use crate::gpu::image::Image;
@@ -94,9 +93,7 @@ impl Rig {
 
     /// Largest storage buffer of the device in bytes.
     pub(crate) fn largest_buffer(&self) -> u64 {
-        let host = self.headless.host();
-        // SAFETY: the device's own handles.
-        unsafe { DeviceLimits::of(&host) }.storage_range
+        self.headless.traits().storage_range
     }
 
     /// Makes an effect that is measured step by step.
@@ -221,7 +218,7 @@ impl Rig {
             let mut commands = commands;
             let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
             // SAFETY: the device's own handles; the plan is of these passes, and everything before is over.
-            unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+            unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }.map(drop)
         })
     }
 

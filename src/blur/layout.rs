@@ -5,7 +5,7 @@ use ash::vk;
 
 use crate::blur::desc::Desc;
 use crate::blur::settings::Completion;
-use crate::effect::Inventory;
+use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
@@ -44,7 +44,7 @@ buffers! {
     ACTIVE = "Active",
     NEXT = "Next",
     FINISHED = "Finished",
-    BLOCKS_SUMS = "Blocks",
+    PART_SUMS = "PartSums",
     TOON_BUFFER = "ToonBuffer",
     TRAILING = "Trailing",
     PREVIOUS_NAMES = "PreviousNames",
@@ -225,7 +225,8 @@ pub struct Layout {
 
 impl Layout {
     /// Computes it; fails where a buffer is larger than `limit` bytes, the largest range that a shader can bind.
-    pub fn new(desc: &Desc, limit: u64) -> Result<Layout> {
+    pub fn new(desc: &Desc, traits: &DeviceTraits) -> Result<Layout> {
+        let limit = traits.storage_range;
         let vertex = u64::from(desc.segments) * size_of::<Piece>() as u64;
         let room = (limit / vertex.max(size_of::<Vertex>() as u64)).min(points_dispatched());
         let added = u64::from(desc.most_triangles - desc.triangles).min(room.saturating_sub(desc.points.into()));
@@ -298,7 +299,7 @@ impl Layout {
         );
         // Four samples a pixel.
         self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
-        self.set(BLOCKS_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
+        self.set(PART_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
         self.size_completion(desc, pixels);
     }
 

@@ -1,5 +1,6 @@
 //! How much there may be of everything, and how much is dispatched.
 
+use crate::effect::DeviceTraits;
 use crate::shaders::blur::constants::{COARSE, COARSE_SEARCHES, FINE, SEARCHES, STARTS};
 
 /// Places of frames that are drawn because the host has no images of them.
@@ -24,10 +25,21 @@ pub const LIGHT_CANDIDATES: [u32; SEARCHES as usize] = {
     }
     candidates
 };
-/// Dispatches for colours that follow from neighbours: each stays within the loop budget, what is left when all have run
-/// stays as it is.
-pub const GRADIENT_DISPATCHES: u32 = 16;
-/// As [`GRADIENT_DISPATCHES`], where neither frame shows anything.
-pub const MEAN_DISPATCHES: u32 = 4;
 /// Rounds in which the points are chosen that speed lines trail from.
 pub const CHOOSE_ROUNDS: u32 = 3;
+
+/// Dispatches for colours that follow from neighbours, where neither frame shows anything and where one does: what is left
+/// when all have run stays as it is.
+const INWARD_DISPATCHES: [u32; 2] = [4, 16];
+/// Loop iterations that an invocation takes in each of them.
+const INWARD_ITERATIONS: u32 = 40_000;
+
+/// Dispatches for colours that follow from neighbours, where neither frame shows anything and where one does.
+pub fn inward_dispatches(traits: &DeviceTraits) -> [u32; 2] {
+    if traits.ends_loops { INWARD_DISPATCHES } else { [1, 1] }
+}
+
+/// Loop iterations that an invocation takes in each of them.
+pub fn inward_iterations(traits: &DeviceTraits) -> u32 {
+    if traits.ends_loops { INWARD_ITERATIONS } else { u32::MAX }
+}

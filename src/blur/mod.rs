@@ -28,7 +28,7 @@ pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
 pub use settings::Settings;
 
-use crate::effect::{DeviceLimits, Effect, Effort, Kind};
+use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::resources::Resources;
 use crate::host::HostBuffer;
@@ -43,6 +43,7 @@ pub type Blur = Effect<BlurKind>;
 /// The parts that are the blur's own.
 #[derive(Debug)]
 pub struct BlurKind {
+    traits: DeviceTraits,
     layout: Layout,
     passes: Passes,
     effort: Effort,
@@ -60,14 +61,14 @@ impl Kind for BlurKind {
     type Frame<'a> = Frame<'a>;
     type Recorded = ();
 
-    fn new(desc: &Desc, limits: &DeviceLimits, effort: Effort) -> Result<BlurKind> {
+    fn new(desc: &Desc, traits: &DeviceTraits, effort: Effort) -> Result<BlurKind> {
         desc.validate()?;
         // Four samples a pixel.
-        limits.check_sides(desc.size.map(|side| side.saturating_mul(2)))?;
-        let layout = Layout::new(desc, limits.storage_range)?;
-        let passes = Passes::new(desc);
+        traits.check_sides(desc.size.map(|side| side.saturating_mul(2)))?;
+        let layout = Layout::new(desc, traits)?;
+        let passes = Passes::new(desc, traits);
         let resident = vec![None; desc.frames_resident as usize];
-        Ok(BlurKind { layout, passes, effort, resident, drawn: Default::default(), has_mesh: false })
+        Ok(BlurKind { traits: *traits, layout, passes, effort, resident, drawn: Default::default(), has_mesh: false })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -84,8 +85,8 @@ impl Kind for BlurKind {
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<()> {
         frame.validate(desc, !self.has_mesh, &self.resident)?;
-        let BlurKind { layout, passes, effort, drawn, .. } = self;
-        Steps { plan, passes, desc, layout, effort: *effort, drawn }.fill(frame);
+        let BlurKind { traits, layout, passes, effort, drawn, .. } = self;
+        Steps { plan, passes, desc, layout, traits, effort: *effort, drawn }.fill(frame);
         Ok(())
     }
 

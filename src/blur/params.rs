@@ -33,11 +33,10 @@ impl Control {
 
 /// The state of a frame's rounds at its start: the first has the mesh's triangles, the others none.
 pub fn rounds(desc: &Desc) -> [Round; ROUNDS as usize + 1] {
-    let none = Round { groups: [0, 1, 1, 0], scan: [0, 1, 1, 0], ..Round::zeroed() };
+    let none = Round { groups: [0, 1, 1, 0], ..Round::zeroed() };
     let mut rounds = [none; ROUNDS as usize + 1];
     rounds[0] = Round {
         groups: [desc.triangles.div_ceil(BLOCK), 1, 1, 0],
-        scan: [1, 1, 1, 0],
         triangles: desc.triangles,
         vertices_before: desc.points,
         ..none

@@ -1,6 +1,6 @@
 //! The passes of the blur effect, declared once. Kernels bind by name.
 
-use crate::blur::limits::{CHOOSE_ROUNDS, GRADIENT_DISPATCHES, LIGHT_CANDIDATES, MEAN_DISPATCHES, MOST_KNOTS};
+use crate::blur::limits::{CHOOSE_ROUNDS, LIGHT_CANDIDATES, MOST_KNOTS, inward_dispatches, inward_iterations};
 use ash::vk;
 
 use crate::blur::desc::Desc;
@@ -9,6 +9,7 @@ use crate::blur::params::{
     BlurParams, Control, FROM_GRADIENT, FROM_SURFACE, Knot, PIECE_SEGMENTS, ROUNDS, Round, ToonParams, ink_reach,
 };
 use crate::blur::settings::{Completion, Refine, Space};
+use crate::effect::DeviceTraits;
 use crate::host::DepthFormat;
 use crate::plan::{
     Blend, ColourAttachment, DepthAttachment, ImageId, Pass, PassId, Raster, Resource, Shader, Topology, Usage, passes,
@@ -16,7 +17,7 @@ use crate::plan::{
 use crate::shaders::blur as glsl;
 
 passes! {
-    (desc: &Desc), resource;
+    (desc: &Desc, traits: &DeviceTraits), resource;
     params = Pass::transfer("blur.params")
         .updates::<BlurParams>(PARAMS, 1)
         .updates::<Control>(CONTROL, 1)
@@ -45,7 +46,6 @@ passes! {
         let pass = Pass::compute("blur.refine", &glsl::count::SHADER).specialise([in_screen(desc), by_length]);
         pass.bind(glsl::count::ACTIVE, active).times(ROUNDS as usize / 2 + 1)
     });
-    scan = Pass::compute("blur.refine", &glsl::scan::SHADER).times(ROUNDS as usize + 1);
     /// As `count`.
     emit: [PassId; 2] = [(ACTIVE, NEXT), (NEXT, ACTIVE)].map(|(active, next)| {
         let pass = Pass::compute("blur.refine", &glsl::emit::SHADER).specialise([in_screen(desc)]);
@@ -95,9 +95,10 @@ passes! {
     border: [PassId; 2] = [0, 1]
         .map(|gradient| Pass::compute("blur.complete", &glsl::border::SHADER).specialise([gradient]));
     /// As `border`.
-    inward: [PassId; 2] = [(0, MEAN_DISPATCHES), (1, GRADIENT_DISPATCHES)].map(|(gradient, dispatches)| {
-        let pass = Pass::compute("blur.complete", &glsl::inward::SHADER).specialise([gradient]);
-        pass.times(dispatches as usize)
+    inward: [PassId; 2] = [0, 1].map(|gradient| {
+        let pass = Pass::compute("blur.complete", &glsl::inward::SHADER);
+        let pass = pass.specialise([gradient, inward_iterations(traits)]);
+        pass.times(inward_dispatches(traits)[gradient as usize] as usize)
     });
     compose = Pass::compute("blur.compose", &glsl::compose::SHADER)
         .specialise([u32::from(desc.layers), u32::from(desc.depth.is_some())]);

@@ -1,10 +1,9 @@
 //! A frame's list: which passes run, over how much, in which order, and why others do not. Pure.
 
-use crate::blur::limits::{
-    CHOOSE_ROUNDS, DRAWN_PLACES, GRADIENT_DISPATCHES, LIGHT_CANDIDATES, MEAN_DISPATCHES, MOST_KNOTS, MOST_LINES,
-};
-use crate::effect::Effort;
+use crate::blur::limits::{CHOOSE_ROUNDS, DRAWN_PLACES, LIGHT_CANDIDATES, MOST_KNOTS, MOST_LINES, inward_dispatches};
+use crate::effect::{DeviceTraits, Effort};
 use std::mem::offset_of;
+use std::ops::Range;
 
 use crate::blur::desc::Desc;
 use crate::blur::frame::{DepthInput, Drawn, Frame, IntervalInput, PoseInput, ToonInput, TopologyInput, Trajectories};
@@ -30,6 +29,8 @@ pub struct Steps<'a> {
     pub desc: &'a Desc,
     /// Its sizes.
     pub layout: &'a Layout,
+    /// The traits of the device.
+    pub traits: &'a DeviceTraits,
     /// How much of its work is done.
     pub effort: Effort,
     /// Frames that are drawn already, each in its place.
@@ -68,6 +69,49 @@ pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 4] {
     [before, previous, next, after]
 }
 
+/// Frames i - 1 to i + 2, as far as they are drawn because the host has no images of them.
+struct ToonFrames {
+    /// Those that the output needs.
+    frames: [Option<Drawn>; 4],
+    /// Those of them that are not there since an earlier output.
+    missing: [Option<Drawn>; 4],
+    /// Frame i + 1.
+    next: Drawn,
+    input: ToonInput,
+}
+
+impl ToonFrames {
+    /// Those that are missing, with their places among the four.
+    fn missing(&self) -> impl Iterator<Item = (u32, Drawn)> + '_ {
+        (0..).zip(self.missing).filter_map(|(index, drawn)| Some((index, drawn?)))
+    }
+
+    fn first(&self) -> Option<(u32, Drawn)> {
+        self.missing().next()
+    }
+
+    /// Frames whose normals they need: i and i + 1, or all four.
+    fn normals(&self) -> u32 {
+        if self.missing[0].or(self.missing[3]).is_some() { 4 } else { 2 }
+    }
+
+    fn params(&self, desc: &Desc, drawn: &Drawn) -> ToonParams {
+        ToonParams::new(desc, drawn.camera(), &self.input.light)
+    }
+
+    /// What is there once they are drawn.
+    fn there(&self, before: There) -> There {
+        let is_missing = self.first().is_some();
+        There {
+            is_projected: before.is_projected || is_missing,
+            // Each frame is seen in the same place: what the last one has left is there.
+            is_seen: self.missing[2].is_some() && self.missing[3].is_none(),
+            has_normals: is_missing,
+            ..before
+        }
+    }
+}
+
 impl Steps<'_> {
     /// Fills it.
     pub fn fill(&mut self, frame: &Frame) {
@@ -99,7 +143,7 @@ impl Steps<'_> {
             let reason = still.unwrap_or_default();
             self.skip_motion(reason);
             self.skip_picture(reason);
-            let there = self.toon(frame, There::default());
+            let there = self.toon(frame);
             return self.depth(frame, there);
         };
         let [before, _, _, after] = drawn(self.desc, frame);
@@ -112,13 +156,20 @@ impl Steps<'_> {
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
         self.plan.update_slice(self.passes.params, ROUND_LIST, &params::rounds(self.desc));
         self.interval(interval);
+        self.clears(frame, interval);
+        self.knots(interval);
+        let toon = self.toon_frames(frame);
+        toon.iter().for_each(|toon| self.begin_toon(toon));
         self.plan.step(self.passes.project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
-        let there = self.toon(frame, There { is_projected: true, ..There::default() });
+        self.heads();
         self.trajectory(interval);
-        self.extent(interval);
+        toon.iter().for_each(|toon| self.see_toon(toon));
+        self.settle(frame, interval, toon.as_ref());
+        let projected = There { is_projected: true, ..There::default() };
+        let there = toon.map_or(projected, |toon| toon.there(projected));
         self.refine();
-        self.draw(outer);
         self.frames(frame, outer);
+        self.draw(outer);
         if !self.desc.settings.smears() {
             // The target has frame i + 1, and only what is behind the mesh is missing.
             self.skip_picture("strength is 0");
@@ -169,18 +220,22 @@ impl Steps<'_> {
         }
     }
 
+    /// Speed lines of each cluster.
+    fn strips(&self, interval: &IntervalInput) -> u32 {
+        let lines = self.desc.settings.lines;
+        if lines.are_on() { lines.count.min(MOST_LINES / interval.counts.clusters) } else { 0 }
+    }
+
     /// Speed lines.
     fn lines(&mut self, interval: &IntervalInput) {
         let lines = self.desc.settings.lines;
         if !lines.are_on() {
             return self.plan.skip(self.passes.lines, "none are asked for");
         }
-        let clusters = interval.counts.clusters;
-        let strips = lines.count.min(MOST_LINES / clusters);
+        let (clusters, strips) = (interval.counts.clusters, self.strips(interval));
         if strips == 0 {
             return self.plan.skip(self.passes.lines, "there are too many clusters");
         }
-        self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: NONE });
         for round in 0..CHOOSE_ROUNDS {
             let constants = ChooseConstants { round, strips };
             self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
@@ -228,53 +283,84 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.surface, pixels, &BackgroundConstants::new(background));
     }
 
-    /// Draws what the host has no images of, and begins the target with it. What is there before, and after.
-    fn toon(&mut self, frame: &Frame, there: There) -> There {
-        let frames = drawn(self.desc, frame);
-        let (Some(next), Some(input)) = (frames[2], &frame.toon) else { return there };
-        let is_there = |new: &Drawn| self.drawn[new.place(self.desc)] == Some(*new) && !frame.brings(new.frame());
-        let missing = frames.map(|drawn| drawn.filter(|drawn| !(self.effort.skips() && is_there(drawn))));
-        let is_missing = missing != [None; 4];
-        if !there.is_projected && is_missing {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);
+    /// Draws what the host has no images of, where nothing moves.
+    fn toon(&mut self, frame: &Frame) -> There {
+        let Some(toon) = self.toon_frames(frame) else { return There::default() };
+        if toon.first().is_some() {
+            let params = BlurParams::of_views(self.desc, &[toon.input.view; 4], frame.background);
             self.plan.update(self.passes.params, PARAMS, &params);
+        }
+        self.begin_toon(&toon);
+        if toon.first().is_some() {
             self.plan.step(self.passes.toon_project, Command::Dispatch { threads: [self.desc.points, 4, 1] });
         }
-        if is_missing {
-            self.normals(if missing[0].or(missing[3]).is_some() { 4 } else { 2 });
-        }
-        for (index, (wanted, missing)) in (0..).zip(frames.into_iter().zip(missing)) {
-            match missing {
-                Some(drawn) => self.draw_toon(index, &drawn, input),
-                None if wanted.is_some() => {
-                    self.plan.skip(self.passes.toon_params, "the frame is there since an earlier output")
-                }
-                None => {}
+        self.see_toon(&toon);
+        self.draw_toon(frame, &toon);
+        toon.there(There::default())
+    }
+
+    /// Which frames are drawn, if the host has no images of them.
+    fn toon_frames(&self, frame: &Frame) -> Option<ToonFrames> {
+        let frames = drawn(self.desc, frame);
+        let (next, input) = (frames[2]?, frame.toon?);
+        let is_there = |new: &Drawn| self.drawn[new.place(self.desc)] == Some(*new) && !frame.brings(new.frame());
+        let missing = frames.map(|drawn| drawn.filter(|drawn| !(self.effort.skips() && is_there(drawn))));
+        Some(ToonFrames { frames, missing, next, input })
+    }
+
+    /// What kernels are told of the first frame that is missing.
+    fn begin_toon(&mut self, toon: &ToonFrames) {
+        for (wanted, missing) in toon.frames.iter().zip(&toon.missing) {
+            if wanted.is_some() && missing.is_none() {
+                self.plan.skip(self.passes.toon_params, "the frame is there since an earlier output");
             }
         }
-        let constants = BackgroundConstants::new(frame.background);
-        let begin = self.passes.toon_background[next.place(self.desc)];
-        self.plan.step_with(begin, Command::Draw { vertices: 4 }, &constants);
-        There {
-            is_projected: there.is_projected || is_missing,
-            is_seen: missing[2].is_some(),
-            has_normals: is_missing,
-            ..there
+        if let Some((_, first)) = toon.first() {
+            self.begin_normals(toon.normals());
+            self.plan.update(self.passes.toon_params, TOON_BUFFER, &toon.params(self.desc, &first));
         }
     }
 
-    /// Draws a frame, of i - 1 to i + 2 that of this `index`.
-    fn draw_toon(&mut self, index: u32, drawn: &Drawn, input: &ToonInput) {
-        let params = ToonParams::new(self.desc, drawn.camera(), &input.light);
-        self.plan.update(self.passes.toon_params, TOON_BUFFER, &params);
-        let Desc { size: [width, height], triangles, .. } = *self.desc;
+    /// Which triangles it shows, and normals.
+    fn see_toon(&mut self, toon: &ToonFrames) {
+        if let Some((index, _)) = toon.first() {
+            self.normals(toon.normals());
+            self.see_frame(index);
+        }
+    }
+
+    /// The rest of it, and all of the others; then the target begins with frame i + 1.
+    fn draw_toon(&mut self, frame: &Frame, toon: &ToonFrames) {
+        if let Some((index, first)) = toon.first() {
+            self.large_normals();
+            self.draw_frame(index, &first);
+        }
+        for (index, drawn) in toon.missing().skip(1) {
+            self.plan.update(self.passes.toon_params, TOON_BUFFER, &toon.params(self.desc, &drawn));
+            self.see_frame(index);
+            self.draw_frame(index, &drawn);
+        }
+        let constants = BackgroundConstants::new(frame.background);
+        let begin = self.passes.toon_background[toon.next.place(self.desc)];
+        self.plan.step_with(begin, Command::Draw { vertices: 4 }, &constants);
+    }
+
+    /// The triangles of a frame, of i - 1 to i + 2 that of this `index`.
+    fn see_frame(&mut self, index: u32) {
+        let vertices = 3 * self.desc.triangles;
         let constants = VisibilityConstants { frame: index };
-        self.plan.step_with(self.passes.toon_see, Command::Draw { vertices: 3 * triangles }, &constants);
+        self.plan.step_with(self.passes.toon_see, Command::Draw { vertices }, &constants);
+    }
+
+    /// A frame whose triangles are known.
+    fn draw_frame(&mut self, index: u32, drawn: &Drawn) {
+        let [width, height] = self.desc.size;
         if self.desc.settings.toon.outline.is_on() {
             let samples = Command::Dispatch { threads: [2 * width, 2 * height, 1] };
             self.plan.step(self.passes.toon_lines, samples);
         }
-        self.plan.step_with(self.passes.toon[drawn.place(self.desc)], Command::Draw { vertices: 4 }, &constants);
+        let pass = self.passes.toon[drawn.place(self.desc)];
+        self.plan.step_with(pass, Command::Draw { vertices: 4 }, &VisibilityConstants { frame: index });
     }
 
     fn colours(&mut self, mesh: &TopologyInput) {
@@ -343,14 +429,42 @@ impl Steps<'_> {
         Command::Dispatch { threads: [self.desc.points, 1, 1] }
     }
 
-    fn trajectory(&mut self, interval: &IntervalInput) {
+    /// What kernels add to begins empty: all of it first, so that nothing waits for it later.
+    fn clears(&mut self, frame: &Frame, interval: &IntervalInput) {
+        if self.strips(interval) > 0 {
+            self.plan.step(self.passes.lines_begin, Command::Fill { buffer: TRAILING, word: NONE });
+        }
+        if !self.desc.settings.smears() {
+            return;
+        }
+        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: TILES, word: 0 });
+        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: SAMPLE_STATES, word: NOTHING_SEEN });
+        self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
+        if self.learns(frame) {
+            self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
+        }
+    }
+
+    /// What stands before that, once it is empty.
+    fn heads(&mut self) {
+        if !self.desc.settings.smears() {
+            return;
+        }
+        let mut head = [0; TILE_WORDS];
+        for (kind, workgroups) in [1, 2, 4].into_iter().enumerate() {
+            head[tile_dispatch(kind) + 2] = workgroups;
+        }
+        self.plan.update_slice(self.passes.tiles_begin, TILES, &head);
+        self.plan.update_slice(self.passes.completing, COMPLETING, &params::completing(self.desc));
+    }
+
+    fn knots(&mut self, interval: &IntervalInput) {
         match interval.trajectories {
             Trajectories::Poses(knots) => {
                 let current = &interval.views[1].camera;
                 let mut rows = [<Knot as bytemuck::Zeroable>::zeroed(); MOST_KNOTS];
                 rows.iter_mut().zip(knots).for_each(|(row, knot)| *row = Knot::new(knot, current, self.desc));
                 self.plan.update_slice(self.passes.knots, KNOTS, &rows[..knots.len()]);
-                self.plan.step(self.passes.trajectory, self.points());
             }
             Trajectories::Pieces(_) => {
                 let piece = size_of::<params::Piece>() as u64;
@@ -365,18 +479,32 @@ impl Steps<'_> {
         }
     }
 
-    fn extent(&mut self, interval: &IntervalInput) {
+    fn trajectory(&mut self, interval: &IntervalInput) {
+        if matches!(interval.trajectories, Trajectories::Poses(_)) {
+            self.plan.step(self.passes.trajectory, self.points());
+        }
+        self.plan.step(self.passes.extent, self.points());
+    }
+
+    /// How far points are distorted; beside it, frames are drawn: neither waits for the other.
+    fn settle(&mut self, frame: &Frame, interval: &IntervalInput, toon: Option<&ToonFrames>) {
         let seams = interval.counts.seams;
         let rounds = if seams > 0 { self.desc.settings.seam_smoothing } else { 0 };
-        self.plan.step(self.passes.extent, self.points());
-        for round in 0..rounds {
-            let command = Command::Dispatch { threads: [seams, 1, 1] };
-            self.plan.step_with(self.passes.seams, command, &SeamConstants { from: round % 2 });
-        }
+        self.smooth(seams, 0..rounds.min(1));
+        toon.into_iter().for_each(|toon| self.draw_toon(frame, toon));
+        self.smooth(seams, 1..rounds);
         if rounds == 0 {
             self.plan.skip(self.passes.seams, "no clusters meet, or seam_smoothing is 0");
         }
         self.plan.step_with(self.passes.settle, self.points(), &SettleConstants { from: rounds % 2 });
+    }
+
+    /// Rounds of smoothing at so many points where clusters meet.
+    fn smooth(&mut self, seams: u32, rounds: Range<u32>) {
+        for round in rounds {
+            let command = Command::Dispatch { threads: [seams, 1, 1] };
+            self.plan.step_with(self.passes.seams, command, &SeamConstants { from: round % 2 });
+        }
     }
 
     fn refine(&mut self) {
@@ -384,14 +512,10 @@ impl Steps<'_> {
         self.plan.step(self.passes.begin, triangles);
         for round in 0..=ROUNDS {
             let constants = RoundConstants { round };
-            let at = |member: usize| Command::DispatchIndirect {
-                arguments: ROUND_LIST,
-                offset: u64::from(round) * size_of::<Round>() as u64 + member as u64,
-            };
+            let offset = u64::from(round) * size_of::<Round>() as u64 + offset_of!(Round, groups) as u64;
+            let groups = Command::DispatchIndirect { arguments: ROUND_LIST, offset };
             let parity = (round % 2) as usize;
-            let (groups, scan) = (at(offset_of!(Round, groups)), at(offset_of!(Round, scan)));
             self.plan.step_with(self.passes.count[parity], groups, &constants);
-            self.plan.step_with(self.passes.scan, scan, &constants);
             self.plan.step_with(self.passes.emit[parity], groups, &constants);
         }
     }
@@ -432,11 +556,17 @@ impl Steps<'_> {
         }
     }
 
-    /// Of frames i and i + 1, or of all four.
-    fn normals(&mut self, frames: u32) {
+    /// No group of normals, of frames i and i + 1, or of all four, has many triangles yet.
+    fn begin_normals(&mut self, frames: u32) {
         let none: [u32; LARGE_WORDS] = [0, frames, 1, 0];
         self.plan.update_slice(self.passes.large_groups, LARGE_GROUPS, &none);
+    }
+
+    fn normals(&mut self, frames: u32) {
         self.plan.step(self.passes.normals, Command::Dispatch { threads: [self.desc.groups, frames, 1] });
+    }
+
+    fn large_normals(&mut self) {
         self.plan.step(self.passes.normals_large, Command::DispatchIndirect { arguments: LARGE_GROUPS, offset: 0 });
     }
 
@@ -453,13 +583,6 @@ impl Steps<'_> {
     /// Which tiles are worked on; what the others have is nothing.
     fn tiles(&mut self) {
         let [width, height] = self.desc.size;
-        let mut head = [0; TILE_WORDS];
-        for (kind, workgroups) in [1, 2, 4].into_iter().enumerate() {
-            head[tile_dispatch(kind) + 2] = workgroups;
-        }
-        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: TILES, word: 0 });
-        self.plan.update_slice(self.passes.tiles_begin, TILES, &head);
-        self.plan.step(self.passes.tiles_begin, Command::Fill { buffer: SAMPLE_STATES, word: NOTHING_SEEN });
         self.plan.step(self.passes.tiles, Command::Dispatch { threads: [width, height, 1] });
     }
 
@@ -468,24 +591,30 @@ impl Steps<'_> {
         self.passes.shade_drawn.filter(|_| frame.images.is_none())
     }
 
+    /// Whether colours of completion are learned.
+    fn learns(&self, frame: &Frame) -> bool {
+        self.shade_drawn(frame).is_none() && self.layout.tables > 0
+    }
+
     fn learn(&mut self, frame: &Frame, there: There) {
-        self.plan.step(self.passes.completing, Command::Fill { buffer: COMPLETING, word: 0 });
-        self.plan.update_slice(self.passes.completing, COMPLETING, &params::completing(self.desc));
         self.plan.step(self.passes.cover, Self::over_tiles(0));
         let is_drawn = self.shade_drawn(frame).is_some();
         match is_drawn || self.layout.tables > 0 {
             true if there.has_normals => {}
-            true => self.normals(2),
+            true => {
+                self.begin_normals(2);
+                self.normals(2);
+                self.large_normals();
+            }
             false => self.plan.skip(self.passes.normals, "completion does not follow from the surface"),
         }
-        if is_drawn || self.layout.tables == 0 {
+        if !self.learns(frame) {
             let reason = match is_drawn {
                 true => "what drawn frames hide can be drawn",
                 false => "completion does not follow from the surface",
             };
             return [self.passes.learn, self.passes.tone].into_iter().for_each(|pass| self.plan.skip(pass, reason));
         }
-        self.plan.step(self.passes.sums, Command::Fill { buffer: SUMS, word: 0 });
         let pixels = Self::over_tiles(1);
         self.plan.step(self.passes.learn, pixels);
         self.plan.step(self.passes.fill, Self::groups_of(&glsl::fill::SHADER, 2 * self.layout.tables));
@@ -501,10 +630,10 @@ impl Steps<'_> {
     }
 
     /// Samples that get their colour from neighbours: no group runs where there are none.
-    fn inward(&mut self, gradient: usize, dispatches: u32) {
+    fn inward(&mut self, gradient: usize) {
         let at = |word: usize| Command::DispatchIndirect { arguments: COMPLETING, offset: 4 * word as u64 };
         self.plan.step(self.passes.border[gradient], at(params::border_dispatch(gradient)));
-        for _ in 0..dispatches {
+        for _ in 0..inward_dispatches(self.traits)[gradient] {
             self.plan.step(self.passes.inward[gradient], at(params::inward_dispatch(gradient)));
         }
     }
@@ -522,9 +651,9 @@ impl Steps<'_> {
             self.plan.step(self.passes.sides, Command::Dispatch { threads: [width, height, 1] });
         }
         if self.desc.settings.completion == Completion::Gradient {
-            self.inward(1, GRADIENT_DISPATCHES);
+            self.inward(1);
         }
-        self.inward(0, MEAN_DISPATCHES);
+        self.inward(0);
         self.plan.step(self.passes.compose, Self::over_tiles(0));
         let draw = Command::Draw { vertices: 4 };
         match &frame.depth {

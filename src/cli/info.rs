@@ -63,7 +63,7 @@ fn kernels(options: &Options, common: &Common) -> Result<String, Failure> {
         Failure::new(Failure::NO_DEVICE, message)
     };
     device.costs()?.ok_or_else(lacking)?;
-    for pass in &program::variants()? {
+    for pass in &program::variants(&device.traits())? {
         // SAFETY: the device's own handles.
         unsafe { device.kernels().make(&device.host(), pass)? };
     }

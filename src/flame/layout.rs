@@ -2,18 +2,20 @@
 
 use ash::vk;
 
-use crate::effect::Inventory;
+use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::flame::colour::Table;
 use crate::flame::desc::{Desc, SceneFormat};
-use crate::flame::limits::{MOST_COUNTERS, Stage, buckets, is_raster, most_count, stages};
+use crate::flame::limits::{Stage, buckets, is_raster, kernels, most_count, stages};
 use crate::flame::settings::Mode;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{Sizes, buffers};
-use crate::plan::{Binding, BufferId, ImageId, Resource};
-use crate::shaders::flame::blocks::{CellLevel, Control, FlameParams, Lamp, Particle};
+use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
+use crate::scan::{self, MOST_COUNTERS};
+use crate::shaders::flame as glsl;
+use crate::shaders::flame::blocks::{CellLevel, Control, FlameParams, KernelTable, Lamp, Particle};
 use crate::shaders::flame::constants::{
     CELLS_ACROSS, KERNEL_CLASSES, KERNEL_DEPTHS, KERNEL_PLACES, MASK_LEVELS, MASK_SIDE, SHARE_SIDE, SUM_VECTORS, TILE,
     UNFINISHED_VECTORS, UNLAID_VECTORS,
@@ -31,7 +33,9 @@ buffers! {
     COLOURS = "Colours",
     PARTICLES = "Particles",
     CELLS = "Cells",
+    CELL_SUMS = "CellSums",
     ENTRIES = "Entries",
+    TILE_SUMS = "TileSums",
     OCCUPIED_TILES = "OccupiedTiles",
     ACTIVE_TILES = "ActiveTiles",
     TILE_REPETITIONS = "TileRepetitions",
@@ -44,6 +48,7 @@ buffers! {
     SHARES = "Shares",
     SUMS = "Sums",
     SPRITE_LIST = "SpriteList",
+    SPRITE_SUMS = "SpriteSums",
     LAMP = "LampBuffer",
     WINNERS = "Winners",
     UNLAID = "Unlaid",
@@ -107,8 +112,8 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Computes it; fails where a buffer is larger than `limit` bytes, the largest range that a shader can bind.
-    pub fn new(desc: &Desc, table: &Table, limit: u64) -> Result<Layout> {
+    /// Computes it; fails where a buffer is larger than a shader can bind.
+    pub fn new(desc: &Desc, table: &Table, traits: &DeviceTraits) -> Result<Layout> {
         let settings = &desc.settings;
         let tiles = desc.size.map(|side| side.div_ceil(TILE));
         let (levels, cells) = levels(tiles);
@@ -117,10 +122,12 @@ impl Layout {
             levels,
             cells,
             buckets: buckets(settings.mode, settings.bins),
-            stages: stages(desc)?,
+            stages: stages(desc, traits)?,
             sizes: Sizes::LEAST,
         };
         layout.size_particles(desc, table);
+        let parts: u32 = layout.stages.iter().map(|stage| stage.parts).sum();
+        layout.set(PART_ARGUMENTS, u64::from(parts * kernels(desc, traits)) * VECTOR);
         layout.size_pictures(desc);
         let counters = u64::from(layout.cells) * u64::from(layout.buckets);
         if counters > MOST_COUNTERS {
@@ -128,7 +135,7 @@ impl Layout {
             let advice = "use fewer flame.bins or a smaller picture";
             return Err(Error::Limit { what, needed: counters, limit: MOST_COUNTERS, advice });
         }
-        layout.check(limit)?;
+        layout.check(traits.storage_range)?;
         Ok(layout)
     }
 
@@ -151,13 +158,13 @@ impl Layout {
         self.set(COLOURS, table.entries.len() as u64 * VECTOR);
         self.set(PARTICLES, particles * size_of::<Particle>() as u64);
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
+        self.set(CELL_SUMS, scan::sums_bytes(self.size(CELLS)));
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
         self.set(MASK, texels * 4);
         if desc.settings.is_expected() {
+            self.set(KERNEL_STATE, size_of::<KernelTable>() as u64);
             self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
         }
-        let arguments: u64 = self.stages.iter().map(|stage| u64::from(2 * stage.parts)).sum();
-        self.set(PART_ARGUMENTS, arguments * VECTOR);
     }
 
     fn size_pictures(&mut self, desc: &Desc) {
@@ -174,6 +181,7 @@ impl Layout {
         // Between dispatches, the last two bins of each pixel of the expected image, which lean on their neighbours.
         let is_cut = desc.settings.is_expected() && self.stages.iter().any(|stage| stage.parts > 1);
         self.set(UNLAID, kept(is_cut, pixels * VECTOR * u64::from(UNLAID_VECTORS + u32::from(desc.layers))));
+        self.set(TILE_SUMS, tiles.div_ceil(lanes(&glsl::tiles::SHADER)) * 4);
         self.set(OCCUPIED_TILES, tiles * 4);
         self.set(ACTIVE_TILES, tiles * 4);
         self.set(TILE_REPETITIONS, tiles * 4);
@@ -183,6 +191,7 @@ impl Layout {
         self.set(SUMS, pixels * VECTOR * u64::from(SUM_VECTORS));
         let sprites = u64::from(desc.particles) * most_count(desc);
         self.set(SPRITE_LIST, kept(is_raster(desc), sprites * 8));
+        self.set(SPRITE_SUMS, u64::from(desc.particles).div_ceil(lanes(&glsl::sprites::SHADER)) * 4);
         self.set(LAMP, size_of::<Lamp>() as u64);
         self.set(WINNERS, kept(segmented, pixels * unfinished));
         self.set(PICTURE, pixels * VECTOR);
@@ -246,6 +255,11 @@ impl Inventory for Layout {
         }
         memory
     }
+}
+
+/// Invocations of a workgroup.
+fn lanes(shader: &Shader) -> u64 {
+    shader.local_size[0].into()
 }
 
 /// Levels of cells: tiles, and squares of 2 x 2 of the level before, up to where a particle that covers the picture stands.

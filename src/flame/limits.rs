@@ -1,15 +1,14 @@
 //! How much there may be of everything, and how repetitions are cut into dispatches within the loop budget.
 
+use crate::effect::DeviceTraits;
 use crate::error::{Error, Result};
 use crate::flame::desc::Desc;
 use crate::flame::settings::{Method, Mode, Sampling, Settings};
-use crate::layout::LOOP_BUDGET;
-use crate::shaders::flame as glsl;
 use crate::shaders::flame::constants::MOST_COUNT;
 
 /// Depth buckets of the stochastic mode.
 pub const BUCKETS: u32 = 32;
-/// Loop iterations that an invocation may take for a tile's list: less than [`LOOP_BUDGET`], for what leads up to it.
+/// Loop iterations that an invocation may take for a tile's list: less than [`crate::layout::LOOP_BUDGET`], for what leads up to it.
 pub const ITERATIONS: u32 = 44_000;
 /// Repetitions after which a tile is looked at for the first time with `adaptive`.
 pub const FIRST_STAGE: u32 = 16;
@@ -17,9 +16,6 @@ pub const FIRST_STAGE: u32 = 16;
 pub const MOST_PARTS: u64 = 1 << 15;
 /// The most repetitions that are drawn one after the other.
 const MOST_DRAWN: u32 = 4096;
-/// The most counters of a scan, which one workgroup walks over twice within its loop budget.
-pub const MOST_COUNTERS: u64 = glsl::scan::SHADER.local_size[0] as u64 * 20_000;
-
 /// Loop iterations of what an invocation does with a tile's list in a repetition, or in a bin of the expected image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
@@ -66,16 +62,34 @@ impl Stage {
     }
 }
 
-/// Repetitions, or the bins of the expected image, are done in as many dispatches as the longest possible list asks for.
-pub fn stages(desc: &Desc) -> Result<Vec<Stage>> {
-    let settings = &desc.settings;
-    let expected = settings.is_expected();
+/// Loop iterations that an invocation may take for a tile's list on a device with these traits.
+pub fn iterations(traits: &DeviceTraits) -> u32 {
+    if traits.ends_loops { ITERATIONS } else { u32::MAX }
+}
+
+/// Kernels that repetitions are made with: each has a dispatch of its own.
+pub fn kernels(desc: &Desc, traits: &DeviceTraits) -> u32 {
+    if desc.settings.is_expected() { 1 } else { traits.tuning.mask_kernels }
+}
+
+/// Parts that the longest possible list asks for, and how many repetitions or bins one of them does.
+fn parts(desc: &Desc, traits: &DeviceTraits) -> (u64, u64) {
+    if !traits.ends_loops {
+        return (1, u64::MAX);
+    }
     let particles = u64::from(desc.particles.max(1));
     let cost = Cost::new(desc);
     let visit = u64::from(cost.visit) + (most_count(desc) * u64::from(cost.eighths)).div_ceil(8);
     let segments = particles.div_ceil((u64::from(ITERATIONS - cost.base) / visit).max(1));
     let of_all = u64::from(cost.base) + particles * visit;
-    let at_once = if segments > 1 { 1 } else { (u64::from(ITERATIONS) / of_all).max(1) };
+    (segments, if segments > 1 { 1 } else { (u64::from(ITERATIONS) / of_all).max(1) })
+}
+
+/// Repetitions, or the bins of the expected image, are done in as many dispatches as the longest possible list asks for.
+pub fn stages(desc: &Desc, traits: &DeviceTraits) -> Result<Vec<Stage>> {
+    let settings = &desc.settings;
+    let expected = settings.is_expected();
+    let (segments, at_once) = parts(desc, traits);
     let all = if expected { settings.bins } else { settings.repetitions };
     if is_raster(desc) {
         // No dispatches, but all of the repetitions.
@@ -93,7 +107,7 @@ pub fn stages(desc: &Desc) -> Result<Vec<Stage>> {
         sum += parts;
         let parts = parts.min(MOST_PARTS) as u32;
         stages.push(Stage { first, last, parts, arguments });
-        (first, arguments) = (last, arguments + 2 * parts);
+        (first, arguments) = (last, arguments + kernels(desc, traits) * parts);
     }
     match sum > MOST_PARTS {
         true => Err(Error::Limit {
@@ -109,15 +123,8 @@ pub fn stages(desc: &Desc) -> Result<Vec<Stage>> {
     }
 }
 
-/// One workgroup lists the sprites, each of its invocations within the loop budget; and a step a repetition must be recorded.
+/// A step a repetition must be recorded.
 fn check_raster(desc: &Desc) -> Result<()> {
-    let sprites =
-        u64::from(desc.particles).div_ceil(glsl::sprites::SHADER.local_size[0].into()) * (most_count(desc) + 2);
-    if sprites > u64::from(LOOP_BUDGET) {
-        let what = "the flame's list of sprites (sprites of 256 particles)";
-        let advice = "use method = \"tiles\", fewer particles or a smaller flame.count";
-        return Err(Error::Limit { what, needed: sprites, limit: LOOP_BUDGET.into(), advice });
-    }
     let Settings { repetitions, adaptive, .. } = desc.settings;
     match () {
         _ if repetitions > MOST_DRAWN => {

@@ -26,7 +26,7 @@ pub use frame::{Frame, ParticleInput, SceneDepth};
 pub use settings::Settings;
 pub use spacing::mean_spacing;
 
-use crate::effect::{DeviceLimits, Effect, Effort, Kind};
+use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::{Error, Result};
 use crate::gpu::resources::Resources;
 use crate::plan::{Pass, Plan};
@@ -45,6 +45,7 @@ pub type Flame = Effect<FlameKind>;
 /// The parts that are the flame's own.
 #[derive(Debug)]
 pub struct FlameKind {
+    traits: DeviceTraits,
     layout: Layout,
     passes: Passes,
     table: Table,
@@ -77,15 +78,16 @@ impl Kind for FlameKind {
     type Frame<'a> = Frame;
     type Recorded = State;
 
-    fn new(desc: &Desc, limits: &DeviceLimits, effort: Effort) -> Result<FlameKind> {
+    fn new(desc: &Desc, traits: &DeviceTraits, effort: Effort) -> Result<FlameKind> {
         desc.validate()?;
-        limits.check_sides(desc.size)?;
+        traits.tuning.validate()?;
+        traits.check_sides(desc.size)?;
         let table = table(desc);
-        let layout = Layout::new(desc, &table, limits.storage_range)?;
-        let passes = Passes::new(desc, &layout, &table);
+        let layout = Layout::new(desc, &table, traits)?;
+        let passes = Passes::new(desc, &layout, &table, &traits.tuning);
         // The largest alpha that the device's mask can have, which is the reference's but for rounding.
         let max_alpha = (Mask::new(desc.seed, desc.settings.variants).largest() * 1.000001) as f32;
-        Ok(FlameKind { layout, passes, table, effort, max_alpha, state: State::default() })
+        Ok(FlameKind { traits: *traits, layout, passes, table, effort, max_alpha, state: State::default() })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -103,10 +105,10 @@ impl Kind for FlameKind {
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, self.state.camera.is_none())?;
         let (delta, state) = self.delta(desc, frame)?;
-        let FlameKind { layout, passes, table, effort, max_alpha, .. } = self;
+        let FlameKind { traits, layout, passes, table, effort, max_alpha, .. } = self;
         let mut params = FlameParams::new(desc, layout, frame, &delta.given, table, *max_alpha);
         params.is_skipping = effort.skips().into();
-        Steps { plan, passes, desc, layout, delta: &delta }.fill(frame, &params, table);
+        Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, table);
         Ok(state)
     }
 

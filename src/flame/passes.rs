@@ -11,10 +11,12 @@ use crate::flame::params::{
 };
 use crate::flame::settings::{Mode, Sampling, Shape};
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
+use crate::scan;
 use crate::shaders::flame as glsl;
+use crate::tuning::Tuning;
 
 passes! {
-    (desc: &Desc, layout: &Layout, table: &Table), resource;
+    (desc: &Desc, layout: &Layout, table: &Table, tuning: &Tuning), resource;
     params = Pass::transfer("flame.params").updates::<FlameParams>(PARAMS, 1).updates::<Control>(CONTROL, 1);
     tables = Pass::transfer("flame.tables").updates::<[f32; 4]>(COLOURS, table.entries.len());
     particles = Pass::transfer("flame.particles").copies(HOST_POSITIONS, POSITIONS).copies(HOST_IDS, IDS);
@@ -26,21 +28,27 @@ passes! {
     prepare = Pass::compute("flame.prepare", &glsl::prepare::SHADER).specialise([form(table)]);
     range = Pass::compute("flame.prepare", &glsl::range::SHADER);
     bin_reset = Pass::transfer("flame.bin").fills(CELLS);
-    count = Pass::compute("flame.bin", &glsl::count::SHADER);
-    scan = Pass::compute("flame.bin", &glsl::scan::SHADER);
+    count = Pass::compute("flame.bin", &glsl::count::SHADER).specialise([u32::from(desc.settings.is_expected())]);
+    /// Where the list of each bucket of each cell begins.
+    scan: [PassId; 2] = scan::passes("flame.bin", CELLS, CELL_SUMS);
     fill = Pass::compute("flame.bin", &glsl::fill::SHADER);
-    tiles = Pass::compute("flame.bin", &glsl::tiles::SHADER);
-    /// Where the mask is minified, and where it is magnified; the expected image has one for both.
-    accumulate: Vec<PassId> = accumulate(desc, layout);
+    /// Sums of blocks, and what follows from them.
+    tiles: [PassId; 2] = [&glsl::tiles_sum::SHADER, &glsl::tiles::SHADER]
+        .map(|shader| Pass::compute("flame.bin", shader));
+    /// One for all repetitions, or one where the mask is minified and one where it is magnified.
+    accumulate: Vec<PassId> = accumulate(desc, layout, tuning);
     converge = Pass::compute("flame.accumulate", &glsl::converge::SHADER).times(layout.stages.len());
-    adapt = Pass::compute("flame.accumulate", &glsl::adapt::SHADER).times(layout.stages.len());
-    weigh = Pass::compute("flame.prepare", &glsl::weigh::SHADER);
+    /// As `tiles`.
+    adapt: [PassId; 2] = [&glsl::adapt_sum::SHADER, &glsl::adapt::SHADER]
+        .map(|shader| Pass::compute("flame.accumulate", shader).times(layout.stages.len()));
     rebuild = Pass::compute("flame.kernel", &glsl::rebuild::SHADER);
     shares = Pass::compute("flame.kernel", &glsl::shares::SHADER);
     kernel = Pass::compute("flame.kernel", &glsl::kernel::SHADER)
         .specialise([u32::from(desc.settings.shape == Shape::Cube)]);
     clear = [PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES].into_iter().fold(Pass::transfer("flame.clear"), Pass::fills);
-    sprites = Pass::compute("flame.raster", &glsl::sprites::SHADER);
+    /// As `tiles`.
+    sprites: [PassId; 2] = [&glsl::sprites_sum::SHADER, &glsl::sprites::SHADER]
+        .map(|shader| Pass::compute("flame.raster", shader));
     raster = raster(desc).times(drawn(layout));
     add = Pass::compute("flame.raster", &glsl::add::SHADER).times(drawn(layout));
     lamp = Pass::compute("flame.light", &glsl::light::SHADER);
@@ -59,10 +67,11 @@ fn form(table: &Table) -> u32 {
     }
 }
 
-/// Specialisation constants of kernels that make sprites.
-fn variant(desc: &Desc, look_up: u32) -> [u32; 5] {
+/// Specialisation constants of kernels that make sprites; a workgroup has so many invocations.
+fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 6] {
     let settings = &desc.settings;
     [
+        invocations,
         u32::from(settings.shape == Shape::Cube),
         u32::from(settings.sampling == Sampling::ShuffledSobol),
         u32::from(settings.flickers()),
@@ -71,15 +80,21 @@ fn variant(desc: &Desc, look_up: u32) -> [u32; 5] {
     ]
 }
 
-fn accumulate(desc: &Desc, layout: &Layout) -> Vec<Pass> {
+fn accumulate(desc: &Desc, layout: &Layout, tuning: &Tuning) -> Vec<Pass> {
+    let invocations = tuning.tile_invocations;
     let parts = layout.stages.iter().map(|stage| stage.parts as usize).sum::<usize>();
     let stochastic = |look_up| {
-        let pass = Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(desc, look_up));
+        let pass = Pass::compute("flame.accumulate", &glsl::accumulate::SHADER).specialise(variant(
+            desc,
+            look_up,
+            invocations,
+        ));
         pass.times(parts)
     };
     match desc.settings.mode {
+        Mode::Stochastic if tuning.mask_kernels == 1 => vec![stochastic(EITHER)],
         Mode::Stochastic => [MINIFIED, MAGNIFIED].map(stochastic).into(),
-        Mode::Expected => vec![expected(desc).times(2 * parts)],
+        Mode::Expected => vec![expected(desc, invocations).times(parts)],
     }
 }
 
@@ -101,7 +116,7 @@ fn raster(desc: &Desc) -> Pass {
         extent,
     };
     // Which look-up a sprite needs is its own to find out: the mask may be magnified in one frame and not in another.
-    Pass::raster("flame.raster", raster).specialise(variant(desc, EITHER))
+    Pass::raster("flame.raster", raster).specialise(variant(desc, EITHER, 0))
 }
 
 /// The fire's light on the scene around it.
@@ -122,9 +137,12 @@ fn light(desc: &Desc) -> Pass {
     Pass::raster("flame.light", raster)
 }
 
-fn expected(desc: &Desc) -> Pass {
-    Pass::compute("flame.accumulate", &glsl::expected::SHADER)
-        .specialise([u32::from(desc.scene.is_some()), u32::from(desc.layers)])
+fn expected(desc: &Desc, invocations: u32) -> Pass {
+    Pass::compute("flame.accumulate", &glsl::expected::SHADER).specialise([
+        invocations,
+        u32::from(desc.scene.is_some()),
+        u32::from(desc.layers),
+    ])
 }
 
 fn composite(desc: &Desc) -> Pass {

@@ -4,19 +4,21 @@ use std::mem::offset_of;
 
 use ash::vk;
 
+use crate::effect::DeviceTraits;
 use crate::flame::colour::Table;
 use crate::flame::desc::{Desc, SceneFormat};
 use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
-use crate::flame::limits::{Cost, ITERATIONS, Stage, is_raster};
+use crate::flame::limits::{Cost, Stage, is_raster, iterations, kernels};
 use crate::flame::params::{
-    AccumulateConstants, AddConstants, Control, FLOATS, FlameParams, Given, MASK_LEVELS, MASK_SIDE, MipsConstants,
-    PartsConstants, RasterConstants, RebuildConstants, ScanConstants, SceneConstants, UNORM_16, UNORM_24,
+    AccumulateConstants, AdaptConstants, AddConstants, Control, FLOATS, FlameParams, Given, KernelTable, MASK_LEVELS,
+    MASK_SIDE, MipsConstants, PartsConstants, RasterConstants, RebuildConstants, SceneConstants, UNORM_16, UNORM_24,
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::Shape;
 use crate::host::{Background, HostDepth};
-use crate::plan::{Command, Plan, Shader};
+use crate::plan::{Command, PassId, Plan, Shader};
+use crate::scan;
 use crate::shaders::flame as glsl;
 use crate::view::Camera;
 
@@ -39,6 +41,7 @@ pub(super) struct Steps<'a> {
     pub(super) passes: &'a Passes,
     pub(super) desc: &'a Desc,
     pub(super) layout: &'a Layout,
+    pub(super) traits: &'a DeviceTraits,
     pub(super) delta: &'a FrameDelta,
 }
 
@@ -63,9 +66,9 @@ impl Steps<'_> {
             return self.skip_fire(reason);
         }
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
+        self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
         self.scene(frame);
-        self.lists();
-        self.kernel(frame);
+        self.lists(frame);
         self.repetitions();
         self.light();
         self.plan.step(self.passes.resolve, dispatch(offset_of!(Control, tile_groups)));
@@ -148,24 +151,35 @@ impl Steps<'_> {
         }
     }
 
-    /// Particles by tile and depth.
-    fn lists(&mut self) {
+    /// Particles by tile and depth; and, beside it, the table of the expected image, where it is not that of this frame.
+    fn lists(&mut self, frame: &Frame) {
         let particles = Command::Dispatch { threads: [self.delta.given.count, 1, 1] };
-        self.plan.step(self.passes.prepare, particles);
-        self.plan.step(self.passes.range, particles);
-        self.plan.step(self.passes.bin_reset, Command::Fill { buffer: CELLS, word: 0 });
-        self.plan.step(self.passes.count, particles);
-        let Cost { base, visit, eighths } = Cost::new(self.desc);
-        let constants = ScanConstants { budget: ITERATIONS, base, visit, eighths };
-        self.plan.step_with(self.passes.scan, one_group(&glsl::scan::SHADER), &constants);
-        self.plan.step(self.passes.fill, particles);
+        let Passes { prepare, range, count, scan: [sums, add], fill, .. } = *self.passes;
+        let cells = self.layout.size(CELLS);
+        self.plan.step(prepare, particles);
+        self.plan.step(range, particles);
+        self.plan.step(count, particles);
+        scan::step(self.plan, sums, cells);
+        self.rebuild(frame);
+        scan::step(self.plan, add, cells);
+        self.table(self.passes.shares, offset_of!(KernelTable, share_groups));
+        self.plan.step(fill, particles);
+        self.table(self.passes.kernel, offset_of!(KernelTable, kernel_groups));
         if let Some(stage) = self.layout.stages.first() {
-            self.plan.step_with(self.passes.tiles, one_group(&glsl::tiles::SHADER), &parts_of(stage));
+            let constants = self.parts_of(stage);
+            let [sums, tiles] = self.passes.tiles;
+            self.plan.step(sums, self.over_tiles());
+            self.plan.step_with(tiles, self.over_tiles(), &constants);
         }
     }
 
-    /// The table of the expected image, where it is not that of this frame.
-    fn kernel(&mut self, frame: &Frame) {
+    /// An invocation for each tile.
+    fn over_tiles(&self) -> Command {
+        Command::Dispatch { threads: [self.layout.tiles[0] * self.layout.tiles[1], 1, 1] }
+    }
+
+    /// Which classes of the table are missing.
+    fn rebuild(&mut self, frame: &Frame) {
         let settings = &self.desc.settings;
         if !settings.is_expected() {
             return self.plan.skip(self.passes.kernel, "mode is \"stochastic\"");
@@ -173,12 +187,16 @@ impl Steps<'_> {
         // A cube is seen from another side by another camera.
         let turned = settings.shape == Shape::Cube && self.delta.camera != Some(frame.camera);
         let force = u32::from(self.delta.camera.is_none() || turned);
-        let threads = [self.delta.given.count, 1, 1];
-        self.plan.step(self.passes.weigh, Command::Dispatch { threads });
         let once = one_group(&glsl::rebuild::SHADER);
         self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
-        self.plan.step(self.passes.shares, dispatch(offset_of!(Control, share_groups)));
-        self.plan.step(self.passes.kernel, dispatch(offset_of!(Control, kernel_groups)));
+    }
+
+    /// A step that makes missing classes.
+    fn table(&mut self, pass: PassId, member: usize) {
+        if self.desc.settings.is_expected() {
+            let command = Command::DispatchIndirect { arguments: KERNEL_STATE, offset: member as u64 };
+            self.plan.step(pass, command);
+        }
     }
 
     fn repetitions(&mut self) {
@@ -188,12 +206,14 @@ impl Steps<'_> {
         for (index, stage) in self.layout.stages.iter().enumerate() {
             if index > 0 {
                 self.plan.step(self.passes.converge, dispatch(offset_of!(Control, active_groups)));
-                self.plan.step_with(self.passes.adapt, one_group(&glsl::adapt::SHADER), &parts_of(stage));
+                let constants = self.parts_of(stage);
+                let [sums, adapt] = self.passes.adapt;
+                self.plan.step_with(sums, self.over_tiles(), &AdaptConstants { done: stage.first });
+                self.plan.step_with(adapt, self.over_tiles(), &constants);
             }
-            let kinds = [self.passes.accumulate.first(), self.passes.accumulate.last()];
-            for (kind, pass) in kinds.into_iter().flatten().enumerate() {
+            for (kernel, pass) in (0..).zip(&self.passes.accumulate) {
                 for part in 0..stage.parts {
-                    let argument = stage.arguments + kind as u32 * stage.parts + part;
+                    let argument = stage.arguments + kernel * stage.parts + part;
                     let offset = 16 * u64::from(argument);
                     let command = Command::DispatchIndirect { arguments: PART_ARGUMENTS, offset };
                     let constants = AccumulateConstants { part, first: stage.first, last: stage.last };
@@ -203,9 +223,25 @@ impl Steps<'_> {
         }
     }
 
+    fn parts_of(&self, stage: &Stage) -> PartsConstants {
+        let Cost { base, visit, eighths } = Cost::new(self.desc);
+        PartsConstants {
+            budget: iterations(self.traits),
+            base,
+            visit,
+            eighths,
+            first: stage.arguments,
+            parts: stage.parts,
+            kernels: kernels(self.desc, self.traits),
+            repetitions: stage.last - stage.first,
+            done: stage.first,
+        }
+    }
+
     /// The paper's way: a render pass a repetition.
     fn drawn(&mut self, before: u32) {
-        self.plan.step(self.passes.sprites, one_group(&glsl::sprites::SHADER));
+        let particles = Command::Dispatch { threads: [self.delta.given.count, 1, 1] };
+        self.passes.sprites.into_iter().for_each(|pass| self.plan.step(pass, particles));
         let [width, height] = self.desc.size;
         for repetition in before..before + self.desc.settings.repetitions {
             let sprites = draw(offset_of!(Control, sprite_draw));
@@ -223,15 +259,6 @@ impl Steps<'_> {
         }
         self.plan.step(self.passes.lamp, one_group(&glsl::light::SHADER));
         self.plan.step(self.passes.light, draw(offset_of!(Control, screen_draw)));
-    }
-}
-
-fn parts_of(stage: &Stage) -> PartsConstants {
-    PartsConstants {
-        first: stage.arguments,
-        parts: stage.parts,
-        repetitions: stage.last - stage.first,
-        done: stage.first,
     }
 }
 

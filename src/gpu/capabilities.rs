@@ -4,6 +4,7 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::host::{Capabilities, Features, Host, Limits, requirements};
+use crate::tuning::Tuning;
 
 /// Names everything that a physical device lacks to run celfx, one entry each; empty: nothing.
 ///
@@ -58,26 +59,46 @@ pub unsafe fn capabilities(instance: &ash::Instance, physical_device: vk::Physic
     }
 }
 
-/// How much a device allows of what effects ask for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DeviceLimits {
+/// The traits of a device that effects are fitted to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeviceTraits {
     /// Bytes of a storage buffer that a shader can bind: `maxStorageBufferRange`.
     pub storage_range: u64,
     /// Pixels along a side of an image that can be rendered to.
     pub image_side: u32,
+    /// Whether the driver ends an invocation's loops after 65,535 iterations, as lavapipe does. Only then is work cut into
+    /// dispatches that stay within a budget.
+    pub ends_loops: bool,
+    /// Which of several ways are taken.
+    pub tuning: Tuning,
 }
 
-impl DeviceLimits {
-    /// Those of a device.
+impl DeviceTraits {
+    /// The least that Vulkan promises, of a GPU.
+    pub const LEAST: DeviceTraits =
+        DeviceTraits { storage_range: 1 << 27, image_side: 4096, ends_loops: false, tuning: Tuning::GPU };
+
+    /// Those of lavapipe, Mesa's driver on the CPU.
+    pub const LAVAPIPE: DeviceTraits =
+        DeviceTraits { storage_range: 1 << 27, image_side: 16_384, ends_loops: true, tuning: Tuning::CPU };
+
+    /// Those of a device, which need not exist yet.
     ///
     /// # Safety
-    /// `host` holds valid handles.
-    pub unsafe fn of(host: &Host) -> DeviceLimits {
+    /// As for [`check_device`], which finds nothing missing on it.
+    pub unsafe fn of(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> DeviceTraits {
+        let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        let mut chain = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
         // SAFETY: the caller's.
-        let limits = unsafe { host.instance.get_physical_device_properties(host.physical_device) }.limits;
+        unsafe { instance.get_physical_device_properties2(physical_device, &mut chain) };
+        let vk::PhysicalDeviceProperties { limits, device_type, .. } = chain.properties;
         let framebuffer = limits.max_framebuffer_width.min(limits.max_framebuffer_height);
-        let image_side = framebuffer.min(limits.max_image_dimension2_d);
-        DeviceLimits { storage_range: u64::from(limits.max_storage_buffer_range), image_side }
+        DeviceTraits {
+            storage_range: u64::from(limits.max_storage_buffer_range),
+            image_side: framebuffer.min(limits.max_image_dimension2_d),
+            ends_loops: driver.driver_id == vk::DriverId::MESA_LLVMPIPE,
+            tuning: Tuning::of(device_type),
+        }
     }
 
     /// Refuses a picture with a side that the device cannot render to.

@@ -116,7 +116,8 @@ impl Executor {
         let Executor { passes, resources, pipelines, recorder, plan, .. } = self;
         let mut recording = Recording { host, stream, passes, pipelines, resources };
         // SAFETY: the caller's.
-        unsafe { recorder.record(plan, &mut recording, timing) }
+        plan.barriers = unsafe { recorder.record(plan, &mut recording, timing)? };
+        Ok(())
     }
 
     /// Records steps of the plan recorded last once more, to measure them alone. They read what that plan left; none of
@@ -133,7 +134,7 @@ impl Executor {
         let Executor { passes, resources, pipelines, recorder, .. } = self;
         let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
         // SAFETY: the caller's.
-        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }.map(drop)
     }
 
     /// A buffer: handle, offset and size in bytes.

@@ -16,6 +16,7 @@ pub use devices::{DeviceInfo, Report, report};
 pub use instance::{Messages, VALIDATION_LAYER};
 
 use crate::error::Result;
+use crate::gpu::capabilities::DeviceTraits;
 use crate::gpu::costs::Cost;
 use crate::gpu::debug;
 use crate::gpu::kernels::Kernels;
@@ -220,6 +221,17 @@ impl Headless {
     /// The device's pipelines.
     pub fn kernels(&self) -> &Kernels {
         &self.kernels
+    }
+
+    /// The traits that effects on it are fitted to.
+    pub fn traits(&self) -> DeviceTraits {
+        // SAFETY: the device's own handles.
+        unsafe { self.kernels.traits(&self.host()) }
+    }
+
+    /// From now on effects are fitted to these; none: to its own.
+    pub fn fit(&mut self, traits: Option<DeviceTraits>) {
+        self.kernels.fit(traits);
     }
 
     /// What the pipelines cost that were made on it; none if the device does not say, or [`Options::costs`] was not set.

@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use ash::vk;
 
 use crate::error::{Error, Result};
+use crate::gpu::capabilities::DeviceTraits;
 use crate::gpu::costs::{Cost, executables};
 use crate::gpu::module::{create_module, specialisation};
 use crate::gpu::{debug, raster};
@@ -19,6 +20,8 @@ use crate::plan::{Blend, DescriptorKind, Kernel, Pass, Shader, Stage, Topology};
 #[derive(Debug, Default)]
 pub struct Kernels {
     made: Mutex<HashMap<Key, Made>>,
+    /// The traits that effects are fitted to, if they are not to be the device's.
+    traits: Option<DeviceTraits>,
     /// Of pipelines.
     flags: vk::PipelineCreateFlags,
 }
@@ -75,6 +78,20 @@ impl Kernels {
     /// `VK_KHR_pipeline_executable_properties` and its feature enabled.
     pub fn with_costs() -> Kernels {
         Kernels { flags: vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR, ..Kernels::default() }
+    }
+
+    /// From now on effects are fitted to these traits, which must be within what the device can do; none: to the device's.
+    pub fn fit(&mut self, traits: Option<DeviceTraits>) {
+        self.traits = traits;
+    }
+
+    /// The traits that effects are fitted to.
+    ///
+    /// # Safety
+    /// `host` holds valid handles.
+    pub unsafe fn traits(&self, host: &Host) -> DeviceTraits {
+        // SAFETY: the caller's.
+        self.traits.unwrap_or_else(|| unsafe { DeviceTraits::of(host.instance, host.physical_device) })
     }
 
     /// What each pipeline costs, by pass, shaders and specialisation; none unless this was made by [`Kernels::with_costs`].

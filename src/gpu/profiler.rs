@@ -73,6 +73,16 @@ impl Timing<'_> {
         }
     }
 
+    /// Notes how many steps and barriers an effect has recorded into the frame.
+    pub fn count(&mut self, steps: u32, barriers: u32) {
+        if let Timing::Profiler(profiler) = self
+            && let Some(slot) = profiler.slots.get_mut(profiler.current)
+        {
+            slot.steps += steps;
+            slot.barriers += barriers;
+        }
+    }
+
     /// Notes that a step is not in the frame, and why.
     pub fn skip(&mut self, name: &'static str, reason: &'static str) {
         if let Timing::Profiler(profiler) = self {
@@ -106,6 +116,8 @@ struct Slot {
     /// Names of the steps that have queries.
     names: Vec<&'static str>,
     skipped: Vec<(&'static str, &'static str)>,
+    steps: u32,
+    barriers: u32,
     /// Recorded and not collected.
     pending: bool,
 }
@@ -178,7 +190,8 @@ impl Profiler {
             None => vk::QueryPool::null(),
         };
         let room = self.steps as usize;
-        Ok(Slot { pool, frame: 0, names: Vec::with_capacity(room), skipped: Vec::with_capacity(room), pending: false })
+        let (names, skipped) = (Vec::with_capacity(room), Vec::with_capacity(room));
+        Ok(Slot { pool, frame: 0, names, skipped, steps: 0, barriers: 0, pending: false })
     }
 
     /// Whether the queue family has timestamps.
@@ -212,6 +225,7 @@ impl Profiler {
         entry.frame = frame;
         entry.names.clear();
         entry.skipped.clear();
+        (entry.steps, entry.barriers) = (0, 0);
         entry.pending = self.clock.is_some();
         self.current = slot;
         self.open = false;
@@ -283,6 +297,7 @@ impl Profiler {
         let ticks: Vec<[u64; 2]> = results.chunks_exact(2).map(|pair| [pair[0][0], pair[1][0]]).collect();
         let mut times = clock.frame(slot.frame, slot.names.iter().copied(), &ticks);
         times.skipped.clone_from(&slot.skipped);
+        (times.steps, times.barriers) = (slot.steps, slot.barriers);
         Some(times)
     }
 

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::barrier::{Barrier, Tracker};
+use crate::barrier::{Barrier, Change, Tracker, layout};
 use crate::error::{Error, Result};
 use crate::gpu::debug;
 use crate::gpu::kernels::push_range;
@@ -10,14 +10,16 @@ use crate::gpu::pipelines::{Bound, Pipelines};
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::raster::{area, viewport};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Resources};
-use crate::host::{Host, ImageState};
-use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Resource, Step, Usage};
+use crate::host::{Host, HostImage, ImageState};
+use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Step, Usage};
 
 /// Records plans of one effect.
 #[derive(Debug)]
 pub struct Recorder {
     tracker: Tracker,
     mode: Mode,
+    /// Images that change with the barrier to come.
+    changing: Vec<vk::ImageMemoryBarrier2<'static>>,
 }
 
 /// The command buffers that steps go to: one, or several that are submitted one after the other, to the same queue.
@@ -57,7 +59,7 @@ impl Recorder {
     /// A recorder for an effect with so many buffers and images.
     pub fn new(resources: &Resources) -> Recorder {
         let tracker = Tracker::new(resources.buffers.len(), resources.images.len());
-        Recorder { tracker, mode: Mode::Overlapping }
+        Recorder { tracker, mode: Mode::Overlapping, changing: Vec::with_capacity(resources.images.len()) }
     }
 
     /// Whether steps may overlap on the device, or a full barrier isolates each (for comparing kernels).
@@ -65,28 +67,22 @@ impl Recorder {
         self.mode = mode;
     }
 
-    /// Records every step of `plan`.
+    /// Records every step of `plan`; how many barriers that took.
     ///
     /// # Safety
     /// All handles in `recording` are valid, the pipelines and resources were made for its passes, and host resources
     /// that the plan names have been handed over and are in the states that they declare.
-    pub unsafe fn record(&mut self, plan: &Plan, recording: &mut Recording, timing: &mut Timing) -> Result<()> {
+    pub unsafe fn record(&mut self, plan: &Plan, recording: &mut Recording, timing: &mut Timing) -> Result<u32> {
         // SAFETY: the caller's, for all of it. Barriers reach over the ends of command buffers.
         unsafe {
             self.open(plan, recording);
             let Recording { host, stream, passes, pipelines, resources } = recording;
-            for step in &plan.steps {
+            for (index, step) in plan.steps.iter().enumerate() {
                 let pass = &passes[usize::from(step.pass.0)];
                 let commands = stream.next(pass.name)?;
-                let isolated = Barrier {
-                    src_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
-                    src_access: vk::AccessFlags2::MEMORY_WRITE,
-                    dst_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
-                    dst_access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
-                };
-                let derived = self.tracker.before(step, pass);
-                barrier(host, commands, if self.mode == Mode::Isolated { &isolated } else { &derived });
-                arrange(host, commands, resources, pass);
+                let derived = self.tracker.before(plan, index, passes);
+                let barrier = if self.mode == Mode::Isolated { ISOLATED } else { derived };
+                self.barrier(host, commands, resources, &barrier);
                 debug::begin_label(host, commands, pass.name);
                 timing.begin_scope(host, commands, pass.name);
                 let walk = Walk { host, commands, resources, plan };
@@ -97,64 +93,97 @@ impl Recorder {
             for (pass, reason) in &plan.skipped {
                 timing.skip(passes[usize::from(pass.0)].name, reason);
             }
-            close(host, stream.current(), resources);
+            let closing = self.tracker.end(host_images(resources).map(|(id, image)| (id, image.state_out)));
+            self.barrier(host, stream.current(), resources, &closing);
         }
-        Ok(())
+        timing.count(plan.steps.len() as u32, self.tracker.count());
+        Ok(self.tracker.count())
     }
 
-    /// Orders the frame after the one before it, and takes the host's buffers over.
+    /// Orders the frame after the one before it, and takes over what the host hands to it.
     unsafe fn open(&mut self, plan: &Plan, recording: &mut Recording) {
         let Recording { host, stream, passes, resources, .. } = recording;
-        let commands = stream.current();
-        let opening = self.tracker.begin(plan, passes);
-        // SAFETY: the caller's.
-        unsafe { barrier(host, commands, &opening) };
-        for (index, slot) in resources.buffers.iter().enumerate() {
+        self.tracker.begin(plan, passes);
+        for slot in &resources.buffers {
             if let BufferSlot::Host(Some(buffer)) = slot {
-                let id = BufferId(index as u16);
-                self.tracker.written_before(Resource::Buffer(id), buffer.stage, buffer.access);
+                self.tracker.take_buffer(buffer.stage, buffer.access);
             }
         }
+        host_images(resources).for_each(|(id, image)| self.tracker.take_image(id, image.state_in));
+        if std::mem::replace(&mut resources.initialised, true) {
+            return;
+        }
+        let all = ImageState {
+            stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+            access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
+            layout: vk::ImageLayout::GENERAL,
+        };
         for slot in &resources.images {
-            let ImageSlot::Own(image) = slot else { continue };
-            if !resources.initialised {
-                let to = ImageState {
-                    stage: vk::PipelineStageFlags2::ALL_COMMANDS,
-                    access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
-                    layout: vk::ImageLayout::GENERAL,
-                };
-                // SAFETY: the caller's.
-                unsafe { transition(host, commands, image.handle, image.aspect, ImageState::default(), to) };
+            if let ImageSlot::Own(image) = slot {
+                self.changing.push(change(image.handle, image.aspect, ImageState::default(), all));
             }
         }
-        resources.initialised = true;
+        // SAFETY: the caller's.
+        unsafe { self.emit(host, stream.current(), &Barrier::default()) };
     }
-}
 
-/// The state in which a host image is used so. Own images stay in GENERAL; the host's take the layout of each use.
-fn used(usage: &Usage) -> ImageState {
-    let layout = match *usage {
-        Usage::COPY_SOURCE => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-        Usage::COPY_TARGET => vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-        Usage::COLOUR => vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
-        Usage::DEPTH => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-        _ => vk::ImageLayout::GENERAL,
-    };
-    ImageState { stage: usage.stage, access: usage.access(), layout }
-}
-
-/// Brings the host's images into the states in which `pass` uses them.
-unsafe fn arrange(host: &Host, commands: vk::CommandBuffer, resources: &mut Resources, pass: &Pass) {
-    for (resource, usage) in &pass.uses {
-        let Resource::Image(id) = resource else { continue };
-        let ImageSlot::Host(Some(image)) = &mut resources.images[usize::from(id.0)] else { continue };
-        let to = used(usage);
-        let from = std::mem::replace(&mut image.state_in, to);
-        if from != to || !usage.writes.is_empty() {
+    /// A barrier, and the changes of images that come with it; nothing if it is empty.
+    unsafe fn barrier(&mut self, host: &Host, commands: vk::CommandBuffer, resources: &Resources, barrier: &Barrier) {
+        for Change { image, from, to } in self.tracker.changes() {
+            let (handle, aspect) = match &resources.images[usize::from(image.0)] {
+                ImageSlot::Own(own) => (own.handle, own.aspect),
+                ImageSlot::Host(Some(host)) => (host.image, aspect_of(host.format)),
+                ImageSlot::Host(None) => continue,
+            };
+            let from = ImageState {
+                stage: from.stage | barrier.src_stage,
+                access: from.access | barrier.src_access,
+                layout: from.layout,
+            };
+            let to = ImageState {
+                stage: to.stage | barrier.dst_stage,
+                access: to.access | barrier.dst_access,
+                layout: to.layout,
+            };
+            self.changing.push(change(handle, aspect, from, to));
+        }
+        if !barrier.is_empty() || !self.changing.is_empty() {
             // SAFETY: the caller's.
-            unsafe { transition(host, commands, image.image, aspect_of(image.format), from, to) };
+            unsafe { self.emit(host, commands, barrier) };
         }
     }
+
+    /// All that changes, with a memory barrier, unless that is empty.
+    unsafe fn emit(&mut self, host: &Host, commands: vk::CommandBuffer, barrier: &Barrier) {
+        let memory = [vk::MemoryBarrier2::default()
+            .src_stage_mask(barrier.src_stage)
+            .src_access_mask(barrier.src_access)
+            .dst_stage_mask(barrier.dst_stage)
+            .dst_access_mask(barrier.dst_access)];
+        let memory = if barrier.is_empty() { &[][..] } else { &memory };
+        let dependency = vk::DependencyInfo::default().memory_barriers(memory).image_memory_barriers(&self.changing);
+        // SAFETY: the caller's.
+        unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
+        self.changing.clear();
+    }
+}
+
+/// Around each step, to measure it alone.
+const ISOLATED: Barrier = Barrier {
+    src_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+    src_access: vk::AccessFlags2::MEMORY_WRITE,
+    dst_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+    dst_access: vk::AccessFlags2::from_raw(
+        vk::AccessFlags2::MEMORY_READ.as_raw() | vk::AccessFlags2::MEMORY_WRITE.as_raw(),
+    ),
+};
+
+/// The images that the host has handed over.
+fn host_images(resources: &Resources) -> impl Iterator<Item = (ImageId, &HostImage)> {
+    (0..).zip(&resources.images).filter_map(|(index, slot)| match slot {
+        ImageSlot::Host(Some(image)) => Some((ImageId(index), image)),
+        ImageSlot::Host(None) | ImageSlot::Own(_) => None,
+    })
 }
 
 fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
@@ -167,27 +196,14 @@ fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
     }
 }
 
-/// Hands the host's images back in the states that it asked for.
-unsafe fn close(host: &Host, commands: vk::CommandBuffer, resources: &Resources) {
-    for slot in &resources.images {
-        if let ImageSlot::Host(Some(image)) = slot {
-            // SAFETY: the caller's.
-            unsafe {
-                transition(host, commands, image.image, aspect_of(image.format), image.state_in, image.state_out)
-            };
-        }
-    }
-}
-
-unsafe fn transition(
-    host: &Host,
-    commands: vk::CommandBuffer,
+/// An image from one state into another.
+fn change(
     image: vk::Image,
     aspect: vk::ImageAspectFlags,
     from: ImageState,
     to: ImageState,
-) {
-    let barriers = [vk::ImageMemoryBarrier2::default()
+) -> vk::ImageMemoryBarrier2<'static> {
+    vk::ImageMemoryBarrier2::default()
         .src_stage_mask(from.stage)
         .src_access_mask(from.access)
         .dst_stage_mask(to.stage)
@@ -197,10 +213,7 @@ unsafe fn transition(
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .image(image)
-        .subresource_range(whole(aspect))];
-    let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-    // SAFETY: the caller's.
-    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
+        .subresource_range(whole(aspect))
 }
 
 fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
@@ -211,20 +224,6 @@ fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
         base_array_layer: 0,
         layer_count: vk::REMAINING_ARRAY_LAYERS,
     }
-}
-
-unsafe fn barrier(host: &Host, commands: vk::CommandBuffer, barrier: &Barrier) {
-    if barrier.is_empty() {
-        return;
-    }
-    let barriers = [vk::MemoryBarrier2::default()
-        .src_stage_mask(barrier.src_stage)
-        .src_access_mask(barrier.src_access)
-        .dst_stage_mask(barrier.dst_stage)
-        .dst_access_mask(barrier.dst_access)];
-    let dependency = vk::DependencyInfo::default().memory_barriers(&barriers);
-    // SAFETY: the caller's.
-    unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
 }
 
 /// The context in which a step is recorded.
@@ -333,10 +332,8 @@ impl Walk<'_> {
 
     /// The layout of an image while it is used so.
     fn layout(&self, id: ImageId, usage: &Usage) -> vk::ImageLayout {
-        match &self.resources.images[usize::from(id.0)] {
-            ImageSlot::Own(_) => vk::ImageLayout::GENERAL,
-            ImageSlot::Host(_) => used(usage).layout,
-        }
+        let is_host = matches!(&self.resources.images[usize::from(id.0)], ImageSlot::Host(_));
+        layout(is_host, usage)
     }
 
     unsafe fn copy(&self, from: (BufferId, u64), to: (BufferId, u64), size: u64, pass: &Pass) -> Result<()> {
@@ -351,19 +348,6 @@ impl Walk<'_> {
         // SAFETY: the caller's.
         unsafe { self.host.device.cmd_copy_buffer(self.commands, source, target, &regions) };
         Ok(())
-    }
-
-    /// Brings an own image into the layout in which a copy is fastest, or `back`. A change of layout is a write, also where
-    /// the copy only reads: so it waits for all that read the image before, of which the derived barriers know nothing.
-    unsafe fn leave_general(&self, id: ImageId, usage: &Usage, back: bool) {
-        if let ImageSlot::Own(image) = &self.resources.images[usize::from(id.0)] {
-            let copied = used(usage);
-            let general = ImageState { layout: vk::ImageLayout::GENERAL, ..copied };
-            let used = ImageState { stage: vk::PipelineStageFlags2::ALL_COMMANDS, ..general };
-            let (from, to) = if back { (copied, general) } else { (used, copied) };
-            // SAFETY: the caller's.
-            unsafe { transition(self.host, self.commands, image.handle, vk::ImageAspectFlags::COLOR, from, to) };
-        }
     }
 
     unsafe fn transfer(&self, step: &Step, pass: &Pass) -> Result<()> {
@@ -398,13 +382,9 @@ impl Walk<'_> {
                         .src_subresource(layers)
                         .dst_subresource(layers)
                         .extent(vk::Extent3D { width, height, depth: 1 })];
-                    let source = (self.resources.image(from), vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
-                    let target = (self.resources.image(to), vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-                    self.leave_general(from, &Usage::COPY_SOURCE, false);
-                    self.leave_general(to, &Usage::COPY_TARGET, false);
+                    let source = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
+                    let target = (self.resources.image(to), self.layout(to, &Usage::COPY_TARGET));
                     device.cmd_copy_image(self.commands, source.0, source.1, target.0, target.1, &regions);
-                    self.leave_general(from, &Usage::COPY_SOURCE, true);
-                    self.leave_general(to, &Usage::COPY_TARGET, true);
                 }
                 Command::CopyDepth { from, to, extent: [width, height] } => {
                     let layers = vk::ImageSubresourceLayers {

@@ -21,9 +21,9 @@ pub enum BufferSlot {
 /// An image as the recorder sees it.
 #[derive(Debug)]
 pub enum ImageSlot {
-    /// Made by celfx; always in layout GENERAL once initialised.
+    /// Made by celfx; in layout GENERAL between frames, once initialised.
     Own(Image),
-    /// The host's, for the frame being recorded; `state_in` is the state in which the steps recorded so far leave it.
+    /// The host's, for the frame being recorded.
     Host(Option<HostImage>),
 }
 

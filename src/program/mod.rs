@@ -22,6 +22,7 @@ pub mod vignette;
 use std::sync::Arc;
 
 use crate::bench::Benchmark;
+use crate::effect::DeviceTraits;
 use crate::error::Result;
 use crate::io::shot::{self, Shot, ShotError, Table};
 use crate::plan::Pass;
@@ -41,7 +42,7 @@ pub(crate) struct EffectEntry {
     /// Looked at after each frame.
     pub(crate) watch: Option<Watch>,
     /// Its passes, in all ways that their kernels are specialised for.
-    pub(crate) variants: fn() -> Result<Vec<Vec<Pass>>>,
+    pub(crate) variants: fn(&DeviceTraits) -> Result<Vec<Vec<Pass>>>,
     /// Measures it.
     pub(crate) benchmark: Benchmark,
 }
@@ -72,8 +73,8 @@ pub fn benchmarks(name: Option<&str>) -> Vec<Benchmark> {
 ///
 /// # Errors
 /// None, for what effects are known to allow.
-pub fn variants() -> Result<Vec<Pass>> {
-    let passes = EFFECTS.iter().map(|effect| (effect.variants)()).collect::<Result<Vec<_>>>()?;
+pub fn variants(traits: &DeviceTraits) -> Result<Vec<Pass>> {
+    let passes = EFFECTS.iter().map(|effect| (effect.variants)(traits)).collect::<Result<Vec<_>>>()?;
     Ok(passes.into_iter().flatten().flatten().collect())
 }
 

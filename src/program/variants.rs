@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::effect::{DeviceLimits, Effort, Kind, describe};
+use crate::effect::{DeviceTraits, Effort, Kind, describe};
 use crate::error::Result;
 use crate::host::DepthFormat;
 use crate::plan::Pass;
@@ -10,8 +10,6 @@ use crate::plan::Pass;
 /// The size of the pictures: what kernels are made of does not depend on it.
 pub(super) const SIZE: [u32; 2] = [16, 16];
 pub(super) const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: false };
-/// The least that Vulkan promises of them.
-const LIMITS: DeviceLimits = DeviceLimits { storage_range: 128 << 20, image_side: 4096 };
 
 /// Each of `N` switches on or off, in all ways.
 pub(super) fn switches<const N: usize>() -> impl Iterator<Item = [bool; N]> {
@@ -19,6 +17,6 @@ pub(super) fn switches<const N: usize>() -> impl Iterator<Item = [bool; N]> {
 }
 
 /// The passes of an effect.
-pub(super) fn passes<K: Kind>(desc: &K::Desc, effort: Effort) -> Result<Vec<Pass>> {
-    Ok(describe(&mut K::new(desc, &LIMITS, effort)?, desc).passes)
+pub(super) fn passes<K: Kind>(desc: &K::Desc, traits: &DeviceTraits, effort: Effort) -> Result<Vec<Pass>> {
+    Ok(describe(&mut K::new(desc, traits, effort)?, desc).passes)
 }

@@ -2,13 +2,14 @@
 
 use ash::vk;
 
-use crate::effect::Inventory;
+use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::host::Memory;
 use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
+use crate::scan;
 use crate::shaders::smoke as glsl;
 use crate::shaders::smoke::blocks::{Control, Edge, History, Particle, Reach, Search, SmokeParams, Tone};
 use crate::shaders::smoke::constants::{
@@ -16,7 +17,7 @@ use crate::shaders::smoke::constants::{
 };
 use crate::smoke::desc::Desc;
 use crate::smoke::frame::Shape;
-use crate::smoke::limits::{LUMINANCE_ENTRIES, ROW_SUM_BYTES};
+use crate::smoke::limits::{ROW_SUM_BYTES, luminance_entries};
 use crate::smoke::search::{Pyramid, growth_rows};
 use crate::smoke::settings::Grow;
 
@@ -41,7 +42,11 @@ buffers! {
     FIELD_COLUMNS = "FieldColumns",
     SEARCHES = "Searches",
     CONTINUATIONS = "Continuations",
-    LIST_COUNTS = "ListCounts",
+    LIST_SUMS = "ListSums",
+    BIRTH_SUMS = "BirthSums",
+    CELL_SUMS = "CellSums",
+    TILE_SUMS = "TileSums",
+    ITEM_SUMS = "ItemSums",
     LIVE = "Live",
     VISIBLE = "Visible",
     CELLS = "Cells",
@@ -138,9 +143,9 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Computes it; fails where a buffer is larger than `limit` bytes, the largest range that a shader can bind.
-    pub fn new(desc: &Desc, limit: u64) -> Result<Layout> {
-        let settings = &desc.settings;
+    /// Computes it; fails where a buffer is larger than a shader can bind.
+    pub fn new(desc: &Desc, traits: &DeviceTraits) -> Result<Layout> {
+        let (settings, limit) = (&desc.settings, traits.storage_range);
         let tiles = desc.size.map(|side| side.div_ceil(TILE));
         let tile_count = u64::from(tiles[0]) * u64::from(tiles[1]);
         let spheres = u64::from(settings.particles) * (1 + u64::from(settings.fade));
@@ -168,15 +173,16 @@ impl Layout {
             light_cells: ((1_u64 << (2 * light_levels)) / 3) as u32,
             light_faces: faces,
             cells_across: cells_across as u32,
-            luminance_parts: if exact { (spheres as u32).div_ceil(LUMINANCE_ENTRIES).max(1) } else { 1 },
+            luminance_parts: if exact { (spheres as u32).div_ceil(luminance_entries(traits)).max(1) } else { 1 },
             search_parts: 0,
             sizes: Sizes::LEAST,
         };
         layout.size_particles(desc);
-        layout.size_volume(desc)?;
+        layout.size_volume(desc, traits)?;
         layout.size_pictures(desc);
         if exact {
             layout.set(CELLS, u64::from(layout.light_cells) * u64::from(faces) * u64::from(BUCKETS) * 4);
+            layout.set(CELL_SUMS, scan::sums_bytes(layout.size(CELLS)));
             layout.set(CASTERS, casters(cells_across));
         }
         layout.check(limit)?;
@@ -207,13 +213,13 @@ impl Layout {
         self.set(GROUPS, spheres * 4);
         self.set(QUADS, spheres * 16);
         self.set(SEARCHES, particles * size_of::<Search>() as u64);
-        self.set(LIST_COUNTS, spheres.div_ceil(u64::from(LIST_RUN)) * 8);
+        self.set(LIST_SUMS, spheres.div_ceil(u64::from(LIST_RUN) * lanes(&glsl::count::SHADER)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
         self.set(LUMINANCE_PARTS, u64::from(self.luminance_parts) * 16);
     }
 
-    fn size_volume(&mut self, desc: &Desc) -> Result<()> {
+    fn size_volume(&mut self, desc: &Desc, traits: &DeviceTraits) -> Result<()> {
         let shape = Shape { dimensions: desc.dimensions, ..Shape::default() };
         let [nx, ny, nz] = desc.dimensions.map(u64::from);
         let pyramid = Pyramid::new(desc.dimensions);
@@ -238,6 +244,7 @@ impl Layout {
         self.set(VELOCITY, if desc.velocity { shape.voxels() * 12 } else { 0 });
         self.set(OCCUPANCY, pyramid.words * 4);
         self.set(BIRTH_COUNTS, (words.div_ceil(u64::from(BIRTH_BLOCK)) + 1) * 4);
+        self.set(BIRTH_SUMS, scan::sums_bytes(self.size(BIRTH_COUNTS)));
         self.set(FIELD, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
         self.set(FIELD_COLUMNS, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
         // A walk of the pyramid also visits the inner nodes.
@@ -245,7 +252,7 @@ impl Layout {
             Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
             _ => pyramid.leaves().saturating_mul(4).div_ceil(3),
         };
-        self.search_parts = visits.div_ceil(pyramid.iterations()).max(1);
+        self.search_parts = visits.div_ceil(pyramid.iterations(traits)).max(1);
         self.set(CONTINUATIONS, u64::from(self.search_parts) * 16);
         Ok(())
     }
@@ -271,6 +278,8 @@ impl Layout {
         self.set(ROW_ITEMS, kept(filtered, items * 4));
         self.set(COLUMN_ITEMS, kept(filtered, items * 4));
         self.set(ROW_SLOTS, kept(filtered, items * 4));
+        self.set(TILE_SUMS, tiles.div_ceil(lanes(&glsl::occupied::SHADER)) * 4);
+        self.set(ITEM_SUMS, u64::from(self.batch_capacity).div_ceil(lanes(&glsl::items::SHADER)) * 8);
         self.set(ITEM_ARGUMENTS, u64::from(self.batches) * 32);
         self.set(WEIGHTS, u64::from(self.window_blocks * BLOCK + BLOCK) * 4);
         self.set(ROW_SUMS, kept(filtered, u64::from(self.batch_capacity) * u64::from(SLOT_PIXELS) * 8));
@@ -284,11 +293,11 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            DENSITY | VELOCITY | OCCUPANCY | BIRTH_COUNTS | FIELD | FIELD_COLUMNS | CONTINUATIONS => {
+            DENSITY | VELOCITY | OCCUPANCY | BIRTH_COUNTS | BIRTH_SUMS | FIELD | FIELD_COLUMNS | CONTINUATIONS => {
                 "use a smaller volume"
             }
-            PARTICLES | DYING | DYING_STEPS | SPHERES | VIEW_SPHERES | QUADS | GROUPS | SEARCHES | LIST_COUNTS
-            | LIVE | VISIBLE => "use fewer particles or less fade",
+            PARTICLES | DYING | DYING_STEPS | SPHERES | VIEW_SPHERES | QUADS | GROUPS | SEARCHES | LIST_SUMS | LIVE
+            | VISIBLE => "use fewer particles or less fade",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "render a smaller picture",
         };
@@ -366,8 +375,8 @@ mod tests {
             depth: None,
             edges: false,
         };
-        let limit = 1 << 27;
-        let layout = Layout::new(&desc, limit).expect("small");
+        let limit = DeviceTraits::LEAST.storage_range;
+        let layout = Layout::new(&desc, &DeviceTraits::LEAST).expect("small");
         for (id, name, advice) in [
             (DEPTH, "Depth", "render a smaller picture"),
             (PICTURE, "Picture", "render a smaller picture"),

@@ -24,7 +24,7 @@ pub use settings::Settings;
 
 use ash::vk;
 
-use crate::effect::{DeviceLimits, Effect, Effort, Kind};
+use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::resources::Resources;
 use crate::host::HostBuffer;
@@ -42,6 +42,7 @@ pub type Smoke = Effect<SmokeKind>;
 /// The parts that are the smoke's own.
 #[derive(Debug)]
 pub struct SmokeKind {
+    traits: DeviceTraits,
     layout: Layout,
     passes: Passes,
     tables: Tables,
@@ -58,6 +59,8 @@ pub struct State {
     frames: u32,
     /// Frames since particles or their radii could last have changed.
     quiet: u32,
+    /// Where the depth range of the frame before this one stands.
+    range_before: u32,
     /// A volume came in a hold: particles meet it when they move on.
     unmet: bool,
     shape: Shape,
@@ -72,13 +75,13 @@ impl Kind for SmokeKind {
     type Frame<'a> = Frame;
     type Recorded = State;
 
-    fn new(desc: &Desc, limits: &DeviceLimits, effort: Effort) -> Result<SmokeKind> {
+    fn new(desc: &Desc, traits: &DeviceTraits, effort: Effort) -> Result<SmokeKind> {
         desc.validate()?;
-        limits.check_sides(desc.size)?;
-        let layout = Layout::new(desc, limits.storage_range)?;
+        traits.check_sides(desc.size)?;
+        let layout = Layout::new(desc, traits)?;
         let tables = Tables::new(&desc.settings, &layout);
         let passes = Passes::new(desc, &layout, &tables, effort);
-        Ok(SmokeKind { layout, passes, tables, effort, state: State::default() })
+        Ok(SmokeKind { traits: *traits, layout, passes, tables, effort, state: State::default() })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -96,10 +99,11 @@ impl Kind for SmokeKind {
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, !self.state.begun)?;
         let (delta, state) = self.delta(desc, frame);
-        search::check(&desc.settings, &delta.shape, self.layout.search_parts)?;
-        let SmokeKind { layout, passes, tables, .. } = self;
-        let params = SmokeParams::new(desc, layout, frame, &delta.shape, state.frames);
-        Steps { plan, passes, desc, layout, delta: &delta }.fill(frame, &params, tables);
+        search::check(&desc.settings, &delta.shape, &self.traits, self.layout.search_parts)?;
+        let SmokeKind { layout, passes, tables, traits, .. } = self;
+        let mut params = SmokeParams::new(desc, layout, frame, &delta.shape, state.frames);
+        params.range_before = state.range_before;
+        Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, tables);
         Ok(state)
     }
 
@@ -129,6 +133,7 @@ impl SmokeKind {
         let new_volume = frame.volume.is_some();
         let mut state = self.state;
         state.begun = true;
+        state.range_before = 1 - self.state.range_before;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());
         let moving = desc.velocity || desc.settings.lifetime.is_some() || new_volume || state.unmet;

@@ -4,6 +4,7 @@ use ash::vk;
 
 use crate::effect::Effort;
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
+use crate::scan;
 use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
 use crate::smoke::layout::*;
@@ -25,7 +26,8 @@ passes! {
         .into_iter()
         .fold(Pass::transfer("smoke.clear"), Pass::fills);
     occupancy = Pass::compute("smoke.occupancy", &glsl::occupancy::SHADER);
-    births = Pass::compute("smoke.occupancy", &glsl::births::SHADER);
+    /// Where each block of births begins.
+    births: [PassId; 2] = scan::passes("smoke.occupancy", BIRTH_COUNTS, BIRTH_SUMS);
     pyramid = Pass::compute("smoke.pyramid", &glsl::pyramid::SHADER).times(MAX_LEVELS as usize);
     field: [PassId; 3] = [&glsl::field_rows::SHADER, &glsl::field_columns::SHADER, &glsl::field_slices::SHADER]
         .map(|shader| Pass::compute("smoke.field", shader));
@@ -36,11 +38,11 @@ passes! {
     grow_growth = Pass::compute("smoke.grow", &glsl::grow_growth::SHADER).times(layout.search_parts as usize);
     grow_reset = Pass::transfer("smoke.grow").fills(CONTINUATIONS);
     count = Pass::compute("smoke.list", &glsl::count::SHADER);
-    scan = Pass::compute("smoke.list", &glsl::scan::SHADER);
     listing = Pass::compute("smoke.list", &glsl::list::SHADER);
     shadow_reset = Pass::transfer("smoke.shadow").fills(CELLS);
     shadow_count = Pass::compute("smoke.shadow", &glsl::shadow_count::SHADER).specialise([across(layout)]);
-    shadow_scan = Pass::compute("smoke.shadow", &glsl::shadow_scan::SHADER);
+    /// Where each light-space list begins.
+    shadow_scan: [PassId; 2] = scan::passes("smoke.shadow", CELLS, CELL_SUMS);
     shadow_fill = Pass::compute("smoke.shadow", &glsl::shadow_fill::SHADER).specialise([across(layout)]);
     /// A pass a face; none without a shadow map.
     shadow_map: Vec<PassId> = shadow_maps(desc, layout);
@@ -49,10 +51,14 @@ passes! {
     quads = Pass::compute("smoke.occlusion", &glsl::quads::SHADER).specialise([u32::from(effort.skips())]);
     spheres = spheres(desc);
     tiles = Pass::compute("smoke.tiles", &glsl::tiles::SHADER);
-    occupied = Pass::compute("smoke.tiles", &glsl::occupied::SHADER);
+    /// Sums of blocks, and what follows from them.
+    occupied: [PassId; 2] = [&glsl::occupied_sum::SHADER, &glsl::occupied::SHADER]
+        .map(|shader| Pass::compute("smoke.tiles", shader));
     luminance = luminance(desc, layout);
     dilate = Pass::compute("smoke.tiles", &glsl::dilate::SHADER);
-    items = Pass::compute("smoke.tiles", &glsl::items::SHADER).times(layout.batches as usize);
+    /// As `occupied`.
+    items: [PassId; 2] = [&glsl::items_sum::SHADER, &glsl::items::SHADER]
+        .map(|shader| Pass::compute("smoke.tiles", shader).times(layout.batches as usize));
     rows = Pass::compute("smoke.rows", &glsl::rows::SHADER).times(layout.batches as usize);
     columns = Pass::compute("smoke.columns", &glsl::columns::SHADER).times(layout.batches as usize);
     outline = Pass::compute("smoke.outline", &glsl::outline::SHADER)

@@ -2,6 +2,7 @@
 
 use bytemuck::Zeroable;
 
+use crate::effect::DeviceTraits;
 use crate::error::{Error, Result};
 use crate::layout::{LOOP_BUDGET, MOST_GROUPS};
 use crate::shaders::smoke as glsl;
@@ -50,8 +51,8 @@ impl Pyramid {
 
     /// Iterations of the outer loop of a search that keep an invocation within the loop budget: each may look at all words
     /// of a row, to both sides.
-    pub fn iterations(&self) -> u32 {
-        (LOOP_BUDGET / (2 * self.row_words + 6)).max(1)
+    pub fn iterations(&self, traits: &DeviceTraits) -> u32 {
+        if traits.ends_loops { (LOOP_BUDGET / (2 * self.row_words + 6)).max(1) } else { u32::MAX }
     }
 }
 
@@ -74,42 +75,27 @@ pub fn growth_rows(shape: &Shape) -> u32 {
 }
 
 /// The way a radius is searched in a volume of this shape.
-pub fn chosen_grow(settings: &Settings, shape: &Shape) -> Grow {
+pub fn chosen_grow(settings: &Settings, shape: &Shape, traits: &DeviceTraits) -> Grow {
     let field_works = shape.is_cubic()
         && settings.radius == Radius::Box
         && shape.dimensions.iter().min() <= Some(&500)
         && field_fits(shape);
     match settings.grow {
         Grow::Chosen if !field_works => Grow::Pyramid,
-        Grow::Chosen => cheapest_grow(settings.particles, shape),
+        Grow::Chosen => cheapest_grow(settings.particles, shape, traits),
         other => other,
     }
 }
 
-/// By what each way costs beyond the occupancy bits, which all need, when the volume is new in every frame. Fitted to
-/// milliseconds on two cores under lavapipe (`celfx bench smoke --only grow`, a plume in a cube of `side` voxels):
-///
-/// | side, particles | growth | field | pyramid |
-/// |---|---|---|---|
-/// | 16, 500 | 0.24 | 0.36 | 0.37 |
-/// | 16, 10,000 | 1.5 | 1.1 | 2.5 |
-/// | 48, 500 | 0.65 | 1.06 | 0.94 |
-/// | 48, 2,000 | 1.5 | 1.16 | 1.48 |
-/// | 64, 2,000 | | 2.2 | 2.0 |
-/// | 64, 10,000 | | 2.8 | 7.2 |
-/// | 128, 2,000 | | 14.6 | 6.0 |
-/// | 128, 10,000 | | 15.4 | 14.9 |
-/// | 128, 50,000 | | 18.5 | 58 |
-/// | 256, 10,000 | | 120 | 47 |
-/// | 256, 50,000 | | 122 | 127 |
-fn cheapest_grow(particles: u32, shape: &Shape) -> Grow {
-    let (particles, voxels) = (f64::from(particles), shape.voxels() as f64);
-    let field = 0.2 + 5.2e-6 * voxels + 8e-5 * particles;
-    let pyramid = 0.1 + (1.6e-4 + 7.2e-6 * voxels.cbrt()) * particles;
+/// By what each way costs on the device, when the volume is new in every frame.
+fn cheapest_grow(particles: u32, shape: &Shape, traits: &DeviceTraits) -> Grow {
+    let pyramid = Pyramid::new(shape.dimensions);
     // The paper's loop costs the cube of the radius, so it is only for volumes where no radius is large.
-    let is_small =
-        shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= Pyramid::new(shape.dimensions).iterations();
-    let growth = if is_small { 2e-4 * particles } else { f64::INFINITY };
+    let is_small = shape.dimensions.iter().min() <= Some(&16) && growth_rows(shape) <= pyramid.iterations(traits);
+    let costs = &traits.tuning.grow;
+    let (particles, voxels) = (f64::from(particles), shape.voxels() as f64);
+    let growth = if is_small { costs.growth(particles) } else { f64::INFINITY };
+    let (field, pyramid) = (costs.field(particles, voxels), costs.pyramid(particles, voxels, pyramid.count));
     match () {
         _ if growth <= field.min(pyramid) => Grow::Growth,
         _ if field <= pyramid => Grow::Field,
@@ -118,8 +104,8 @@ fn cheapest_grow(particles: u32, shape: &Shape) -> Grow {
 }
 
 /// A search that was asked for by name must be able to serve this volume, in at most so many dispatches.
-pub fn check(settings: &Settings, shape: &Shape, parts: u32) -> Result<()> {
-    match chosen_grow(settings, shape) {
+pub fn check(settings: &Settings, shape: &Shape, traits: &DeviceTraits, parts: u32) -> Result<()> {
+    match chosen_grow(settings, shape, traits) {
         Grow::Field if !shape.is_cubic() => {
             Err(Error::setting("smoke.grow", "field", "needs cubic voxels; \"chosen\" or \"pyramid\" serve all"))
         }
@@ -129,7 +115,7 @@ pub fn check(settings: &Settings, shape: &Shape, parts: u32) -> Result<()> {
             "needs smaller slices (x, y); \"chosen\" or \"pyramid\" serve all",
         )),
         Grow::Growth => {
-            let iterations = Pyramid::new(shape.dimensions).iterations();
+            let iterations = Pyramid::new(shape.dimensions).iterations(traits);
             let needed = u64::from(growth_rows(shape).div_ceil(iterations));
             let limit = u64::from(parts);
             let advice = "its voxels are too flat for grow = \"growth\"; use \"chosen\"";
@@ -148,10 +134,10 @@ mod tests {
 
     fn chosen(dimensions: [u32; 3], voxel_size: [f32; 3], particles: u32) -> Grow {
         let settings = Settings { particles, ..Settings::default() };
-        chosen_grow(&settings, &Shape { dimensions, voxel_size, origin: [0.0; 3] })
+        chosen_grow(&settings, &Shape { dimensions, voxel_size, origin: [0.0; 3] }, &DeviceTraits::LAVAPIPE)
     }
 
-    /// The best of those measured, or one at most 1.2 times as slow.
+    /// The best of those measured on lavapipe (`Tuning::CPU`), or one at most 1.2 times as slow.
     #[test]
     fn the_cheapest_search_is_chosen() {
         for (side, particles, best) in [
@@ -170,13 +156,26 @@ mod tests {
         assert_eq!(chosen([15, 20, 15], [0.12; 3], 500), Grow::Growth, "the paper's volume");
     }
 
+    /// Counted work: three passes over all voxels are nothing to a GPU, and a walk of dependent reads is much.
+    #[test]
+    fn on_a_gpu_the_field_is_searched_unless_few_need_a_large_one() {
+        let chosen = |side, particles| {
+            let settings = Settings { particles, ..Settings::default() };
+            let shape = Shape { dimensions: [side; 3], voxel_size: [0.1; 3], origin: [0.0; 3] };
+            chosen_grow(&settings, &shape, &DeviceTraits::LEAST)
+        };
+        assert_eq!([16, 64, 128].map(|side| chosen(side, 10_000)), [Grow::Field; 3]);
+        assert_eq!(chosen(400, 500), Grow::Pyramid);
+        assert_eq!(chosen(400, 1_000_000), Grow::Field);
+    }
+
     #[test]
     fn only_searches_that_work_are_chosen() {
         assert_eq!(chosen([15, 20, 15], [0.1, 0.1, 0.25], 500), Grow::Pyramid, "not cubic");
         assert_eq!(chosen([501; 3], [0.1; 3], 1_000_000), Grow::Pyramid, "a field of bytes ends at 255");
         // Rows so long that the loop budget cuts the search: the buffers are not made for so many parts.
         let long = Shape { dimensions: [4096, 16, 16], voxel_size: [0.1; 3], origin: [0.0; 3] };
-        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).iterations());
+        assert!(growth_rows(&long) > Pyramid::new(long.dimensions).iterations(&DeviceTraits::LAVAPIPE));
         assert_ne!(chosen(long.dimensions, long.voxel_size, 10), Grow::Growth);
     }
 }

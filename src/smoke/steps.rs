@@ -1,14 +1,17 @@
 //! Which steps a frame takes, in which order, and why others are left out.
 
 use std::mem::offset_of;
+use std::ops::Range;
 
+use crate::effect::DeviceTraits;
 use crate::host::Background;
 use crate::plan::{Command, PassId, Plan};
+use crate::scan;
 use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
 use crate::smoke::frame::{Frame, Shape};
 use crate::smoke::layout::*;
-use crate::smoke::limits::LUMINANCE_ENTRIES;
+use crate::smoke::limits::luminance_entries;
 use crate::smoke::params::*;
 use crate::smoke::passes::Passes;
 use crate::smoke::search::{Pyramid, chosen_grow, growth_rows};
@@ -42,6 +45,8 @@ pub struct Steps<'a> {
     pub desc: &'a Desc,
     /// Sizes.
     pub layout: &'a Layout,
+    /// The traits of the device.
+    pub traits: &'a DeviceTraits,
     /// The relation of this frame to the ones before.
     pub delta: &'a FrameDelta,
 }
@@ -68,12 +73,34 @@ impl Steps<'_> {
         } else {
             self.plan.skip(self.passes.tables, "unchanged");
         }
+        self.clears(frame);
         self.volume();
         self.particles();
         match frame.target {
             Some(_) => self.picture(frame),
             None => self.skip_picture("no target: the frame only moves the particles on"),
         }
+    }
+
+    /// What kernels add to begins empty: all of it first, so that nothing waits for it later.
+    fn clears(&mut self, frame: &Frame) {
+        if self.delta.restart {
+            for buffer in [DYING, SPHERES, GROUPS] {
+                self.plan.step(self.passes.restart, Command::Fill { buffer, word: 0 });
+            }
+        }
+        if self.delta.still.is_none() && chosen_grow(&self.desc.settings, &self.delta.shape, self.traits) != Grow::Field
+        {
+            self.plan.step(self.passes.grow_reset, Command::Fill { buffer: CONTINUATIONS, word: 0 });
+        }
+        if frame.target.is_none() {
+            return;
+        }
+        if self.unshadowed().is_none() && self.desc.settings.is_exact() {
+            self.plan.step(self.passes.shadow_reset, Command::Fill { buffer: CELLS, word: 0 });
+        }
+        self.clear();
+        self.plan.step(self.passes.occlusion_reset, Command::Fill { buffer: OCCLUSION, word: f32::INFINITY.to_bits() });
     }
 
     fn skip_particles(&mut self, reason: &'static str) {
@@ -120,51 +147,54 @@ impl Steps<'_> {
         }
         let pyramid = Pyramid::new(shape.dimensions);
         let words = pyramid.row_words * shape.dimensions[1] * shape.dimensions[2];
-        let blocks = words.div_ceil(BIRTH_BLOCK);
+        let births = 4 * u64::from(words.div_ceil(BIRTH_BLOCK) + 1).next_multiple_of(4);
         self.plan.step(self.passes.occupancy, Command::Dispatch { threads: [words, 1, 1] });
-        self.plan.step_with(
-            self.passes.births,
-            Command::Dispatch { threads: glsl::births::SHADER.local_size },
-            &BirthsConstants { blocks },
-        );
-        match chosen_grow(&self.desc.settings, shape) {
+        // Beside what the searches need, of which each step waits for the one before.
+        let [sums, add] = self.passes.births;
+        scan::step(self.plan, sums, births);
+        let grow = chosen_grow(&self.desc.settings, shape, self.traits);
+        self.search_structure(grow, &pyramid, 0..1);
+        scan::step(self.plan, add, births);
+        self.search_structure(grow, &pyramid, 1..usize::MAX);
+    }
+
+    /// Some of the steps that make what radii are searched in.
+    fn search_structure(&mut self, grow: Grow, pyramid: &Pyramid, range: Range<usize>) {
+        let is_first = range.start == 0;
+        match grow {
             Grow::Field => {
-                let [nx, ny, nz] = shape.dimensions;
-                for pass in self.passes.field {
-                    self.plan.step(pass, Command::Dispatch { threads: [nx.div_ceil(FIELD_VOXELS) * ny, nz, 1] });
+                let [nx, ny, nz] = self.delta.shape.dimensions;
+                let threads = [nx.div_ceil(FIELD_VOXELS) * ny, nz, 1];
+                let passes = self.passes.field.into_iter().skip(range.start).take(range.len());
+                passes.for_each(|pass| self.plan.step(pass, Command::Dispatch { threads }));
+                if is_first {
+                    self.plan.skip(self.passes.pyramid, "the field is searched");
                 }
-                self.plan.skip(self.passes.pyramid, "the field is searched");
             }
             Grow::Pyramid => {
-                for level in 1..pyramid.count {
-                    let PyramidLevel { rows_y, rows_z, .. } = pyramid.levels[level as usize];
-                    let threads = [pyramid.row_words * rows_y * rows_z, 1, 1];
-                    self.plan.step_with(
-                        self.passes.pyramid,
-                        Command::Dispatch { threads },
-                        &PyramidConstants { level },
-                    );
+                let levels = (0..pyramid.count).zip(&pyramid.levels).skip(1 + range.start).take(range.len());
+                for (level, PyramidLevel { rows_y, rows_z, .. }) in levels {
+                    let command = Command::Dispatch { threads: [pyramid.row_words * rows_y * rows_z, 1, 1] };
+                    self.plan.step_with(self.passes.pyramid, command, &PyramidConstants { level });
                 }
-                self.plan.skip(self.passes.field[0], "the pyramid is searched");
+                if is_first {
+                    self.plan.skip(self.passes.field[0], "the pyramid is searched");
+                }
             }
-            _ => self.plan.skip(self.passes.field[0], "voxels are searched one by one"),
+            _ if is_first => self.plan.skip(self.passes.field[0], "voxels are searched one by one"),
+            _ => {}
         }
     }
 
     fn particles(&mut self) {
         let threads = [self.desc.settings.particles, 1, 1];
-        if self.delta.restart {
-            for buffer in [DYING, SPHERES, GROUPS] {
-                self.plan.step(self.passes.restart, Command::Fill { buffer, word: 0 });
-            }
-        }
         if let Some(reason) = self.delta.still {
             self.plan.skip(self.passes.advect, reason);
             self.plan.skip(self.passes.grow_reset, reason);
         } else {
             self.plan.step(self.passes.advect, Command::Dispatch { threads });
             let pyramid = Pyramid::new(self.delta.shape.dimensions);
-            match chosen_grow(&self.desc.settings, &self.delta.shape) {
+            match chosen_grow(&self.desc.settings, &self.delta.shape, self.traits) {
                 Grow::Field => self.plan.step(self.passes.grow_field, Command::Dispatch { threads }),
                 Grow::Growth => {
                     self.search(self.passes.grow_growth, &pyramid, growth_rows(&self.delta.shape));
@@ -174,18 +204,16 @@ impl Steps<'_> {
         }
         let spheres = [self.layout.spheres.div_ceil(LIST_RUN), 1, 1];
         self.plan.step(self.passes.count, Command::Dispatch { threads: spheres });
-        self.plan.step(self.passes.scan, Command::Dispatch { threads: glsl::scan::SHADER.local_size });
         self.plan.step(self.passes.listing, Command::Dispatch { threads: spheres });
     }
 
     /// A search in as many dispatches as the loop budget may ask for; all but the first are empty unless needed.
     fn search(&mut self, pass: PassId, pyramid: &Pyramid, last: u32) {
-        let iterations = pyramid.iterations();
+        let iterations = pyramid.iterations(self.traits);
         // A walk of the pyramid also visits the inner nodes.
         let visits = if pass == self.passes.grow_pyramid { last.saturating_mul(4).div_ceil(3) } else { last };
         let parts = visits.div_ceil(iterations).max(1);
         let is_ball = u32::from(self.desc.settings.radius == Radius::Ball);
-        self.plan.step(self.passes.grow_reset, Command::Fill { buffer: CONTINUATIONS, word: 0 });
         for part in 0..parts {
             let constants = SearchConstants { part, iterations, is_ball, last };
             let command = match part {
@@ -198,25 +226,15 @@ impl Steps<'_> {
 
     fn picture(&mut self, frame: &Frame) {
         let settings = &self.desc.settings;
-        self.shadow();
-        self.clear();
-        self.occlusion();
-        self.plan.step(self.passes.spheres, draw(offset_of!(Control, draw)));
-        let [x, y, _] = glsl::tiles::SHADER.local_size;
-        let threads = [self.layout.tiles[0] * x, self.layout.tiles[1] * y, 1];
-        self.plan.step(self.passes.tiles, Command::Dispatch { threads });
-        let parts = OccupiedConstants { parts: self.layout.luminance_parts, part_entries: LUMINANCE_ENTRIES };
-        self.plan.step_with(
-            self.passes.occupied,
-            Command::Dispatch { threads: glsl::occupied::SHADER.local_size },
-            &parts,
-        );
+        self.shadow_and_spheres();
+        self.tiles();
+        let entries = luminance_entries(self.traits);
         for part in 0..self.layout.luminance_parts {
             let command = Command::DispatchIndirect { arguments: LUMINANCE_PARTS, offset: 16 * u64::from(part) };
             match settings.shadow {
                 Shadow::None => self.plan.step(self.passes.luminance, command),
                 Shadow::Exact => {
-                    let constants = LuminanceConstants { part, entries: LUMINANCE_ENTRIES };
+                    let constants = LuminanceConstants { part, entries };
                     self.plan.step_with(self.passes.luminance, command, &constants);
                 }
                 Shadow::Map => {
@@ -224,12 +242,12 @@ impl Steps<'_> {
                 }
             }
         }
-        self.gaussian();
         let tiles = dispatch(offset_of!(Control, tile_groups));
         match settings.outline.is_on() {
             true => self.plan.step(self.passes.outline, tiles),
             false => self.plan.skip(self.passes.outline, "strength is 0"),
         }
+        self.gaussian();
         self.plan.step(self.passes.tone, tiles);
         let tiles = draw(offset_of!(Control, tile_draw));
         match &frame.depth {
@@ -252,14 +270,6 @@ impl Steps<'_> {
         }
     }
 
-    /// Quads no larger than what can be seen of their spheres.
-    fn occlusion(&mut self) {
-        let live = dispatch(offset_of!(Control, live_groups));
-        self.plan.step(self.passes.occlusion_reset, Command::Fill { buffer: OCCLUSION, word: f32::INFINITY.to_bits() });
-        self.plan.step(self.passes.occluders, live);
-        self.plan.step(self.passes.quads, live);
-    }
-
     /// Clears images where reads beyond occupied tiles must find them empty; layers are whole images.
     fn clear(&mut self) {
         self.plan.step(self.passes.clear, Command::Fill { buffer: PIXELS, word: 0 });
@@ -275,28 +285,83 @@ impl Steps<'_> {
         }
     }
 
-    fn shadow(&mut self) {
-        let settings = &self.desc.settings;
-        let reason = match settings.casts_shadows() {
+    /// Why no shadow is made, if none is.
+    fn unshadowed(&self) -> Option<&'static str> {
+        match self.desc.settings.casts_shadows() {
             true => self.delta.same_shadow,
             false => Some("shadow is \"none\""),
-        };
-        if let Some(reason) = reason {
-            self.plan.skip(self.passes.shadow_reset, reason);
-            return;
         }
+    }
+
+    /// What the light sees and what the camera sees, step by step beside each other: neither waits for the other. Quads are
+    /// no larger than what can be seen of their spheres.
+    fn shadow_and_spheres(&mut self) {
         let live = dispatch(offset_of!(Control, live_groups));
-        if settings.is_exact() {
-            self.plan.step(self.passes.shadow_reset, Command::Fill { buffer: CELLS, word: 0 });
+        let spheres = draw(offset_of!(Control, draw));
+        let [x, y, _] = glsl::tiles::SHADER.local_size;
+        let tiles = Command::Dispatch { threads: [self.layout.tiles[0] * x, self.layout.tiles[1] * y, 1] };
+        let unshadowed = self.unshadowed();
+        if let Some(reason) = unshadowed {
+            self.plan.skip(self.passes.shadow_reset, reason);
+        }
+        let is_exact = unshadowed.is_none() && self.desc.settings.is_exact();
+        let [sums, add] = self.passes.shadow_scan;
+        let cells = self.layout.size(CELLS);
+        if is_exact {
             self.plan.step(self.passes.shadow_count, live);
-            self.plan
-                .step(self.passes.shadow_scan, Command::Dispatch { threads: glsl::shadow_scan::SHADER.local_size });
+        }
+        self.plan.step(self.passes.occluders, live);
+        if is_exact {
+            scan::step(self.plan, sums, cells);
+        }
+        self.plan.step(self.passes.quads, live);
+        if is_exact {
+            scan::step(self.plan, add, cells);
+        }
+        if unshadowed.is_none() {
+            self.shadow_maps();
+        }
+        self.plan.step(self.passes.spheres, spheres);
+        if is_exact {
             self.plan.step(self.passes.shadow_fill, live);
         }
+        self.plan.step(self.passes.tiles, tiles);
+    }
+
+    fn shadow_maps(&mut self) {
         for (face, pass) in self.passes.shadow_map.iter().enumerate() {
-            let constants = ShadowConstants { face: face as u32, texels: settings.shadow_map as f32 };
+            let constants = ShadowConstants { face: face as u32, texels: self.desc.settings.shadow_map as f32 };
             self.plan.step_with(*pass, draw(offset_of!(Control, light_draw)), &constants);
         }
+    }
+
+    /// Which tiles are worked on, and with which of their groups.
+    fn tiles(&mut self) {
+        let tiles = self.layout.tiles[0] * self.layout.tiles[1];
+        let (parts, part_entries) = (self.layout.luminance_parts, luminance_entries(self.traits));
+        let cells = if parts > 1 { self.layout.light_cells * self.layout.light_faces } else { 0 };
+        let threads = Command::Dispatch { threads: [tiles, 1, 1] };
+        let [sums, occupied] = self.passes.occupied;
+        self.plan.step_with(sums, threads, &OccupiedSumConstants { cells });
+        let is_filtered = self.desc.settings.is_filtered();
+        if is_filtered {
+            let blocks = tiles * TILE_BLOCKS * TILE_BLOCKS;
+            self.plan.step(self.passes.dilate, Command::Dispatch { threads: [blocks, 1, 1] });
+            self.items(0, 0);
+        }
+        self.plan.step_with(occupied, threads, &OccupiedConstants { parts, part_entries });
+        if is_filtered {
+            self.items(0, 1);
+        }
+    }
+
+    /// Half of the list of what the Gaussian works on in a batch of groups.
+    fn items(&mut self, batch: u32, half: usize) {
+        let first_group = 1 + batch * self.layout.batch_groups;
+        let group_count = self.layout.batch_groups.min(self.desc.settings.group_count() + 1 - first_group);
+        let constants = ItemsConstants { batch, first_group, group_count, capacity: self.layout.batch_capacity };
+        let threads = [self.layout.tiles[0] * self.layout.tiles[1] * group_count, 1, 1];
+        self.plan.step_with(self.passes.items[half], Command::Dispatch { threads }, &constants);
     }
 
     fn gaussian(&mut self) {
@@ -305,19 +370,13 @@ impl Steps<'_> {
             self.plan.skip(self.passes.columns, "sigma is 0");
             return;
         }
-        let blocks = self.layout.tiles[0] * self.layout.tiles[1] * TILE_BLOCKS * TILE_BLOCKS;
-        self.plan.step(self.passes.dilate, Command::Dispatch { threads: [blocks, 1, 1] });
         for batch in 0..self.layout.batches {
+            if batch > 0 {
+                self.items(batch, 0);
+                self.items(batch, 1);
+            }
             let first_group = 1 + batch * self.layout.batch_groups;
-            let group_count = self.layout.batch_groups.min(self.desc.settings.group_count() + 1 - first_group);
-            let capacity = self.layout.batch_capacity;
-            let items = ItemsConstants { batch, first_group, group_count, capacity };
-            self.plan.step_with(
-                self.passes.items,
-                Command::Dispatch { threads: glsl::items::SHADER.local_size },
-                &items,
-            );
-            let constants = GaussianConstants { base: batch * capacity, first_group };
+            let constants = GaussianConstants { base: batch * self.layout.batch_capacity, first_group };
             for (pass, argument) in [(self.passes.rows, 2 * batch), (self.passes.columns, 2 * batch + 1)] {
                 let offset = 16 * u64::from(argument);
                 let command = Command::DispatchIndirect { arguments: ITEM_ARGUMENTS, offset };

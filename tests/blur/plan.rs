@@ -6,20 +6,18 @@ use celfx::blur::{
     Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
     TopologyInput, Trajectories, View,
 };
-use celfx::effect::Effort;
-use celfx::effect::Inventory;
+use celfx::effect::{DeviceTraits, Effort, Inventory};
 use celfx::error::Error;
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::low_level::blur::layout::{self, Layout};
 use celfx::low_level::blur::passes::Passes;
 use celfx::low_level::blur::steps::Steps;
 use celfx::low_level::plan::{Command, PassId, Plan};
-use celfx::low_level::shaders::blur as shaders;
 use celfx::low_level::shaders::blur::constants::BLOCK;
 use celfx::low_level::smoke::limits::LOOP_BUDGET;
 use celfx::view::{Camera, Light, LightSource};
 
-const RANGE: u64 = 128 << 20;
+const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
 const VIEW: View = View {
     frame: 1,
     camera: Camera {
@@ -121,15 +119,15 @@ struct Effect {
 
 impl Effect {
     fn new(desc: Desc) -> Effect {
-        let layout = Layout::new(&desc, RANGE).expect("a layout");
-        let passes = Passes::new(&desc);
+        let layout = Layout::new(&desc, &TRAITS).expect("a layout");
+        let passes = Passes::new(&desc, &TRAITS);
         Effect { layout, plan: Plan::for_passes(&passes.list), passes, desc }
     }
 
     fn fill(&mut self, frame: &Frame) {
         let Effect { desc, layout, passes, plan } = self;
         plan.clear();
-        Steps { plan, passes, desc, layout, effort: Effort::Needed, drawn: &[None; 4] }.fill(frame);
+        Steps { plan, passes, desc, layout, traits: &TRAITS, effort: Effort::Needed, drawn: &[None; 4] }.fill(frame);
     }
 
     fn skipped(&self) -> Vec<(&'static str, &'static str)> {
@@ -157,17 +155,22 @@ fn the_steps_of_a_frame_in_order() {
         "blur.poses",
         "blur.params",
         "blur.interval",
+        "blur.tiles",
+        "blur.params",
+        "blur.learn",
+        "blur.trajectory",
+        "blur.tiles",
+        "blur.params",
         "blur.trajectory",
         "blur.extent",
         "blur.seams",
         "blur.extent",
         "blur.refine",
+        "blur.frames",
         "blur.visibility",
         "blur.distort",
         "blur.layers",
-        "blur.frames",
         "blur.tiles",
-        "blur.params",
         "blur.cover",
         "blur.normals",
         "blur.learn",
@@ -218,11 +221,9 @@ fn frames_without_images_are_drawn() {
     (frame.images, frame.toon) = (None, Some(TOON));
     effect.fill(&frame);
     let names = effect.names();
-    let expected =
-        ["blur.mesh", "blur.poses", "blur.params", "blur.interval", "blur.trajectory", "blur.normals", "blur.toon"];
-    assert!(names.starts_with(&expected), "{names:?}");
     let place = |name: &str| names.iter().rposition(|other| *other == name);
-    assert!(place("blur.toon") < place("blur.background") && place("blur.background") < place("blur.frames"));
+    let order = ["blur.mesh", "blur.normals", "blur.toon", "blur.background", "blur.frames", "blur.shade"];
+    assert!(order.is_sorted_by_key(|name| place(name)) && place(order[0]).is_some(), "{names:?}");
     let count = |effect: &Effect, command: fn(&Command) -> bool| {
         effect.plan.steps.iter().filter(|step| command(&step.command)).count()
     };
@@ -268,17 +269,17 @@ fn poses_go_around() {
 fn sizes_follow_from_counts_and_the_device() {
     let settings = Settings { strength: 3.0, ..Settings::default() };
     let desc = desc(settings);
-    let layout = Layout::new(&desc, RANGE).expect("a layout");
+    let layout = Layout::new(&desc, &TRAITS).expect("a layout");
     assert_eq!(desc.segments, 3);
     // Pieces of three segments, 192 bytes a vertex, are what the range has least room for.
-    assert_eq!(u64::from(layout.vertices), RANGE / 192);
+    assert_eq!(u64::from(layout.vertices), TRAITS.storage_range / 192);
     assert_eq!(layout.triangles - desc.triangles, layout.vertices - desc.points);
     assert_eq!(layout.size(layout::POSES), 26 * 12_000);
-    assert!(layout.size(layout::SPLINES) <= RANGE);
+    assert!(layout.size(layout::SPLINES) <= TRAITS.storage_range);
     let small = Desc { most_triangles: 5000, ..desc.clone() };
-    let layout = Layout::new(&small, RANGE).expect("a layout");
+    let layout = Layout::new(&small, &TRAITS).expect("a layout");
     assert_eq!((layout.triangles, layout.vertices), (5000, 1000 + 3100));
-    let memory = Blur::memory(&small, RANGE).expect("a size");
+    let memory = Blur::memory(&small, &TRAITS).expect("a size");
     let buffers: u64 = layout.buffers().iter().map(|buffer| buffer.size).sum();
     let pixels: u64 = layout.images(&small).iter().map(|i| u64::from(i.extent[0] * i.extent[1])).sum();
     assert!(memory.total() >= buffers + 4 * pixels && memory.history >= 26 * 12_000);
@@ -287,12 +288,14 @@ fn sizes_follow_from_counts_and_the_device() {
 #[test]
 fn loops_stay_within_their_budget() {
     // What edges look at of hulls: `extent::new_vertices_have_the_extents_of_brute_force` has as much as there may be.
-    // The scan: lanes walk twice over their blocks of the most triangles that there can be, and over each other.
-    let layout =
-        Layout::new(&Desc { most_triangles: 60_000_000, ..desc(Settings::default()) }, u64::MAX).expect("a layout");
-    let [lanes, ..] = shaders::scan::SHADER.local_size;
-    let blocks = layout.triangles.div_ceil(BLOCK).div_ceil(lanes);
-    assert!(2 * blocks + lanes <= LOOP_BUDGET);
+    // A prefix sum: lanes share the blocks of the most triangles that there can be, and then add each other up, three times.
+    let layout = Layout::new(
+        &Desc { most_triangles: 60_000_000, ..desc(Settings::default()) },
+        &DeviceTraits { storage_range: u64::MAX, ..TRAITS },
+    )
+    .expect("a layout");
+    let blocks = layout.triangles.div_ceil(BLOCK).div_ceil(BLOCK);
+    assert!(blocks + 3 * BLOCK.ilog2() <= LOOP_BUDGET);
     // Around a pixel, in both frames: the widest skirt that there may be.
     let settings = Settings { skirt: 16.0, ..Settings::default() };
     let reach = 2 * settings.skirt as u32 + 1;
@@ -302,7 +305,7 @@ fn loops_stay_within_their_budget() {
 
 #[test]
 fn what_does_not_fit_is_refused_by_name() {
-    let refused = |desc: Desc| Blur::memory(&desc, RANGE).expect_err("refused").to_string();
+    let refused = |desc: Desc| Blur::memory(&desc, &TRAITS).expect_err("refused").to_string();
     let base = || desc(Settings::default());
     assert!(refused(Desc { points: 0, ..base() }).contains("points"));
     assert!(refused(Desc { most_triangles: 10, ..base() }).contains("triangles"));
@@ -315,9 +318,10 @@ fn what_does_not_fit_is_refused_by_name() {
     );
     let poses = refused(Desc { frames_resident: 1 << 20, ..base() });
     assert!(poses.contains("Poses") && poses.contains("keep fewer frames"), "{poses}");
-    let Err(Error::Limit { what, .. }) =
-        Blur::memory(&Desc { points: 5_000_000, frames_resident: 4, ..base() }, u64::MAX)
-    else {
+    let Err(Error::Limit { what, .. }) = Blur::memory(
+        &Desc { points: 5_000_000, frames_resident: 4, ..base() },
+        &DeviceTraits { storage_range: u64::MAX, ..TRAITS },
+    ) else {
         panic!("too many points");
     };
     assert_eq!(what, "blur's points");

@@ -3,7 +3,7 @@
 
 use ash::vk;
 use celfx::data::Volume;
-use celfx::effect::{Effort, Inventory};
+use celfx::effect::{DeviceTraits, Effort, Inventory};
 use celfx::error::Result;
 use celfx::host::{HostImage, ImageState};
 use celfx::low_level::gpu::image::Image;
@@ -26,7 +26,7 @@ use super::host::{self, ALL, ALL_WRITTEN};
 use super::{TestDevice, device};
 
 /// Lavapipe's largest range of a storage buffer, the smallest of the devices that tests run on.
-pub const RANGE: u64 = 128 << 20;
+pub const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
 
 /// How the effect leaves its images, for whatever comes.
 const GENERAL: ImageState = ImageState {
@@ -66,7 +66,7 @@ impl Bench {
     /// None where there is no device and tests may do without.
     pub fn new(desc: Desc) -> Option<Bench> {
         let mut device = device()?;
-        let layout = Layout::new(&desc, RANGE).expect("a layout");
+        let layout = Layout::new(&desc, &TRAITS).expect("a layout");
         let passes = Passes::new(&desc, &layout, &Tables::new(&desc.settings, &layout), Effort::Needed);
         let mut resources = Resources::default();
         let (host, kernels, allocator) = device.making();
@@ -157,11 +157,12 @@ impl Bench {
         };
         let shape = Shape { dimensions, voxel_size, origin };
         let delta = FrameDelta { shape, restart, new_volume: true, first: true, still: None, same_shadow: None };
-        let params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);
+        let mut params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);
+        params.range_before = given.frames % 2;
         let tables = Tables::new(&self.desc.settings, &self.layout);
         let Bench { plan, passes, desc, layout, .. } = self;
         plan.clear();
-        Steps { plan, passes, desc, layout, delta: &delta }.fill(&frame, &params, &tables);
+        Steps { plan, passes, desc, layout, traits: &TRAITS, delta: &delta }.fill(&frame, &params, &tables);
         let list = &self.passes.list;
         self.plan.steps.retain(|step| !given.omit.contains(&list[usize::from(step.pass.0)].name));
         self.resources.set_host_buffer(layout::HOST_DENSITY, Some(density));
@@ -183,7 +184,7 @@ impl Bench {
             let mut commands = commands;
             let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
             // SAFETY: everything was made for these passes, and what the plan names has been handed over.
-            unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }
+            unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }.map(drop)
         })
     }
 }

@@ -1,7 +1,7 @@
 //! The flame effect under validation, and everything that it makes read back.
 
 use celfx::data::Particles;
-use celfx::effect::Effort;
+use celfx::effect::{DeviceTraits, Effort};
 use celfx::flame::FlameKind;
 use celfx::flame::{Desc, Settings};
 use celfx::low_level::flame::layout;
@@ -70,6 +70,13 @@ impl FlameRig {
 
     pub fn with_effort(desc: Desc, effort: Effort) -> Option<FlameRig> {
         let offline = device()?.offline(desc.clone(), effort).expect("the effect can be made");
+        Some(FlameRig { offline, desc, particles: 0 })
+    }
+
+    /// Fitted to what `change` makes of the device's traits.
+    pub fn fitted(desc: Desc, change: impl FnOnce(&mut DeviceTraits)) -> Option<FlameRig> {
+        let device = device()?.fitted(change);
+        let offline = device.offline(desc.clone(), Effort::Needed).expect("the effect can be made");
         Some(FlameRig { offline, desc, particles: 0 })
     }
 

@@ -20,7 +20,7 @@ use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 
-use celfx::effect::Effort;
+use celfx::effect::{DeviceTraits, Effort};
 use celfx::error::Result;
 use celfx::low_level::gpu::headless::{Headless, Messages, Options};
 use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
@@ -109,6 +109,14 @@ impl TestDevice {
         Ok(TestOffline { offline: Some(offline), device: self })
     }
 
+    /// Effects on it are fitted to what this makes of its traits.
+    pub fn fitted(mut self, change: impl FnOnce(&mut DeviceTraits)) -> TestDevice {
+        let mut traits = self.traits();
+        change(&mut traits);
+        self.fit(Some(traits));
+        self
+    }
+
     /// Destroys the device and hands over what validation said, without failing.
     pub fn into_messages(mut self) -> Vec<String> {
         drop(self.headless.take());
@@ -123,13 +131,14 @@ impl TestDevice {
 
 impl Drop for TestDevice {
     fn drop(&mut self) {
-        let Some(headless) = self.headless.take() else { return };
+        let Some(mut headless) = self.headless.take() else { return };
         let is_sound = !std::thread::panicking() && self.said().is_empty() && !headless.is_stuck();
         if !self.is_lent || !is_sound {
             // What is said about its end counts, too.
             drop(headless);
             return;
         }
+        headless.fit(None);
         assert_eq!(headless.allocated(), 0, "bytes are left in memory");
         static ENDS: Once = Once::new();
         // SAFETY: the function may be called at the process's end: it uses nothing that is gone then.

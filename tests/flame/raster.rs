@@ -1,6 +1,7 @@
 //! The paper's way, by render passes, against the tiles: the same winners.
 
 use celfx::data::Particles;
+use celfx::effect::DeviceTraits;
 use celfx::flame::settings::{Method, Sampling, Shape};
 use celfx::flame::{Desc, SceneFormat, Settings};
 use celfx::offline::Scene;
@@ -97,10 +98,11 @@ fn limits_are_named() {
     use celfx::flame::Flame;
     let refused = |settings: Settings, particles: u32, what: &str| {
         let settings = Settings { method: Method::Raster, ..settings };
-        let text = Flame::memory(&desc(SIZE, particles, settings), 128 << 20).expect_err(what).to_string();
+        let text =
+            Flame::memory(&desc(SIZE, particles, settings), &DeviceTraits::LAVAPIPE).expect_err(what).to_string();
         assert!(text.contains(what), "{text}");
     };
     refused(Settings { repetitions: 4097, ..base() }, 10, "repetitions");
     refused(Settings { adaptive: 0.1, ..base() }, 10, "adaptive");
-    refused(Settings { count: 20_000.0, ..base() }, 5000, "sprites");
+    refused(Settings { count: 20_000.0, ..base() }, 5000, "SpriteList");
 }

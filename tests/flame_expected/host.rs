@@ -258,7 +258,7 @@ fn memory_is_what_is_allocated_and_all_of_it_is_given_back() {
     ] {
         let (before, ..) = given_out(&mut device);
         let desc = Desc { layers, ..effect([150, 110], settings) };
-        let memory = Flame::memory(&desc, u64::MAX).expect("it fits").total();
+        let memory = Flame::memory(&desc, &device.traits()).expect("it fits").total();
         let mut flame = make(&mut device, desc);
         let (_, count, bytes) = given_out(&mut device);
         assert!(count > 20, "{count} allocations");

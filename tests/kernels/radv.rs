@@ -21,9 +21,7 @@ const CHIPS: [(&str, f64); 3] = [("GFX1100", 8.0), ("NAVI21", 8.0), ("VEGA10", 3
 const CHIP: &str = "RADV_FORCE_FAMILY";
 
 /// Kernels that may do what others may not, and why.
-const EXCEPTIONS: [(&str, &str); 4] = [
-    ("flame/accumulate.comp", "holds a column of eight pixels, as drivers of CPUs want it"),
-    ("flame/expected.comp", "holds a column of eight pixels, as drivers of CPUs want it"),
+const EXCEPTIONS: [(&str, &str); 2] = [
     ("blur/trajectory.comp", "solves for a whole spline in an array: one invocation a vertex, little of a frame"),
     ("blur/light.comp", "has a matrix in shared memory: few of its many workgroups run at a time"),
 ];
@@ -112,7 +110,7 @@ fn costs_on_a_chip() {
     // It ends with the process.
     let options = Options { costs: true, ..Options::default() };
     let device = ManuallyDrop::new(Headless::new(&options).expect("a device that only compiles"));
-    let mut passes = celfx::program::variants().expect("allowed settings");
+    let mut passes = celfx::program::variants(&device.traits()).expect("allowed settings");
     passes.push(Pass::compute("vignette.planted", &shaders::vignette::planted::SHADER));
     for pass in &passes {
         // SAFETY: valid handles, of one device.

@@ -2,7 +2,7 @@
 
 use ash::vk;
 use celfx::data::Volume;
-use celfx::effect::{DeviceLimits, Effort, Kernels, Kind, describe};
+use celfx::effect::{Effort, Kernels, Kind, describe};
 use celfx::error::Error;
 use celfx::host::{Host, HostBuffer, HostImage};
 use celfx::low_level::gpu::buffer::Buffer;
@@ -140,9 +140,7 @@ fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<
 #[test]
 fn threads_share_pipelines() {
     let Some(device) = device() else { return };
-    // SAFETY: valid handles.
-    let limits = unsafe { DeviceLimits::of(&device.host()) };
-    let mut kind = SmokeKind::new(&effect(), &limits, Effort::Needed).expect("an effect");
+    let mut kind = SmokeKind::new(&effect(), &device.traits(), Effort::Needed).expect("an effect");
     let passes = describe(&mut kind, &effect()).passes;
     let (host, mut shared, mut alone) = (device.host(), Kernels::new(), Kernels::new());
     // SAFETY: valid handles, of one device; nothing is submitted.

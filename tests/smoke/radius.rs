@@ -9,7 +9,7 @@ use celfx::smoke::settings::{Grow, Radius};
 use celfx::smoke::{Settings, Shape};
 use celfx::view::{Camera, Light};
 
-use crate::common::bench::{Bench, Given};
+use crate::common::bench::{Bench, Given, TRAITS};
 use crate::common::scenes::{desc, grid, random, volume};
 
 /// Particles of a frame.
@@ -30,7 +30,7 @@ fn serves(bench: &Bench, volume: &Volume) -> bool {
     match bench.desc.settings.grow {
         Grow::Field => shape.is_cubic(),
         Grow::Growth => {
-            growth_rows(&shape).div_ceil(Pyramid::new(dimensions).iterations()) <= bench.layout.search_parts
+            growth_rows(&shape).div_ceil(Pyramid::new(dimensions).iterations(&TRAITS)) <= bench.layout.search_parts
         }
         _ => true,
     }

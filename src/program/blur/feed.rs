@@ -7,7 +7,7 @@ use crate::blur::{
     Trajectories,
 };
 use crate::error::{Error, Result};
-use crate::gpu::capabilities::{DeviceLimits, own_memory};
+use crate::gpu::capabilities::{DeviceTraits, own_memory};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::Image;
 use crate::gpu::transfer::{COPIED_FROM, Upload, at_least_a_row};
@@ -32,7 +32,8 @@ impl Describe for Desc {
 
     fn fitted(self, host: &Host) -> Desc {
         // SAFETY: the host's handles are those of its own device.
-        let (limit, memory) = unsafe { (DeviceLimits::of(host).storage_range, own_memory(host)) };
+        let (limit, memory) =
+            unsafe { (DeviceTraits::of(host.instance, host.physical_device).storage_range, own_memory(host)) };
         Desc { frames_resident: resident(self.frames_resident, self.points, memory, limit), ..self }
     }
 }

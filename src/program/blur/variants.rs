@@ -2,21 +2,22 @@
 
 use crate::blur::settings::{Completion, Refine, Space};
 use crate::blur::{BlurKind, Desc, Settings};
-use crate::effect::Effort;
+use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
 use crate::program::variants::{DEPTH, SIZE, passes, switches};
 use crate::toon::Operator;
 
-pub(super) fn variants() -> Result<Vec<Vec<Pass>>> {
+pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
     let completions = [Completion::Surface, Completion::Gradient, Completion::None];
-    switches().flat_map(|switches| completions.map(|completion| variant(switches, completion))).collect()
+    switches().flat_map(|switches| completions.map(|completion| variant(switches, completion, traits))).collect()
 }
 
 fn variant(
     [screen, by_length, layers, depth, second, plain, many]: [bool; 7],
     completion: Completion,
+    traits: &DeviceTraits,
 ) -> Result<Vec<Pass>> {
     let mut settings = Settings { completion, ..Settings::default() };
     settings.space = if screen { Space::Screen } else { Space::Homogeneous };
@@ -43,5 +44,5 @@ fn variant(
         settings,
         layers,
     };
-    passes::<BlurKind>(&desc, Effort::Needed)
+    passes::<BlurKind>(&desc, traits, Effort::Needed)
 }

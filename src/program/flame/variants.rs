@@ -1,6 +1,6 @@
 //! The flame in all ways that its kernels are specialised for.
 
-use crate::effect::Effort;
+use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
 use crate::flame::settings::{Colour, Mode, Sampling, Shape};
 use crate::flame::{Desc, FlameKind, SceneFormat, Settings};
@@ -8,12 +8,16 @@ use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
 use crate::program::variants::{SIZE, passes, switches};
 
-pub(super) fn variants() -> Result<Vec<Vec<Pass>>> {
+pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
     let colours = || [Colour::Physical, Colour::Displayable, Colour::Ramp(vec![[1.0; 3]; 2])];
-    switches().flat_map(|switches| colours().map(|colour| variant(switches, colour))).collect()
+    switches().flat_map(|switches| colours().map(|colour| variant(switches, colour, traits))).collect()
 }
 
-fn variant([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: Colour) -> Result<Vec<Pass>> {
+fn variant(
+    [expected, cube, sobol, flicker, scene, layers]: [bool; 6],
+    colour: Colour,
+    traits: &DeviceTraits,
+) -> Result<Vec<Pass>> {
     let settings = Settings {
         mode: if expected { Mode::Expected } else { Mode::Stochastic },
         shape: if cube { Shape::Cube } else { Shape::Ball },
@@ -33,5 +37,5 @@ fn variant([expected, cube, sobol, flicker, scene, layers]: [bool; 6], colour: C
         settings,
         layers,
     };
-    passes::<FlameKind>(&desc, Effort::Needed)
+    passes::<FlameKind>(&desc, traits, Effort::Needed)
 }

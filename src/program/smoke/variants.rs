@@ -1,6 +1,6 @@
 //! The smoke in all ways that its kernels are specialised for.
 
-use crate::effect::Effort;
+use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
@@ -9,12 +9,16 @@ use crate::smoke::settings::{Integrator, Shadow};
 use crate::smoke::{Desc, Settings, SmokeKind};
 use crate::toon::Operator;
 
-pub(super) fn variants() -> Result<Vec<Vec<Pass>>> {
+pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
     let shadows = [Shadow::Exact, Shadow::Map, Shadow::None];
-    switches().flat_map(|switches| shadows.map(|shadow| variant(switches, shadow))).collect()
+    switches().flat_map(|switches| shadows.map(|shadow| variant(switches, shadow, traits))).collect()
 }
 
-fn variant([rk2, second, layers, thorough, depth, flat, plain]: [bool; 7], shadow: Shadow) -> Result<Vec<Pass>> {
+fn variant(
+    [rk2, second, layers, thorough, depth, flat, plain]: [bool; 7],
+    shadow: Shadow,
+    traits: &DeviceTraits,
+) -> Result<Vec<Pass>> {
     let mut settings = Settings { shadow, ..Settings::default() };
     settings.integrator = if rk2 { Integrator::Rk2 } else { Integrator::Euler };
     settings.outline.operator = if second { Operator::Second } else { Operator::Roberts };
@@ -33,5 +37,5 @@ fn variant([rk2, second, layers, thorough, depth, flat, plain]: [bool; 7], shado
         depth: depth.then_some(DEPTH),
         edges: depth,
     };
-    passes::<SmokeKind>(&desc, if thorough { Effort::Everything } else { Effort::Needed })
+    passes::<SmokeKind>(&desc, traits, if thorough { Effort::Everything } else { Effort::Needed })
 }

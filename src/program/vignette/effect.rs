@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::effect::{DeviceLimits, Effect, Effort, Inventory, Kind};
+use crate::effect::{DeviceTraits, Effect, Effort, Inventory, Kind};
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
@@ -73,12 +73,12 @@ impl Kind for VignetteKind {
     type Frame<'a> = HostImage;
     type Recorded = ();
 
-    fn new(desc: &Desc, limits: &DeviceLimits, _: Effort) -> Result<VignetteKind> {
-        limits.check_sides(desc.size)?;
+    fn new(desc: &Desc, traits: &DeviceTraits, _: Effort) -> Result<VignetteKind> {
+        traits.check_sides(desc.size)?;
         let mut sizes = Sizes::LEAST;
         sizes.set(PARAMS, size_of::<VignetteParams>() as u64);
         sizes.set(DARKNESS, 4 * u64::from(desc.size[0]) * u64::from(desc.size[1]));
-        sizes.check(limits.storage_range, &NAMES, |_| "use a smaller picture")?;
+        sizes.check(traits.storage_range, &NAMES, |_| "use a smaller picture")?;
         Ok(VignetteKind { layout: Layout(sizes), passes: Passes::new(desc) })
     }
 

@@ -11,7 +11,7 @@ use super::layers::{LayerData, LayerEntry};
 use super::variants::{SIZE, passes};
 use super::{Brought, EffectEntry, Files, Input, InputError, Opened, add};
 use crate::bench::Benchmark;
-use crate::effect::Effort;
+use crate::effect::{DeviceTraits, Effort};
 use crate::error::Error;
 use crate::host::HostImage;
 use crate::io::ReadError;
@@ -65,10 +65,10 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     Ok(Arc::new(settings))
 }
 
-fn variants() -> Result<Vec<Vec<Pass>>, Error> {
+fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>, Error> {
     let Settings { strength, radius } = Settings::default();
     let desc = Desc { size: SIZE, target_format: TARGET_FORMAT, strength, radius };
-    Ok(vec![passes::<VignetteKind>(&desc, Effort::Needed)?])
+    Ok(vec![passes::<VignetteKind>(&desc, traits, Effort::Needed)?])
 }
 
 /// Input of its frames: nothing but the shot.

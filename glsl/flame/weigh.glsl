@@ -1,12 +1,5 @@
-// Each particle's class of the kernel table: the one of the nearest threshold, weighed by how much more or less of the mask passes the
+// The class of a particle in the kernel table: the one of the nearest threshold, weighed by how much more or less of the mask passes the
 // particle's own.
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "params.glsl"
-layout(local_size_x = 64) in;
-layout(std430, binding = 1) buffer Particles { Particle particles[]; };
-layout(std430, binding = 3) buffer ControlBuffer { Control control; };
-layout(binding = 2, r32f) uniform readonly image2D levels;
 #include "kernel.glsl"
 #include "pass_count.glsl"
 
@@ -18,11 +11,7 @@ float passing(float threshold) {
     return float(count);
 }
 
-void main() {
-    uint row = gl_GlobalInvocationID.x;
-    if (row >= params.particle_count || particles[row].count == 0u) {
-        return;
-    }
+void weigh(uint row) {
     float alpha = particles[row].colour.a;
     // Without alpha all of the mask passes, or nothing.
     float threshold = alpha > 0.0 ? params.threshold / alpha : params.threshold > 0.0 ? 2.0 : 0.0;
