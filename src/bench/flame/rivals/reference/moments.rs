@@ -183,7 +183,8 @@ mod tests {
                 }
             }
             let fogs = coloured(&[(0.15, 0.9), (0.7, 0.5)]);
-            let weights = [0.9 * 0.1_f64.powf(0.25), 0.5 * 0.1 * 0.5_f64.powf(0.25)];
+            let own = |opacity: f64| (1.0 - opacity).powf(OVERESTIMATION.into());
+            let weights = [0.9 * own(0.9), 0.5 * 0.1 * own(0.5)];
             let expected = 0.95 * DVec3::new(weights[0], weights[1], 0.0) / (weights[0] + weights[1]);
             assert!((blended(&fogs, RANGE, count) - expected).abs().max_element() < 1e-5);
         }
