@@ -1,6 +1,6 @@
 // Wavelet transparency (Aizenshtein, Smal and McGuire 2022): the absorbance before a depth, a sum of steps, in Haar wavelets of rank 3, in single
-// precision. They hold its mean in each of 16 bins, between which it is interpolated. No particle is in the last bin, so that the total is exact;
-// a particle does not see itself.
+// precision. They hold its mean in each of 16 bins. As in the implementation by Osorio (2024, osor.io/OIT) means are interpolated, no particle is in
+// the last bin, so that the total is exact, and a particle does not see itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
