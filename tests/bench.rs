@@ -110,8 +110,12 @@ fn fire_by_repetitions_by_its_limit_and_by_blending() {
 
     let expected = rows("flame", "expected 32/thin", &folder);
     assert!(error(&expected[0]) < 0.5 * error(&repetitions[1]), "{}", expected[0]);
-    for row in rows("flame", "ed/thin", &folder) {
-        assert!((error(&expected[0])..1.0).contains(&error(&row)), "blending is biased: {row}");
+    let blended = ["ed/thin", "mboit 4/thin", "mboit 6/thin", "wavelet 3/thin"];
+    let blended: Vec<_> = blended.iter().flat_map(|only| rows("flame", only, &folder)).collect();
+    let names: Vec<&str> = blended.iter().filter_map(|row| row["variant"].as_str()).collect();
+    assert_eq!(names, ["sorted", "weighted", "mboit 4", "mboit 6", "wavelet 3"]);
+    for row in &blended {
+        assert!((error(&expected[0])..1.0).contains(&error(row)), "blending is biased: {row}");
     }
     let frame = rows("flame", "frame/R=10/paper", &folder);
     assert_eq!((frame.len(), &frame[0]["pass"]), (1, &"frame".into()));

@@ -63,12 +63,24 @@ void note(uint row, uint index) {
     }
 }
 
+// Notes the tile's particles, each as its row.
+void note_rows() {
+    clear_present();
+    for (uint level = 0u; level < params.cell_level_count; ++level) {
+        uvec2 list = list_range(own_tile(), level);
+        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += TILE_PIXELS) {
+            note(entries[at], entries[at]);
+        }
+    }
+    barrier();
+}
+
 float far_at(ivec2 place, int class_index) {
     return far_table[place.x + int(KERNEL_PLACES) * (place.y + int(KERNEL_PLACES) * class_index)];
 }
 
-// Colour of a particle at a pixel's ray, and its opacity there.
-vec4 fog(uint row, vec2 ray) {
+// -ln(1 - opacity) of a particle at a pixel's ray.
+float absorbance(uint row, vec2 ray) {
     vec3 view = from_eye(vec3(particles[row].view, particles[row].depth));
     int class_index = int(particles[row].class_index);
     float reach = kernel_reach();
@@ -81,6 +93,10 @@ vec4 fog(uint row, vec2 ray) {
     vec2 f = place - vec2(low);
     float above = mix(far_at(low, class_index), far_at(low + ivec2(1, 0), class_index), f.x);
     float below = mix(far_at(low + ivec2(0, 1), class_index), far_at(low + ivec2(1, 1), class_index), f.x);
-    float h = inside ? -particles[row].weight * mix(above, below, f.y) : 0.0;
-    return vec4(particles[row].colour.rgb, opacity(h));
+    return inside ? -particles[row].weight * mix(above, below, f.y) : 0.0;
+}
+
+// Colour of a particle at a pixel's ray, and its opacity there.
+vec4 fog(uint row, vec2 ray) {
+    return vec4(particles[row].colour.rgb, opacity(absorbance(row, ray)));
 }

@@ -6,14 +6,7 @@
 #include "bench_blend.glsl"
 
 void main() {
-    clear_present();
-    for (uint level = 0u; level < params.cell_level_count; ++level) {
-        uvec2 list = list_range(own_tile(), level);
-        for (uint at = list.x + gl_LocalInvocationID.x; at < list.y; at += TILE_PIXELS) {
-            note(entries[at], entries[at]);
-        }
-    }
-    barrier();
+    note_rows();
     Pixel pixel = own_pixel();
     vec2 range = depth_range();
     vec4 sum = vec4(0.0);

@@ -96,8 +96,13 @@ fn method(variant: &str) -> (&str, Option<String>) {
     match variant.rsplit_once(' ') {
         Some((method, amount)) if amount.starts_with("R=") => (method, Some(amount.to_owned())),
         Some((method, amount)) if amount.chars().all(|c| c.is_ascii_digit() || c == '.') => {
-            let unit = if method == "expected" { "bins" } else { "px" };
-            (method, Some(format!("{amount} {unit}")))
+            let label = match method {
+                "expected" => format!("{amount} bins"),
+                "mboit" => format!("{amount} moments"),
+                "wavelet" => format!("rank {amount}"),
+                _ => format!("{amount} px"),
+            };
+            (method, Some(label))
         }
         _ => (variant, None),
     }
@@ -317,6 +322,8 @@ mod tests {
     fn methods_are_series_where_passes_compare_them() {
         assert_eq!(method("tiles sobol R=16"), ("tiles sobol", Some("R=16".into())));
         assert_eq!(method("expected 8"), ("expected", Some("8 bins".into())));
+        assert_eq!(method("mboit 6"), ("mboit", Some("6 moments".into())));
+        assert_eq!(method("wavelet 3"), ("wavelet", Some("rank 3".into())));
         assert_eq!(method("error 0.5"), ("error", Some("0.5 px".into())));
         assert_eq!(method("sorted"), ("sorted", None));
         let report = sample();

@@ -1,9 +1,9 @@
 //! Pass `accumulate`: from lists of particles to mean colours. The paper's render passes, the same repetitions tile by
-//! tile, their limit by integration, and two ways to blend instead. All start from what a frame has prepared: particles,
+//! tile, their limit by integration, and ways to blend instead. All start from what a frame has prepared: particles,
 //! and where it is used lists and the table, which lasts as long as settings do. `sorted` holds the sorting.
 
 use super::EFFECT;
-use super::rivals::Rivals;
+use super::rivals::{Rival, Rivals};
 use super::scene::{self, Scene, Workload};
 use super::truth::Truth;
 use crate::bench::measure::interleaved;
@@ -16,7 +16,7 @@ use crate::flame::settings::{Method, Mode, Sampling};
 use crate::plan::Plan;
 
 const PASS: &str = "accumulate";
-const VARIANTS: [(&str, Variant); 23] = [
+const VARIANTS: [(&str, Variant); 26] = [
     ("raster R=1", Variant::Raster(1)),
     ("raster R=4", Variant::Raster(4)),
     ("raster R=16", Variant::Raster(16)),
@@ -38,8 +38,11 @@ const VARIANTS: [(&str, Variant); 23] = [
     ("expected 16", Variant::Expected(16)),
     ("expected 32", Variant::Expected(32)),
     ("expected 64", Variant::Expected(64)),
-    ("sorted", Variant::Sorted),
-    ("weighted", Variant::Weighted),
+    ("sorted", Variant::Rival(Rival::Sorted)),
+    ("weighted", Variant::Rival(Rival::Weighted)),
+    ("mboit 4", Variant::Rival(Rival::Moments4)),
+    ("mboit 6", Variant::Rival(Rival::Moments6)),
+    ("wavelet 3", Variant::Rival(Rival::Wavelets)),
 ];
 const WORKLOADS: [Workload; 3] = [scene::PAPER, scene::THIN, scene::THICK];
 
@@ -51,8 +54,7 @@ enum Variant {
     Sobol(u32),
     /// Depth bins.
     Expected(u32),
-    Sorted,
-    Weighted,
+    Rival(Rival),
 }
 
 impl Variant {
@@ -63,7 +65,7 @@ impl Variant {
             Variant::Tiles(repetitions) => Settings { repetitions, ..settings },
             Variant::Sobol(repetitions) => Settings { sampling: Sampling::ShuffledSobol, repetitions, ..settings },
             Variant::Expected(bins) => Settings { mode: Mode::Expected, bins, ..settings },
-            Variant::Sorted | Variant::Weighted => Settings { mode: Mode::Expected, ..settings },
+            Variant::Rival(_) => Settings { mode: Mode::Expected, ..settings },
         }
     }
 
@@ -137,7 +139,7 @@ fn prepare(
     variant: Variant,
     rivals: &mut Option<Rivals>,
 ) -> Result<(Run, Vec<[f32; 4]>)> {
-    if let Variant::Sorted | Variant::Weighted = variant {
+    if let Variant::Rival(rival) = variant {
         let rivals = match rivals {
             Some(rivals) => rivals,
             None => {
@@ -145,7 +147,7 @@ fn prepare(
                 rivals.insert(Rivals::new(rig, effect, scene)?)
             }
         };
-        let plan = rivals.plan(scene, variant == Variant::Sorted);
+        let plan = rivals.plan(scene, rival);
         rig.run(rivals.kernels(), &plan)?;
         let mean = rivals.mean(rig)?;
         return Ok((Run::Kernels(rivals.kernels(), plan), mean));
@@ -170,7 +172,7 @@ mod tests {
         documented.extend(runs("tiles", &[1, 4, 16, 20, 64, 256, 1024]));
         documented.extend(runs("tiles sobol", &[4, 16, 20, 64, 256, 1024]));
         documented.extend([8, 16, 32, 64].map(|bins| format!("expected {bins}")));
-        documented.extend(["sorted", "weighted"].map(String::from));
+        documented.extend(["sorted", "weighted", "mboit 4", "mboit 6", "wavelet 3"].map(String::from));
         assert_eq!(VARIANTS.map(|(name, _)| name.to_owned()).to_vec(), documented);
         assert_eq!(WORKLOADS.map(|workload| workload.name), ["paper", "thin", "thick"]);
         for workload in &WORKLOADS {

@@ -1,5 +1,5 @@
-//! Ways to blend fire without repetitions: each particle as fog at the depth of its centre, sorted, or weighed
-//! and not sorted. Colours, counts, chances to pass and lists are those of an effect in the `expected` mode.
+//! Ways to blend fire without repetitions: each particle as fog at the depth of its centre, sorted, or
+//! weighed by depth or by a function of transmittance over depth, and not sorted. Colours, counts, chances to pass and lists are those of an effect in the `expected` mode.
 
 use std::mem::offset_of;
 
@@ -13,6 +13,11 @@ use crate::shaders::flame as glsl;
 
 use super::scene::Scene;
 
+#[cfg(test)]
+mod reference;
+#[cfg(test)]
+mod tests;
+
 const FAR_TABLE: BufferId = BufferId(BUFFERS);
 const RANKS: BufferId = BufferId(BUFFERS + 1);
 const ORDER: BufferId = BufferId(BUFFERS + 2);
@@ -22,8 +27,39 @@ const FAR: PassId = PassId(0);
 const RANK: PassId = PassId(1);
 const SORTED: PassId = PassId(2);
 const WEIGHTED: PassId = PassId(3);
+const MOMENTS_4: PassId = PassId(4);
+const MOMENTS_6: PassId = PassId(5);
+const WAVELETS: PassId = PassId(6);
 
-/// The two of them, on an effect's lists.
+/// A way to blend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Rival {
+    /// In the order of depth.
+    Sorted,
+    /// McGuire and Bavoil 2013.
+    Weighted,
+    /// Münstermann et al. 2018, with 4 power moments.
+    Moments4,
+    /// And with 6.
+    Moments6,
+    /// Aizenshtein et al. 2022, of rank 3.
+    Wavelets,
+}
+
+impl Rival {
+    /// The pass over tiles.
+    fn pass(self) -> PassId {
+        match self {
+            Rival::Sorted => SORTED,
+            Rival::Weighted => WEIGHTED,
+            Rival::Moments4 => MOMENTS_4,
+            Rival::Moments6 => MOMENTS_6,
+            Rival::Wavelets => WAVELETS,
+        }
+    }
+}
+
+/// All of them, on an effect's lists.
 #[derive(Clone, Copy)]
 pub(super) struct Rivals {
     kernels: KernelsId,
@@ -54,14 +90,14 @@ impl Rivals {
     }
 
     /// The steps of one of them.
-    pub(super) fn plan(&self, scene: &Scene, sorted: bool) -> Plan {
+    pub(super) fn plan(&self, scene: &Scene, rival: Rival) -> Plan {
         let mut plan = Plan::default();
-        if sorted {
+        if rival == Rival::Sorted {
             plan.step(RANK, Command::Dispatch { threads: [scene.particles.position.len() as u32, 1, 1] });
         }
         let offset = offset_of!(Control, tile_groups) as u64;
         let tiles = Command::DispatchIndirect { arguments: CONTROL, offset };
-        plan.step(if sorted { SORTED } else { WEIGHTED }, tiles);
+        plan.step(rival.pass(), tiles);
         plan
     }
 
@@ -87,133 +123,8 @@ fn passes() -> Vec<Pass> {
         bind("bench.sorted", &glsl::bench_rank::SHADER),
         bind("bench.sorted", &glsl::bench_sorted::SHADER),
         bind("bench.weighted", &glsl::bench_weighted::SHADER),
+        bind("bench.moments", &glsl::bench_moments_4::SHADER),
+        bind("bench.moments", &glsl::bench_moments_6::SHADER),
+        bind("bench.wavelets", &glsl::bench_wavelets::SHADER),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use glam::{DVec2, DVec3};
-
-    use super::*;
-    use crate::bench::measure::Deviation;
-    use crate::flame::Settings;
-    use crate::flame::reference::kernel::Body;
-    use crate::flame::reference::mask::Mask;
-    use crate::flame::reference::prepare::{mask_level, prepare};
-    use crate::flame::reference::weights::Weights;
-    use crate::flame::settings::{Mode, Shape};
-    use crate::gpu::headless::{Headless, Options};
-
-    /// A particle as fog at one pixel.
-    struct Fog {
-        depth: f64,
-        colour: DVec3,
-        opacity: f64,
-    }
-
-    /// The fog at a pixel, in f64 and without a table.
-    fn fogs(scene: &super::Scene, at: [usize; 2]) -> Vec<Fog> {
-        let Scene { settings, camera, size, particles, .. } = scene;
-        let rows = particles.position.iter().zip(&particles.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
-        let prepared = prepare(settings, 3000.0, 0, camera, &rows.collect::<Vec<_>>(), particles.id.as_deref());
-        let mask = Mask::new(0, settings.variants);
-        let level = mask_level(settings, camera, *size, prepared.nearest);
-        let half = camera.half_extent(*size);
-        let ray = |axis: usize, side: u32| (2.0 * at[axis] as f64 + 1.0) / f64::from(side) - 1.0;
-        let slope = half * DVec2::new(ray(0, size[0]), -ray(1, size[1]));
-        let rotation = camera.rotation();
-        let fog = |p: &crate::flame::reference::prepare::Particle| {
-            let centre = rotation * (DVec3::from_array(p.centre.map(f64::from)) - camera.eye);
-            let body = |weights| Body {
-                weights,
-                fill: 1.0,
-                half: 0.5 * f64::from(settings.sprite()),
-                spread: f64::from(settings.spread.unwrap_or_default()),
-                shape: Shape::Ball,
-                rotation,
-            };
-            let beside = centre.z * slope - centre.truncate();
-            let none = Weights::from_values(vec![], 1);
-            if !body(&none).touches(beside, DVec2::ZERO) {
-                return None;
-            }
-            let weights = Weights::new(&mask, level, p.alpha, settings.threshold.into(), 64);
-            let mut share = [0.0];
-            let always = [f64::NEG_INFINITY, f64::INFINITY];
-            body(&weights).shares(beside, DVec2::ZERO, always, &[1e3], &mut share);
-            let opacity = 1.0 - (1.0 - share[0]).powi(p.count as i32);
-            Some(Fog { depth: centre.z, colour: DVec3::from_array(p.colour), opacity })
-        };
-        let mut fogs: Vec<Fog> = prepared.particles.iter().filter_map(fog).collect();
-        fogs.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-        fogs
-    }
-
-    fn sorted(fogs: &[Fog]) -> DVec3 {
-        let step = |(mean, left): (DVec3, f64), fog: &Fog| {
-            (mean + left * fog.opacity * fog.colour, left * (1.0 - fog.opacity))
-        };
-        fogs.iter().fold((DVec3::ZERO, 1.0), step).0
-    }
-
-    /// `range`: depths that anything can have.
-    fn weighted(fogs: &[Fog], range: [f64; 2]) -> DVec3 {
-        let weight = |fog: &Fog| {
-            let depth = (fog.depth - range[0]) / (range[1] - range[0]);
-            fog.opacity * fog.opacity * (3e3 * (1.0 - depth).powi(3)).max(1e-2)
-        };
-        let sum: f64 = fogs.iter().map(weight).sum();
-        let colour: DVec3 = fogs.iter().map(|fog| weight(fog) * fog.colour).sum();
-        let left: f64 = fogs.iter().map(|fog| 1.0 - fog.opacity).product();
-        if sum > 0.0 { (1.0 - left) * colour / sum } else { DVec3::ZERO }
-    }
-
-    #[test]
-    fn both_are_what_their_definitions_say() -> std::result::Result<(), Box<dyn std::error::Error>> {
-        let options = Options { validate: true, device: std::env::var("CELFX_DEVICE").ok(), ..Options::default() };
-        let headless = match Headless::new(&options) {
-            Ok(headless) => headless,
-            Err(error) if std::env::var_os("CELFX_REQUIRE_VULKAN").is_some() => return Err(error.into()),
-            Err(_) => return Ok(()),
-        };
-        let mut rig = Rig::new(headless)?;
-        let messages = rig.messages();
-        let scene = Scene::new(&crate::bench::flame::scene::THICK, true);
-        let settings = Settings { mode: Mode::Expected, ..scene.settings.clone() };
-        let effect = scene.render(&mut rig, settings)?;
-        let rivals = Rivals::new(&mut rig, effect, &scene)?;
-        let mut found = Vec::new();
-        for is_sorted in [true, false] {
-            rig.run(rivals.kernels(), &rivals.plan(&scene, is_sorted))?;
-            found.push(rivals.mean(&mut rig)?);
-        }
-        let spread = f64::from(scene.settings.spread.unwrap_or_default());
-        let rotation = scene.camera.rotation();
-        let depths = scene
-            .particles
-            .position
-            .iter()
-            .map(|position| (rotation * (DVec3::from_array(position.map(f64::from)) - scene.camera.eye)).z);
-        let range = depths.fold([f64::MAX, f64::MIN], |[a, b], z| [a.min(z - spread), b.max(z + spread)]);
-        let mut differences = [Vec::new(), Vec::new()];
-        for y in (3..scene.size[1] as usize).step_by(9) {
-            for x in (5..scene.size[0] as usize).step_by(9) {
-                let fogs = fogs(&scene, [x, y]);
-                let place = y * scene.size[0] as usize + x;
-                for (rival, expected) in [sorted(&fogs), weighted(&fogs, range)].into_iter().enumerate() {
-                    let [r, g, b, _] = found[rival][place].map(f64::from);
-                    differences[rival].push((DVec3::new(r, g, b) - expected).abs().max_element());
-                }
-            }
-        }
-        for differences in differences {
-            // Of the table: its classes and places.
-            let deviation = Deviation::of(differences).ok_or("no pixels")?;
-            assert!(deviation.rms < 5e-3 && deviation.max < 5e-2, "{deviation:?}");
-        }
-        drop(rig);
-        let messages = messages.lock().map_err(|_| "a message")?;
-        assert!(messages.is_empty(), "{messages:?}");
-        Ok(())
-    }
 }
