@@ -304,6 +304,8 @@ impl Writer {
         let overflows = self.emit_of(code, op::U_LESS_THAN, boolean, &[after, before]);
         let carry = self.emit(code, op::SELECT, &[overflows, one, zero]);
         self.emit(code, op::ATOMIC_ADD, &[high, one, zero, carry]);
+        // It may be the end of one of several functions.
+        put(code, op::STORE, &[own, zero]);
     }
 
     /// The module with these functions.
