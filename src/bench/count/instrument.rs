@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::module::{
     ARRAY_STRIDE, BINDING, BLOCK, DEPTH_REPLACING, DESCRIPTOR_SET, EARLY_FRAGMENT_TESTS, FRAGMENT, HEADER, Module,
-    OFFSET, PRIVATE, Place, SPEC_ID, STORAGE_BUFFER, Stride, instructions, op,
+    OFFSET, PRIVATE, Place, SPEC_ID, STORAGE_BUFFER, Stride, instructions, instructions_of, op,
 };
 
 /// The binding of the counts, beyond those of shaders. Its words are a sum of 64 bits, an [`Entry`] for each resource, and
@@ -33,7 +33,7 @@ const READ: u32 = 0;
 const WRITTEN: u32 = 1;
 const STRIDES: u32 = 2;
 
-/// The instrumented module.
+/// The instrumented module. What the optimiser leaves of a shader is one function.
 pub(super) fn instrument(words: &[u32]) -> Vec<u32> {
     let mut module = Module::of(words);
     let Some(bound) = words.get(3) else { return words.to_vec() };
@@ -59,7 +59,11 @@ pub(super) fn instrument(words: &[u32]) -> Vec<u32> {
 fn note_type(module: &mut Module, opcode: u32, instruction: &[u32]) {
     let has_no_result = matches!(
         opcode,
-        op::FUNCTION..=op::FUNCTION_END | op::STORE | op::IMAGE_WRITE | op::ATOMIC_STORE | 246..=op::UNREACHABLE
+        op::FUNCTION..=op::FUNCTION_END
+            | op::STORE
+            | op::IMAGE_WRITE
+            | op::ATOMIC_STORE
+            | op::LOOP_MERGE..=op::UNREACHABLE
     );
     if let ([_, of, id, ..], false) = (instruction, has_no_result) {
         module.type_of.entry(*id).or_insert(*of);
@@ -109,6 +113,12 @@ fn operations(module: &Module, opcode: u32, w: &[u32]) -> u32 {
 
 /// Writes the code that counts, and the declarations that it needs.
 struct Writer {
+    /// Loads of words of entries, which the first block begins with: binding and word.
+    entries: BTreeMap<(u32, u32), u32>,
+    /// Where these come in the code.
+    begin: Option<usize>,
+    /// The block that a block ends as.
+    ends: HashMap<u32, u32>,
     next: u32,
     unsigned: u32,
     boolean: u32,
@@ -137,7 +147,8 @@ impl Writer {
         let (pointer, counts, own) = (id(), id(), id());
         let had = [module.unsigned.is_some(), module.boolean.is_some()];
         let (constants, specialised) = (BTreeMap::new(), BTreeMap::new());
-        Writer { next, unsigned, boolean, pointer, counts, own, constants, specialised, had }
+        let (entries, ends, begin) = (BTreeMap::new(), HashMap::new(), None);
+        Writer { entries, begin, ends, next, unsigned, boolean, pointer, counts, own, constants, specialised, had }
     }
 
     fn id(&mut self) -> u32 {
@@ -181,6 +192,7 @@ impl Writer {
         let is_first = |w: &&[u32]| matches!(opcode(w), op::LABEL | op::PHI | op::VARIABLE);
         let (first, rest) = block.split_at(block.iter().take_while(|w| is_first(w)).count());
         first.iter().for_each(|instruction| code.extend_from_slice(instruction));
+        self.begin.get_or_insert(code.len());
         let sum: u32 = block.iter().map(|w| operations(module, opcode(w), w)).sum();
         if sum > 0 {
             let (own, sum) = (self.own, self.constant(sum));
@@ -189,6 +201,8 @@ impl Writer {
             put(code, op::STORE, &[own, after]);
         }
         let mut marked = HashSet::new();
+        // A loop goes back to the block that says so.
+        let label = block.first().map(|w| w[1]).filter(|_| !block.iter().any(|w| opcode(w) == op::LOOP_MERGE));
         for w in rest {
             let opcode = opcode(w);
             match (opcode, *w) {
@@ -203,7 +217,7 @@ impl Writer {
                 _ => {
                     if let Some((place, access)) = self.access(module, chains, (opcode, w), code) {
                         if marked.insert((place.clone(), access)) {
-                            self.mark(&place, access, code);
+                            self.mark(&place, access, label, code);
                         }
                     }
                 }
@@ -244,12 +258,13 @@ impl Writer {
         }
     }
 
-    fn mark(&mut self, place: &Place, (reads, writes): Access, code: &mut Vec<u32>) {
+    /// Sets the bits of a place. `block` may be divided.
+    fn mark(&mut self, place: &Place, (reads, writes): Access, block: Option<u32>, code: &mut Vec<u32>) {
         let mut offset = self.constant(place.constant);
         for (index, stride) in &place.terms {
             let stride = match stride {
                 Stride::Known(bytes) => self.constant(*bytes),
-                Stride::Axis(axis) => self.entry(place.binding, STRIDES + axis, code),
+                Stride::Axis(axis) => self.entry(place.binding, STRIDES + axis),
             };
             let product = self.emit(code, op::I_MUL, &[*index, stride]);
             offset = self.emit(code, op::I_ADD, &[offset, product]);
@@ -265,31 +280,48 @@ impl Writer {
             let at = self.emit(code, op::I_ADD, &[offset, away]);
             let sector = self.emit(code, op::SHIFT_RIGHT, &[at, shift]);
             for (word, _) in [(READ, reads), (WRITTEN, writes)].into_iter().filter(|(_, is_done)| *is_done) {
-                let first = self.entry(place.binding, word, code);
+                let first = self.entry(place.binding, word);
                 let bit = self.emit(code, op::I_ADD, &[sector, first]);
-                self.set(bit, code);
+                self.set(bit, block, code);
             }
         }
     }
 
     /// A word of the entry of a binding's resource.
-    fn entry(&mut self, binding: u32, word: u32, code: &mut Vec<u32>) -> u32 {
-        let (entry, [zero, word]) = (self.specialised(FIRST_ID + binding), [0, word].map(|value| self.constant(value)));
-        let (pointer, counts) = (self.pointer, self.counts);
-        let place = self.emit(code, op::I_ADD, &[entry, word]);
-        let place = self.emit_of(code, op::ACCESS_CHAIN, pointer, &[counts, zero, place]);
-        self.emit(code, op::LOAD, &[place])
+    fn entry(&mut self, binding: u32, word: u32) -> u32 {
+        if let Some(id) = self.entries.get(&(binding, word)) {
+            return *id;
+        }
+        let id = self.id();
+        self.entries.insert((binding, word), id);
+        id
     }
 
-    fn set(&mut self, bit: u32, code: &mut Vec<u32>) {
+    /// Sets a bit, if it is not: asking takes less than an atomic operation, most of which change nothing.
+    fn set(&mut self, bit: u32, block: Option<u32>, code: &mut Vec<u32>) {
         let [zero, one, five, low] = [0, 1, 5, 31].map(|value| self.constant(value));
         let word = self.emit(code, op::SHIFT_RIGHT, &[bit, five]);
         let place = self.emit(code, op::BITWISE_AND, &[bit, low]);
         let mask = self.emit(code, op::SHIFT_LEFT, &[one, place]);
-        let (pointer, counts) = (self.pointer, self.counts);
+        let (pointer, counts, boolean) = (self.pointer, self.counts, self.boolean);
         let target = self.emit_of(code, op::ACCESS_CHAIN, pointer, &[counts, zero, word]);
+        let after = block.map(|block| {
+            let before = self.emit(code, op::LOAD, &[target]);
+            let own = self.emit(code, op::BITWISE_AND, &[before, mask]);
+            let is_clear = self.emit_of(code, op::I_EQUAL, boolean, &[own, zero]);
+            let (set, after) = (self.id(), self.id());
+            put(code, op::SELECTION_MERGE, &[after, 0]);
+            put(code, op::BRANCH_CONDITIONAL, &[is_clear, set, after]);
+            put(code, op::LABEL, &[set]);
+            self.ends.insert(block, after);
+            after
+        });
         // Scope Device is 1, relaxed semantics are 0.
         self.emit(code, op::ATOMIC_OR, &[target, one, zero, mask]);
+        if let Some(after) = after {
+            put(code, op::BRANCH, &[after]);
+            put(code, op::LABEL, &[after]);
+        }
     }
 
     /// Adds the sum of the invocation to the 64-bit sum.
@@ -304,12 +336,35 @@ impl Writer {
         let overflows = self.emit_of(code, op::U_LESS_THAN, boolean, &[after, before]);
         let carry = self.emit(code, op::SELECT, &[overflows, one, zero]);
         self.emit(code, op::ATOMIC_ADD, &[high, one, zero, carry]);
-        // It may be the end of one of several functions.
-        put(code, op::STORE, &[own, zero]);
+    }
+
+    /// Puts loads of entries where they belong, and lets values come from the ends of divided blocks.
+    fn complete(&mut self, code: &[u32]) -> Vec<u32> {
+        let (before, after) = code.split_at(self.begin.unwrap_or_default());
+        let mut made = before.to_vec();
+        for ((binding, word), id) in self.entries.clone() {
+            let (entry, [zero, word]) =
+                (self.specialised(FIRST_ID + binding), [0, word].map(|value| self.constant(value)));
+            let (pointer, counts, unsigned) = (self.pointer, self.counts, self.unsigned);
+            let place = self.emit(&mut made, op::I_ADD, &[entry, word]);
+            let place = self.emit_of(&mut made, op::ACCESS_CHAIN, pointer, &[counts, zero, place]);
+            put(&mut made, op::LOAD, &[unsigned, id, place]);
+        }
+        for (opcode, instruction) in instructions_of(after) {
+            let begin = made.len();
+            made.extend_from_slice(instruction);
+            if opcode == op::PHI {
+                for from in made[begin + 3..].iter_mut().skip(1).step_by(2) {
+                    *from = self.ends.get(from).copied().unwrap_or(*from);
+                }
+            }
+        }
+        made
     }
 
     /// The module with these functions.
     fn assemble(mut self, words: &[u32], functions: &[u32]) -> Vec<u32> {
+        let functions = self.complete(functions);
         let (mut decorations, mut declarations) = (Vec::new(), Vec::new());
         self.declare(&mut decorations, &mut declarations);
         let mut made = words[..HEADER].to_vec();
@@ -331,7 +386,7 @@ impl Writer {
             }
         }
         made.extend_from_slice(&declarations);
-        made.extend_from_slice(functions);
+        made.extend_from_slice(&functions);
         made
     }
 

@@ -50,6 +50,7 @@ pub(super) mod op {
     pub const MATRIX_TIMES_VECTOR: u32 = 145;
     pub const DOT: u32 = 148;
     pub const SELECT: u32 = 169;
+    pub const I_EQUAL: u32 = 170;
     pub const U_LESS_THAN: u32 = 176;
     pub const SHIFT_RIGHT: u32 = 194;
     pub const SHIFT_LEFT: u32 = 196;
@@ -61,8 +62,11 @@ pub(super) mod op {
     pub const ATOMIC_OR: u32 = 241;
     pub const ATOMIC_XOR: u32 = 242;
     pub const PHI: u32 = 245;
+    pub const LOOP_MERGE: u32 = 246;
+    pub const SELECTION_MERGE: u32 = 247;
     pub const LABEL: u32 = 248;
     pub const BRANCH: u32 = 249;
+    pub const BRANCH_CONDITIONAL: u32 = 250;
     pub const KILL: u32 = 252;
     pub const RETURN: u32 = 253;
     pub const UNREACHABLE: u32 = 255;
@@ -133,7 +137,12 @@ pub(super) struct Module {
 
 /// The instructions of a module: opcode and all words.
 pub(super) fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
-    let mut rest = words.get(HEADER..).unwrap_or_default();
+    instructions_of(words.get(HEADER..).unwrap_or_default())
+}
+
+/// The same without a header.
+pub(super) fn instructions_of(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
+    let mut rest = words;
     std::iter::from_fn(move || {
         let first = *rest.first()?;
         let (instruction, after) = rest.split_at_checked(((first >> 16) as usize).max(1))?;
