@@ -45,7 +45,13 @@ fn rows(effect: &str, only: &str, folder: &Path) -> Vec<serde_json::Value> {
     for plot in ["svg", "png"].map(|kind| format!("{effect}.{kind}")) {
         assert!(std::fs::metadata(folder.join(&plot)).is_ok_and(|file| file.len() > 1000), "{plot}");
     }
-    json["rows"].as_array().expect("rows").clone()
+    let rows = json["rows"].as_array().expect("rows").clone();
+    for row in &rows {
+        let work = ["bytes", "flops"].map(|amount| row[amount].as_u64().unwrap_or_default());
+        assert!(work.iter().all(|amount| *amount > 0), "{row}");
+        assert!(row["of_limit"].as_f64().is_some_and(|share| share > 0.0 && share <= 1.0), "{row}");
+    }
+    rows
 }
 
 #[test]

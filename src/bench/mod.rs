@@ -4,6 +4,7 @@
 //! drivers may compile a kernel at its first dispatch.
 
 pub(crate) mod blur;
+mod count;
 pub(crate) mod flame;
 mod limits;
 pub(crate) mod measure;
@@ -120,7 +121,7 @@ impl Session<'_> {
 /// No device, a failure of the device, a message of validation, a file that cannot be written, an interruption.
 pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String, BenchError> {
     std::fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.into(), source })?;
-    let rig = Rig::new(Headless::new(&request.device)?)?;
+    let rig = Rig::new(Headless::new(&Options { stores: true, ..request.device.clone() })?)?;
     let messages = rig.messages();
     let (device, driver) = rig.device();
     let (quick, only) = (request.quick, request.only.as_deref());

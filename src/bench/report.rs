@@ -47,11 +47,11 @@ pub(crate) struct Row {
     pub(crate) error_max: Option<f64>,
     /// The reference of the error, and its unit.
     pub(crate) error_of: Option<String>,
-    /// Bytes that have to be moved, where they are known.
+    /// Bytes that have to be moved: each sector of memory that is read, and each that is written, once.
     pub(crate) bytes: Option<u64>,
-    /// Floating-point operations that have to be done, where they are known.
+    /// Floating-point operations that shaders do, two per fused multiply-add.
     pub(crate) flops: Option<u64>,
-    /// The larger share of the two limits that the run reached.
+    /// The larger share of the two limits that the run reached. Limits are those of memory, not of caches.
     pub(crate) of_limit: Option<f64>,
 }
 

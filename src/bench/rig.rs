@@ -1,19 +1,21 @@
 //! The benchmark's host: one device, effects and kernels of the benchmark's own on it. Runs one thing at a time and
 //! times it, from its first to its last step, with a full barrier around each.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::time::Instant;
 
 use ash::vk;
 
+use super::count::Counter;
+use super::report::Work;
 use crate::effect::Effort;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::executor::Executor;
 use crate::gpu::headless::{Headless, Messages};
 use crate::gpu::image::Image;
-use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Profiler, Timing};
-use crate::gpu::recorder::{Recorder, Recording};
 use crate::gpu::resources::Resources;
 use crate::gpu::transfer::{Copy, readback, record_readback, record_zeroes};
 use crate::host::{Background, Host, HostBuffer, ImageState};
@@ -42,6 +44,13 @@ pub(crate) struct EffectId(usize);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KernelsId(usize);
 
+/// What runs a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Runner {
+    Effect(usize),
+    Kernels(usize),
+}
+
 /// A buffer of kernels.
 pub(crate) enum KernelBuffer {
     /// Of their own, zeroed.
@@ -57,19 +66,14 @@ struct Slot {
     size: [u32; 2],
 }
 
-struct OwnKernels {
-    passes: Vec<Pass>,
-    resources: Resources,
-    pipelines: Pipelines,
-    recorder: Recorder,
-}
-
 /// A device and what is measured on it.
 pub(crate) struct Rig {
     headless: Headless,
     profiler: Option<Profiler>,
     effects: Vec<Slot>,
-    kernels: Vec<OwnKernels>,
+    kernels: Vec<Executor>,
+    /// Of what counts its work by now.
+    counters: HashMap<Runner, Counter>,
 }
 
 impl Rig {
@@ -78,7 +82,13 @@ impl Rig {
         let (host, _) = headless.parts();
         // SAFETY: the device's own handles; it is destroyed in `drop`.
         let profiler = unsafe { Profiler::new(&host, family, 1, 1)? };
-        Ok(Rig { headless, profiler: Some(profiler), effects: Vec::new(), kernels: Vec::new() })
+        Ok(Rig {
+            headless,
+            profiler: Some(profiler),
+            effects: Vec::new(),
+            kernels: Vec::new(),
+            counters: HashMap::new(),
+        })
     }
 
     /// Name and driver of the device.
@@ -181,12 +191,9 @@ impl Rig {
             }
         }
         // SAFETY: as above.
-        let pipelines = unsafe {
-            Pipelines::new(&host, kernels, &passes, &resources).inspect_err(|_| resources.destroy(&host, allocator))?
-        };
-        let mut recorder = Recorder::new(&resources);
-        recorder.set_mode(Mode::Isolated);
-        self.kernels.push(OwnKernels { passes, resources, pipelines, recorder });
+        let mut executor = unsafe { Executor::on(&host, kernels, allocator, passes, resources)? };
+        executor.set_mode(Mode::Isolated);
+        self.kernels.push(executor);
         self.zero(id, &buffers)?;
         Ok(id)
     }
@@ -199,7 +206,7 @@ impl Rig {
 
     /// Fresh memory holds old data, and its pages may be there only once they have been touched.
     fn zero(&mut self, id: KernelsId, buffers: &[KernelBuffer]) -> Result<()> {
-        let resources = &self.kernels[id.0].resources;
+        let resources = self.kernels[id.0].resources();
         let own = buffers.iter().enumerate().filter(|(_, buffer)| matches!(buffer, KernelBuffer::Own(_)));
         let own: Vec<_> = own.map(|(index, _)| resources.buffer(BufferId(index as u16))).collect();
         self.headless.one_time("zeroes", |host, commands| {
@@ -213,12 +220,10 @@ impl Rig {
 
     /// Runs a plan of such kernels.
     pub(crate) fn run(&mut self, id: KernelsId, plan: &Plan) -> Result<Measured> {
-        let OwnKernels { passes, resources, pipelines, recorder } = &mut self.kernels[id.0];
+        let executor = &mut self.kernels[id.0];
         measure(&mut self.headless, &mut self.profiler, |host, commands| {
-            let mut commands = commands;
-            let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
             // SAFETY: the device's own handles; the plan is of these passes, and everything before is over.
-            unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }.map(drop)
+            unsafe { executor.replay(host, commands, plan) }
         })
     }
 
@@ -250,7 +255,7 @@ impl Rig {
         buffer: BufferId,
         count: usize,
     ) -> Result<Vec<T>> {
-        let source = self.kernels[id.0].resources.buffer(buffer);
+        let source = self.kernels[id.0].buffer(buffer);
         self.read_buffer(Some(source), count)
     }
 
@@ -263,6 +268,70 @@ impl Rig {
         let size = size.min((count * size_of::<T>()) as u64);
         let bytes = self.read_back(size, &[], &[Copy { from: (buffer, offset, size), to: 0 }])?;
         Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+    }
+
+    /// The work of a frame. What is timed comes before: passes that count take longer.
+    pub(crate) fn work_of_frame(&mut self, id: EffectId, scene: &Scene) -> Result<Work> {
+        self.count(Runner::Effect(id.0))?;
+        self.frame(id, scene)?;
+        let plan = self.steps(id, |_| true);
+        self.counted(Runner::Effect(id.0), &plan)
+    }
+
+    /// The work of steps of the frame recorded last; as [`Rig::work_of_frame`].
+    pub(crate) fn work_of_replay(&mut self, id: EffectId, plan: &Plan) -> Result<Work> {
+        self.count(Runner::Effect(id.0))?;
+        self.replay(id, plan)?;
+        self.counted(Runner::Effect(id.0), plan)
+    }
+
+    /// The work of a plan of such kernels; as [`Rig::work_of_frame`].
+    pub(crate) fn work_of_run(&mut self, id: KernelsId, plan: &Plan) -> Result<Work> {
+        self.count(Runner::Kernels(id.0))?;
+        self.run(id, plan)?;
+        self.counted(Runner::Kernels(id.0), plan)
+    }
+
+    /// Makes passes count, if they do not yet, from 0.
+    fn count(&mut self, runner: Runner) -> Result<()> {
+        let raster = self.headless.has_stores();
+        let (host, kernels, allocator) = self.headless.making();
+        let Some(executor) = executor_of(&mut self.effects, &mut self.kernels, runner) else { return Ok(()) };
+        let counter = match self.counters.entry(runner) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                let counter = Counter::new(executor.resources(), raster);
+                // SAFETY: the device's own handles; everything recorded before has been waited for.
+                unsafe {
+                    executor.resources_mut().add_buffer(&host, allocator, &counter.desc())?;
+                    executor.change(&host, kernels, |pass| counter.instrument(pass))?;
+                }
+                executor.set_mode(Mode::Isolated);
+                entry.insert(counter)
+            }
+        };
+        let ((buffer, offset, size), header) = (executor.buffer(counter.buffer), counter.header());
+        self.headless.one_time("counts", |host, commands| {
+            let begin = header.len() as u64;
+            // SAFETY: the device's own handles; nothing else uses the buffer, of which each byte is written once.
+            unsafe {
+                host.device.cmd_update_buffer(commands, buffer, offset, &header);
+                record_zeroes(host, commands, buffer, offset + begin, size - begin);
+            }
+            Ok(())
+        })
+    }
+
+    /// What has been counted since.
+    fn counted(&mut self, runner: Runner, plan: &Plan) -> Result<Work> {
+        let executor = executor_of(&mut self.effects, &mut self.kernels, runner);
+        let source = self.counters.get(&runner).zip(executor);
+        let source = source.map(|(counter, executor)| (executor.buffer(counter.buffer), counter.words()));
+        let Some((source, count)) = source else { return Ok(Work::default()) };
+        let words = self.read_buffer(Some(source), count)?;
+        let executor = executor_of(&mut self.effects, &mut self.kernels, runner);
+        let counter = self.counters.get(&runner).zip(executor);
+        Ok(counter.map_or(Work::default(), |(counter, executor)| counter.work(executor.passes(), plan, words)))
     }
 
     /// The picture of the frame rendered last.
@@ -305,10 +374,8 @@ impl Rig {
         let (host, allocator) = self.headless.parts();
         // SAFETY: every submission has been waited for.
         unsafe {
-            for mut kernels in self.kernels.drain(..) {
-                kernels.pipelines.destroy(&host);
-                kernels.resources.destroy(&host, allocator);
-            }
+            self.counters.clear();
+            self.kernels.drain(..).for_each(|mut kernels| kernels.destroy(&host, allocator));
             for Slot { mut player, mut target, .. } in self.effects.drain(..) {
                 player.iter_mut().for_each(|player| player.destroy(&host, allocator));
                 target.iter_mut().for_each(|target| target.destroy(&host, allocator));
@@ -327,6 +394,13 @@ impl Drop for Rig {
             // SAFETY: every submission has been waited for.
             unsafe { profiler.destroy(&self.headless.host()) };
         }
+    }
+}
+
+fn executor_of<'a>(effects: &'a mut [Slot], kernels: &'a mut [Executor], runner: Runner) -> Option<&'a mut Executor> {
+    match runner {
+        Runner::Effect(id) => effects.get_mut(id)?.player.as_mut().map(|player| player.executor_mut()),
+        Runner::Kernels(id) => kernels.get_mut(id),
     }
 }
 

@@ -59,14 +59,49 @@ impl Executor {
         let mut resources = Resources::default();
         // SAFETY: the caller's; what was made is destroyed unused on error.
         unsafe {
-            let pipelines = create(host, allocator, &description, &mut resources)
-                .and_then(|()| Pipelines::new(host, kernels, &description.passes, &resources))
+            create(host, allocator, &description, &mut resources)
                 .inspect_err(|_| resources.destroy(host, allocator))?;
-            let recorder = Recorder::new(&resources);
-            let Description { passes, memory, .. } = description;
-            let plan = Plan::for_passes(&passes);
-            Ok(Executor { passes, resources, pipelines, recorder, plan, memory })
+            let executor = Executor::on(host, kernels, allocator, description.passes, resources)?;
+            Ok(Executor { memory: description.memory, ..executor })
         }
+    }
+
+    /// Takes resources that are there, and destroys them on error.
+    ///
+    /// # Safety
+    /// As [`Executor::new`].
+    pub(crate) unsafe fn on(
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut Allocator,
+        passes: Vec<Pass>,
+        mut resources: Resources,
+    ) -> Result<Executor> {
+        // SAFETY: the caller's.
+        let pipelines = unsafe {
+            Pipelines::new(host, kernels, &passes, &resources).inspect_err(|_| resources.destroy(host, allocator))?
+        };
+        let (recorder, plan, memory) = (Recorder::new(&resources), Plan::for_passes(&passes), Memory::default());
+        Ok(Executor { passes, resources, pipelines, recorder, plan, memory })
+    }
+
+    /// Changes passes. Plans stay; the mode does not.
+    ///
+    /// # Errors
+    /// As [`Executor::new`].
+    ///
+    /// # Safety
+    /// As [`Executor::new`], with the same `host` and `kernels`; the GPU is done with every recorded plan.
+    #[cfg(feature = "cli")]
+    pub(crate) unsafe fn change(&mut self, host: &Host, kernels: &Kernels, change: impl Fn(&mut Pass)) -> Result<()> {
+        self.passes.iter_mut().for_each(change);
+        // SAFETY: the caller's.
+        unsafe {
+            let pipelines = Pipelines::new(host, kernels, &self.passes, &self.resources)?;
+            std::mem::replace(&mut self.pipelines, pipelines).destroy(host);
+        }
+        self.recorder = Recorder::new(&self.resources);
+        Ok(())
     }
 
     /// The passes, which plans' steps refer to.
@@ -97,6 +132,12 @@ impl Executor {
     /// The passes that the plan left out: each one's name, and why.
     pub fn skipped(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
         self.plan.skipped.iter().map(|(pass, reason)| (self.passes[usize::from(pass.0)].name, *reason))
+    }
+
+    /// The resources that plans name.
+    #[cfg(feature = "cli")]
+    pub(crate) fn resources(&self) -> &Resources {
+        &self.resources
     }
 
     /// Device memory of own buffers and images, before alignment.

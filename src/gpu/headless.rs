@@ -40,6 +40,10 @@ pub struct Options {
     pub go_on: fn(Duration) -> bool,
     /// Enables what [`Kernels::with_costs`] needs, where the device has it.
     pub costs: bool,
+    /// Enables stores to memory in all stages of a render pass, where the device has them. For the benchmark, which counts
+    /// what shaders do.
+    #[doc(hidden)]
+    pub stores: bool,
     /// Wrapper that all calls of the device then go through. For tests, which let calls fail.
     #[doc(hidden)]
     pub table: fn(ash::Device) -> ash::Device,
@@ -47,7 +51,15 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { validate: false, costs: false, device: None, timeout: None, go_on: |_| true, table: |device| device }
+        Options {
+            validate: false,
+            device: None,
+            timeout: None,
+            go_on: |_| true,
+            costs: false,
+            stores: false,
+            table: |device| device,
+        }
     }
 }
 
@@ -117,6 +129,7 @@ pub struct Headless {
     kernels: Kernels,
     opened: Opened,
     queue: Queue,
+    has_stores: bool,
 }
 
 /// The objects that a [`Host`] borrows.
@@ -157,7 +170,14 @@ impl Headless {
         let mut features = vk::PhysicalDeviceVulkan13Features::default();
         requirements().features.enable(&mut features);
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
-        let mut info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+        let has_stores = options.stores && devices::has_stores(&instance, candidate.physical_device);
+        let stores = vk::PhysicalDeviceFeatures::default()
+            .fragment_stores_and_atomics(has_stores)
+            .vertex_pipeline_stores_and_atomics(has_stores);
+        let mut info = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_features(&stores)
+            .push_next(&mut features);
         let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
         let extensions = [vk::KHR_PIPELINE_EXECUTABLE_PROPERTIES_NAME.as_ptr()];
         let has_costs = options.costs && devices::has_costs(&instance, candidate.physical_device);
@@ -200,7 +220,7 @@ impl Headless {
         let debug = unsafe { if instance.has_debug_utils { debug::table(&instance.raw, &device) } else { None } };
         let opened = Opened { candidate, device, debug, instance: ManuallyDrop::new(instance) };
         let kernels = if has_costs { Kernels::with_costs() } else { Kernels::new() };
-        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels, opened, queue })
+        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels, opened, queue, has_stores })
     }
 
     /// The host that an effect is made and recorded with.
@@ -246,6 +266,11 @@ impl Headless {
     /// Bytes of the allocator's that are in use.
     pub fn allocated(&self) -> u64 {
         self.allocator.generate_report().total_allocated_bytes
+    }
+
+    /// Whether all stages may store to memory: [`Options::stores`].
+    pub(crate) fn has_stores(&self) -> bool {
+        self.has_stores
     }
 
     /// The family of the queue that everything is submitted to.

@@ -36,6 +36,8 @@ pub struct Image {
     pub layer_views: Vec<vk::ImageView>,
     /// Colour or depth.
     pub aspect: vk::ImageAspectFlags,
+    /// What it was made as.
+    pub desc: ImageDesc,
     allocation: Option<Allocation>,
 }
 
@@ -61,8 +63,8 @@ impl Image {
             vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
             _ => vk::ImageAspectFlags::COLOR,
         };
-        let mut image =
-            Image { handle, view: vk::ImageView::null(), layer_views: Vec::new(), aspect, allocation: None };
+        let (view, layer_views) = (vk::ImageView::null(), Vec::new());
+        let mut image = Image { handle, view, layer_views, aspect, desc: *desc, allocation: None };
         // SAFETY: `handle` was just made; on error everything made so far is destroyed unused.
         unsafe {
             if let Err(error) = image.complete(host, allocator, desc) {

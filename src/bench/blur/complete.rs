@@ -8,7 +8,7 @@ use super::EFFECT;
 use super::draw::LIGHT;
 use super::scene::Scene;
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::{COLOUR_LAYER, CONTROL, DISTORTED_NAMES, FINISHED, MASK_LAYER};
@@ -73,7 +73,9 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
     }
     let (rig, quick) = (&mut session.rig, session.quick);
     let times = interleaved(variants.len(), quick, |i| rig.replay(runs[i].0, &runs[i].1))?;
-    for (((variant, _), times), differences) in variants.iter().zip(&times).zip(differences) {
+    for ((((variant, _), times), differences), (effect, plan)) in variants.iter().zip(&times).zip(differences).zip(runs)
+    {
+        let work = session.rig.work_of_replay(effect, &plan)?;
         let (count, sum) = (differences.len(), differences.iter().sum::<f64>());
         let mean = sum / count.max(1) as f64;
         session.notes.push(format!("blur complete {NAME}: {variant} is off by {mean:.3} in the mean"));
@@ -81,7 +83,7 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
         let accuracy: Accuracy = Deviation::of(differences).map(|deviation| (deviation, of));
         let subject =
             Subject { pass: PASS, variant: (*variant).to_owned(), workload: NAME.to_owned(), items: count as u64 };
-        session.rows.push(Row::new(EFFECT, subject, times, &accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new(EFFECT, subject, times, &accuracy, work, &session.limits));
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::EFFECT;
 use super::scene::{Prepared, Scene};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, KernelBuffer, KernelsId, Measured, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::{BUFFERS, VERTICES, resource};
@@ -91,12 +91,12 @@ fn measure_workload(session: &mut Session, name: &str, points: u32, variants: &[
             Variant::Hull => found.iter().zip(&exact).flat_map(|(a, b)| bits(*a, *b)).collect(),
         };
         let accuracy: Accuracy = Deviation::of(differences).map(|deviation| (deviation, of.clone()));
-        // Two products and sums, two comparisons in each of two directions, for each pair.
-        let pairs = u64::from(points) * u64::from(points);
-        let flops = if *kind == Variant::Brute { Some(10 * pairs) } else { None };
+        let work = match kind {
+            Variant::Brute => session.rig.work_of_run(kernels, &plan)?,
+            Variant::Hull => session.rig.work_of_replay(effect, &own)?,
+        };
         let subject =
             Subject { pass: PASS, variant: (*variant).to_owned(), workload: name.to_owned(), items: points.into() };
-        let work = Work { bytes: None, flops };
         session.rows.push(Row::new(EFFECT, subject, times, &accuracy, work, &session.limits));
     }
     if let [brute, hull] = times.as_slice() {

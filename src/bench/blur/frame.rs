@@ -8,7 +8,7 @@ use super::EFFECT;
 use super::draw::LIGHT;
 use super::scene::{FULL_HD, Scene, Take};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, Measured, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::CONTROL;
@@ -91,10 +91,11 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
         let time = rig.frame(*effect, &take.scene())?;
         Ok(Measured { cpu_ms: time.cpu_ms + prepared, ..time })
     })?;
-    for (((variant, _), times), (_, _, _, triangles, accuracy)) in variants.iter().zip(&times).zip(&found) {
+    for (((variant, _), times), (effect, take, _, triangles, accuracy)) in variants.iter().zip(&times).zip(&found) {
+        let work = session.rig.work_of_frame(*effect, &take.scene())?;
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: u64::from(*triangles) };
-        session.rows.push(Row::new(EFFECT, subject, times, accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new(EFFECT, subject, times, accuracy, work, &session.limits));
     }
     Ok(())
 }

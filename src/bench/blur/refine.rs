@@ -4,7 +4,7 @@
 use super::EFFECT;
 use super::scene::{FULL_HD, Prepared, SEED, Scene};
 use crate::bench::measure::{Deviation, Spread, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::Settings;
@@ -78,10 +78,11 @@ fn measure_workload(session: &mut Session, name: &str, vertices: u32, variants: 
     let (rig, quick) = (&mut session.rig, session.quick);
     let times = interleaved(variants.len(), quick, |i| rig.replay(runs[i].0, &runs[i].1))?;
     session.notes.extend(compare(name, variants, &made, &times));
-    for (((variant, _), times), made) in variants.iter().zip(&times).zip(&made) {
+    for ((((variant, _), times), made), (effect, plan)) in variants.iter().zip(&times).zip(&made).zip(runs) {
+        let work = session.rig.work_of_replay(effect, &plan)?;
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: made.triangles };
-        session.rows.push(Row::new(EFFECT, subject, times, &made.accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new(EFFECT, subject, times, &made.accuracy, work, &session.limits));
     }
     Ok(())
 }

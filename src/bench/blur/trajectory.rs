@@ -1,12 +1,11 @@
-//! Pass `trajectory`: splines through poses on the device, through all frames of a shot or those of a window. Bytes are
-//! those of the poses that must stay on the device and of the trajectories.
+//! Pass `trajectory`: splines through poses on the device, through all frames of a shot or those of a window.
 
 use glam::DVec3;
 
 use super::EFFECT;
 use super::scene::{FULL_HD, Scene};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::SPLINES;
@@ -49,7 +48,10 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, usize)]) -> Outco
         runs.push((effect, rig.steps(effect, |pass| pass.name == "blur.trajectory")));
     }
     let times = interleaved(variants.len(), session.quick, |i| rig.replay(runs[i].0, &runs[i].1))?;
-    for (((variant, _), times), (accuracy, bytes)) in variants.iter().zip(&times).zip(&found) {
+    for ((((variant, _), times), (accuracy, bytes)), (effect, plan)) in
+        variants.iter().zip(&times).zip(&found).zip(runs)
+    {
+        let work = session.rig.work_of_replay(effect, &plan)?;
         let (variant, workload) = ((*variant).to_owned(), NAME.to_owned());
         session.notes.push(format!(
             "blur trajectory {NAME}: {variant} takes {:.1} MB and {:.2} ms",
@@ -57,7 +59,6 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, usize)]) -> Outco
             times.gpu_ms
         ));
         let subject = Subject { pass: PASS, variant, workload, items: scene.mesh.points() as u64 };
-        let work = Work { bytes: Some(*bytes), flops: None };
         session.rows.push(Row::new(EFFECT, subject, times, accuracy, work, &session.limits));
     }
     Ok(())

@@ -93,6 +93,13 @@ impl Run {
             Run::Kernels(kernels, plan) => rig.run(*kernels, plan),
         }
     }
+
+    fn work(&self, rig: &mut Rig) -> Result<Work> {
+        match self {
+            Run::Effect(effect, plan) => rig.work_of_replay(*effect, plan),
+            Run::Kernels(kernels, plan) => rig.work_of_run(*kernels, plan),
+        }
+    }
 }
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
@@ -124,10 +131,12 @@ fn measure_workload(session: &mut Session, scene: &Scene, variants: &[&(&str, Va
         watch.progress(&format!("flame accumulate {}: {}, timed", scene.name, variants[i].0));
         runs[i].run(rig)
     })?;
-    for (((variant, kind), times), accuracy) in variants.iter().zip(&times).zip(&accuracies) {
+    for ((((variant, kind), times), accuracy), run) in variants.iter().zip(&times).zip(&accuracies).zip(&runs) {
+        session.next(&format!("flame accumulate {}: {variant}, counted", scene.name))?;
+        let work = run.work(&mut session.rig)?;
         let (variant, workload) = ((*variant).to_owned(), scene.name.clone());
         let subject = Subject { pass: PASS, variant, workload, items: kind.repetitions() * truth.sprites };
-        session.rows.push(Row::new(EFFECT, subject, times, accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new(EFFECT, subject, times, accuracy, work, &session.limits));
     }
     Ok(())
 }

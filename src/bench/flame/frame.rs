@@ -5,7 +5,7 @@ use super::EFFECT;
 use super::scene::{self, Scene, Workload};
 use super::truth::Truth;
 use crate::bench::measure::interleaved;
-use crate::bench::report::{Row, Subject, Work};
+use crate::bench::report::{Row, Subject};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
@@ -54,11 +54,14 @@ fn measure_workload(session: &mut Session, scene: &Scene, variants: &[&(&str, Ch
     }
     let next = scene.scene();
     let times = interleaved(variants.len(), session.quick, |i| rig.frame(effects[i], &next))?;
-    for (((variant, _), times), (accuracy, repetitions)) in variants.iter().zip(&times).zip(&found) {
+    for ((((variant, _), times), (accuracy, repetitions)), effect) in
+        variants.iter().zip(&times).zip(&found).zip(effects)
+    {
+        let work = session.rig.work_of_frame(effect, &next)?;
         let (variant, workload) = ((*variant).to_owned(), scene.name.clone());
         let items = (truth.sprites as f64 * repetitions).round() as u64;
         let subject = Subject { pass: PASS, variant, workload, items };
-        session.rows.push(Row::new(EFFECT, subject, times, accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new(EFFECT, subject, times, accuracy, work, &session.limits));
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 
 use super::{EFFECT, scene};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
@@ -79,10 +79,11 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
         rig.frame(*effect, &next)?;
     }
     let times = interleaved(variants.len(), session.quick, |i| rig.frame(effects[i], &next))?;
-    for (((variant, _), times), accuracy) in variants.iter().zip(&times).zip(&accuracies) {
+    for ((((variant, _), times), accuracy), effect) in variants.iter().zip(&times).zip(&accuracies).zip(effects) {
+        let work = session.rig.work_of_frame(effect, &next)?;
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: PARTICLES.into() };
-        session.rows.push(Row::new(EFFECT, subject, times, accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new(EFFECT, subject, times, accuracy, work, &session.limits));
     }
     Ok(())
 }

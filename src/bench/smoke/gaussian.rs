@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use super::{EFFECT, scene};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, KernelBuffer, KernelsId, Measured, Rig};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
@@ -17,7 +17,7 @@ use crate::plan::{BufferId, Command, Kernel, Pass, PassId, Plan};
 use crate::shaders::smoke as glsl;
 use crate::smoke::Settings;
 use crate::smoke::layout::{PARAMS, PIXELS, REACHED, SMOOTH, WEIGHTS};
-use crate::smoke::params::{BLOCK, GROUP_BITS, GROUP_MASK, GaussianConstants, LUMINANCE_ONE, SLOT_PIXELS, TILE};
+use crate::smoke::params::{GROUP_BITS, GROUP_MASK, GaussianConstants, LUMINANCE_ONE, SLOT_PIXELS, TILE};
 use crate::smoke::reference::gaussian;
 
 const PASS: &str = "gaussian";
@@ -62,7 +62,6 @@ const PLAIN: [PassId; 2] = [PassId(5), PassId(6)];
 
 /// The picture that is filtered.
 struct Picture {
-    size: [u32; 2],
     id: Vec<u32>,
     /// Its values after the masked Gaussian.
     smooth: Vec<f64>,
@@ -109,10 +108,13 @@ fn measure_workload(
         }
         Ok(time)
     })?;
-    for (((variant, kind), times), result) in variants.iter().zip(&times).zip(results) {
+    for ((((variant, kind), times), result), plan) in variants.iter().zip(&times).zip(results).zip(&plans) {
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: PARTICLES.into() };
-        let work = picture.work(*kind, &settings);
+        let work = match kind {
+            Variant::PerIdTiles => session.rig.work_of_replay(effect, &own)?,
+            _ => session.rig.work_of_run(kernels, plan)?,
+        };
         session.rows.push(Row::new(EFFECT, subject, times, &picture.accuracy(&result), work, &session.limits));
     }
     Ok(())
@@ -233,7 +235,7 @@ impl Picture {
         let id: Vec<u32> = pixels.iter().map(|pixel| pixel & GROUP_MASK).collect();
         let [width, height] = size.map(|side| side as usize);
         let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
-        Ok(Picture { size, id, smooth })
+        Ok(Picture { id, smooth })
     }
 
     fn accuracy(&self, result: &[f32]) -> Accuracy {
@@ -243,48 +245,5 @@ impl Picture {
         let groups = self.id.iter().filter(|id| **id != 0).collect::<BTreeSet<_>>().len();
         let of = format!("direct 2-D sum in f64, of luminance 0 to 1, {covered:.0} % covered by {groups} groups");
         Deviation::of(differences).map(|deviation| (deviation, of))
-    }
-
-    /// Operations that count: multiply-adds of numerator and denominator with taps inside the window. Bytes: each
-    /// image once for each pass over it.
-    fn work(&self, variant: Variant, settings: &Settings) -> Work {
-        let pixels = self.id.len() as u64;
-        let covered = self.id.iter().filter(|id| **id != 0).count() as u64;
-        let taps = u64::from(2 * settings.window() + 1);
-        let (bytes, flops) = match variant {
-            Variant::Direct => (8 * pixels, covered * taps * taps * 4),
-            Variant::Naive => (28 * pixels, covered * 2 * taps * 4),
-            Variant::PerIdImage => (u64::from(GROUPS) * 24 * pixels, u64::from(GROUPS) * pixels * 2 * taps * 4),
-            Variant::PerIdTiles => {
-                let (rows, columns) = self.worked_on(settings.window().div_ceil(BLOCK) as usize);
-                (12 * rows + 12 * columns, (rows + columns) * taps * 4)
-            }
-            Variant::Plain => (16 * pixels, pixels * 2 * taps * 2),
-        };
-        Work { bytes: Some(bytes), flops: Some(flops) }
-    }
-
-    /// Pairs of pixel and group that rows and columns are summed for: those of blocks that hold the group within the
-    /// window (in blocks) above or below and to a side, and of blocks that hold it.
-    fn worked_on(&self, window: usize) -> (u64, u64) {
-        let [width, height] = self.size.map(|side| side as usize);
-        let block = BLOCK as usize;
-        let (across, down) = (width.div_ceil(block), height.div_ceil(block));
-        let mut masks = vec![0_u32; across * down];
-        for (pixel, id) in self.id.iter().enumerate().filter(|(_, id)| **id != 0) {
-            masks[pixel / width / block * across + pixel % width / block] |= 1 << (id & 31);
-        }
-        let (mut rows, mut columns) = (0, 0);
-        for y in 0..down {
-            for x in 0..across {
-                let beside = x.saturating_sub(window)..(x + window + 1).min(across);
-                let above = y.saturating_sub(window)..(y + window + 1).min(down);
-                let sideways = beside.fold(0, |bits, x| bits | masks[y * across + x]);
-                let upright = above.fold(0, |bits, y| bits | masks[y * across + x]);
-                rows += u64::from((sideways & upright).count_ones()) * u64::from(BLOCK * BLOCK);
-                columns += u64::from(masks[y * across + x].count_ones()) * u64::from(BLOCK * BLOCK);
-            }
-        }
-        (rows, columns)
     }
 }

@@ -3,7 +3,7 @@
 
 use super::{EFFECT, scene};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::data::Volume;
@@ -80,18 +80,12 @@ fn measure_workload(
     }
     let rig = &mut session.rig;
     let times = interleaved(variants.len(), session.quick, |i| rig.replay(effects[i], &plans[i]))?;
-    for (((variant, grow), times), effect) in variants.iter().zip(&times).zip(effects) {
+    for ((((variant, _), times), effect), plan) in variants.iter().zip(&times).zip(effects).zip(plans) {
+        let work = session.rig.work_of_replay(effect, &plan)?;
         let accuracy = accuracy(&mut session.rig, effect, &volume, particles)?;
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: particles.into() };
-        session.rows.push(Row::new(
-            EFFECT,
-            subject,
-            times,
-            &accuracy,
-            work(*grow, &volume, particles),
-            &session.limits,
-        ));
+        session.rows.push(Row::new(EFFECT, subject, times, &accuracy, work, &session.limits));
     }
     Ok(())
 }
@@ -115,19 +109,4 @@ fn accuracy(rig: &mut Rig, effect: EffectId, volume: &Volume, particles: u32) ->
     let differences: Vec<f64> = spheres.iter().step_by(every).map(difference).collect();
     let of = format!("f64 brute force, radius in voxels, {} particles", differences.len());
     Ok(Deviation::of(differences).map(|deviation| (deviation, of)))
-}
-
-/// The least work: density, bits, field or pyramid, particles and spheres are moved. What a search reads besides
-/// depends on the smoke.
-fn work(grow: Grow, volume: &Volume, particles: u32) -> Work {
-    let voxels = volume.density.len() as u64;
-    let particle_bytes = u64::from(particles) * (32 + 16);
-    let index = match grow {
-        // Bits once more, and a byte a voxel written three times and read twice; 27 bytes a particle.
-        Grow::Field => voxels / 8 + 5 * voxels + 27 * u64::from(particles),
-        // A quarter of the rows each level, read and written.
-        Grow::Pyramid => voxels / 8 * 5 / 3,
-        _ => 0,
-    };
-    Work { bytes: Some(4 * voxels + voxels / 8 + index + particle_bytes), flops: None }
 }

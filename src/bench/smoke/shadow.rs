@@ -3,7 +3,7 @@
 
 use super::{EFFECT, scene};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Accuracy, Row, Subject, Work};
+use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::data::Volume;
@@ -64,10 +64,12 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
     }
     let rig = &mut session.rig;
     let times = interleaved(variants.len(), session.quick, |i| rig.replay(effects[i].0, &effects[i].1))?;
-    for (((variant, _), times), accuracy) in variants.iter().zip(&times).zip(&accuracies) {
+    for ((((variant, _), times), accuracy), (effect, plan)) in variants.iter().zip(&times).zip(&accuracies).zip(effects)
+    {
+        let work = session.rig.work_of_replay(effect, &plan)?;
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: PARTICLES.into() };
-        session.rows.push(Row::new(EFFECT, subject, times, accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new(EFFECT, subject, times, accuracy, work, &session.limits));
     }
     Ok(())
 }

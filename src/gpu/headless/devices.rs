@@ -101,6 +101,13 @@ pub(super) fn has_costs(instance: &Instance, device: vk::PhysicalDevice) -> bool
     executables.pipeline_executable_info == vk::TRUE
 }
 
+/// Whether all stages of a render pass can store to memory.
+pub(super) fn has_stores(instance: &Instance, device: vk::PhysicalDevice) -> bool {
+    // SAFETY: a device of this instance.
+    let features = unsafe { instance.raw.get_physical_device_features(device) };
+    features.fragment_stores_and_atomics == vk::TRUE && features.vertex_pipeline_stores_and_atomics == vk::TRUE
+}
+
 /// A device that may be used.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {

@@ -2,7 +2,7 @@
 
 use super::effect::{DARKNESS, Desc};
 use crate::bench::measure::{Deviation, interleaved};
-use crate::bench::report::{Row, Subject, Work};
+use crate::bench::report::{Row, Subject};
 use crate::bench::{Outcome, Session};
 use crate::offline::{Scene, TARGET_FORMAT};
 
@@ -31,12 +31,13 @@ pub(super) fn measure(session: &mut Session) -> Outcome {
     }
     let rig = &mut session.rig;
     let times = interleaved(variants.len(), session.quick, |i| rig.replay(effects[i].0, &effects[i].1))?;
-    session.rig.clear();
-    for (((variant, _), times), accuracy) in variants.iter().zip(&times).zip(&found) {
+    for ((((variant, _), times), accuracy), (effect, plan)) in variants.iter().zip(&times).zip(&found).zip(effects) {
+        let work = session.rig.work_of_replay(effect, &plan)?;
         let (variant, workload) = ((*variant).to_owned(), NAME.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: pixels as u64 };
-        session.rows.push(Row::new("vignette", subject, times, accuracy, Work::default(), &session.limits));
+        session.rows.push(Row::new("vignette", subject, times, accuracy, work, &session.limits));
     }
+    session.rig.clear();
     Ok(())
 }
 
