@@ -1,4 +1,4 @@
-# celfx: make build, make demo, make test, make test-all, make bench. Each first runs .ci/setup, which installs what is missing.
+# celfx: make build, make demo, make test, make test-all, make bench, make bench-gpu. Each first runs .ci/setup, which installs what is missing.
 
 export PATH := $(or $(CARGO_HOME),$(HOME)/.cargo)/bin:$(PATH)
 
@@ -9,7 +9,7 @@ CELFX = $(or $(CARGO_TARGET_DIR),target)/release/celfx
 DRIVER = $(firstword $(wildcard $(addsuffix /vulkan/icd.d/lvp_icd*.json,/usr/share /usr/local/share /etc)))
 ON_DRIVER = $(if $(DRIVER),VK_DRIVER_FILES=$(DRIVER) VK_ICD_FILENAMES=$(DRIVER))
 
-.PHONY: build demo test test-all bench clean setup
+.PHONY: build demo test test-all bench bench-gpu clean setup
 
 build: setup
 	cargo build --release --locked
@@ -42,9 +42,18 @@ test-all: test
 bench: build
 	$(CELFX) bench all -o bench
 
+# On the GPU that the loader finds: all tests, what kernels cost and which ways are the fastest, and the benchmark, which
+# docs/performance-DEVICE.md keeps.
+bench-gpu: build
+	@$(CELFX) info | grep -E '^\*.*GPU\)' || { echo "no GPU: celfx info shows what there is, and what it lacks"; exit 1; }
+	CELFX_REQUIRE_VULKAN=1 cargo test --locked
+	-$(CELFX) info --kernels
+	$(CELFX) bench calibrate | tee bench-gpu-tuning.toml
+	$(CELFX) bench all -o bench-gpu --page docs
+
 clean:
 	cargo clean
-	rm -rf .shaderc demo bench
+	rm -rf .shaderc demo bench bench-gpu bench-gpu-tuning.toml
 
 setup:
 	@.ci/setup

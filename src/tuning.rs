@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 
 /// The ways that an effect takes where there are several with the same result: which is the fastest follows from the device.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Tuning {
     /// Invocations that share the 256 pixels of a tile of the fire: 32, 64, 128 or 256. With 32 each holds a column of 8,
@@ -26,6 +27,7 @@ pub struct Tuning {
 /// - `pyramid`: `pyramid_base + pyramid_level * levels + pyramid_side * side
 ///   + (pyramid_particle + pyramid_visit * side) * particles`
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the formulas say what each is")]
 pub struct GrowCosts {
@@ -93,6 +95,23 @@ impl GrowCosts {
     /// Microseconds of a byte at 1 TB/s.
     pub const BYTE: f64 = 1e-6;
 
+    pub(crate) fn terms(&self) -> [f64; 10] {
+        let GrowCosts { growth_base, growth_particle, field_base, field_voxel, field_particle, .. } = *self;
+        let GrowCosts { pyramid_base, pyramid_level, pyramid_side, pyramid_particle, pyramid_visit, .. } = *self;
+        [
+            growth_base,
+            growth_particle,
+            field_base,
+            field_voxel,
+            field_particle,
+            pyramid_base,
+            pyramid_level,
+            pyramid_side,
+            pyramid_particle,
+            pyramid_visit,
+        ]
+    }
+
     pub(crate) fn growth(&self, particles: f64) -> f64 {
         self.growth_base + self.growth_particle * particles
     }
@@ -125,6 +144,9 @@ impl Tuning {
     /// Names the first of them, and what is allowed.
     pub fn validate(&self) -> Result<()> {
         let refuse = |name, value, allowed: &str| Err(Error::setting(name, value, allowed));
+        if let Some(cost) = self.grow.terms().into_iter().find(|cost| !(0.0..1e12).contains(cost)) {
+            return Err(Error::setting("tuning.grow", cost, "microseconds, 0 to 1e12"));
+        }
         match *self {
             Tuning { tile_invocations, .. } if ![32, 64, 128, 256].contains(&tile_invocations) => {
                 refuse("tuning.tile_invocations", tile_invocations, "32, 64, 128 or 256")

@@ -30,7 +30,7 @@ impl Watch for Impatient {
 }
 
 fn request(effect: Option<&str>, only: &str) -> Request {
-    Request { what: benchmarks(effect), quick: true, only: Some(only.into()), device: common::options() }
+    Request { what: benchmarks(effect), quick: true, only: Some(only.into()), page: None, device: common::options() }
 }
 
 /// Rows of `bench.json` after a benchmark under validation; a message of it is an error.

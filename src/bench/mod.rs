@@ -4,6 +4,7 @@
 //! drivers may compile a kernel at its first dispatch.
 
 pub(crate) mod blur;
+pub mod calibrate;
 mod count;
 pub(crate) mod flame;
 mod limits;
@@ -14,7 +15,7 @@ pub(crate) mod rig;
 pub(crate) mod smoke;
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::gpu::headless::{Headless, NoDevice, Options};
@@ -35,6 +36,8 @@ pub struct Request {
     pub quick: bool,
     /// Only rows whose `pass/variant/workload` contains this.
     pub only: Option<String>,
+    /// Folder for a page of Markdown with the table, `performance-DEVICE.md`.
+    pub page: Option<PathBuf>,
     /// The device.
     pub device: Options,
 }
@@ -139,7 +142,12 @@ pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String
     let report = Report { device, driver, limits, rows };
     write(&report, folder)?;
     let notes: String = notes.iter().map(|note| format!("\n{note}")).collect();
-    Ok(report.table() + &notes)
+    let table = report.table() + &notes;
+    if let Some(folder) = &request.page {
+        let (name, text) = report.page(&table);
+        write_atomic(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
+    }
+    Ok(table)
 }
 
 fn write(report: &Report, folder: &Path) -> Outcome {

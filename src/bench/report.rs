@@ -118,6 +118,21 @@ impl Report {
         serde_json::to_string_pretty(self)
     }
 
+    /// A page of Markdown with the table, and the name of its file.
+    pub(crate) fn page(&self, table: &str) -> (String, String) {
+        let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' };
+        let words: String = self.device.chars().map(letter).collect();
+        let name = words.split_whitespace().collect::<Vec<_>>().join("-");
+        let text = format!(
+            "# Performance on {}\n\n`celfx bench`, driver {}. Milliseconds are medians, with a full barrier around each step; \
+             [performance.md](performance.md) says what is measured.\n\n```\n{}\n```\n",
+            self.device,
+            self.driver,
+            table.trim_end()
+        );
+        (format!("performance-{name}.md"), text)
+    }
+
     /// The table.
     pub(crate) fn table(&self) -> String {
         let Limits { copy_gb_s, fma_gflop_s } = self.limits;
@@ -207,6 +222,14 @@ pub(crate) mod tests {
         }
         assert_eq!(json["rows"].as_array().map(Vec::len), Some(4));
         Ok(())
+    }
+
+    #[test]
+    fn a_page_goes_by_the_device() {
+        let report = Report { device: "NVIDIA H100 (80 GB)".into(), ..sample() };
+        let (name, text) = report.page(&report.table());
+        assert_eq!(name, "performance-nvidia-h100-80-gb.md");
+        assert!(text.starts_with("# Performance on NVIDIA H100 (80 GB)\n") && text.contains("smoke gaussian"));
     }
 
     #[test]

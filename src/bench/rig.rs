@@ -9,6 +9,7 @@ use ash::vk;
 
 use super::count::Counter;
 use super::report::Work;
+use crate::effect::DeviceTraits;
 use crate::effect::Effort;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
@@ -22,6 +23,7 @@ use crate::host::{Background, Host, HostBuffer, ImageState};
 use crate::offline::picture::{host_image, image_desc};
 use crate::offline::{Describe, Left, Place, Player, Scene, make};
 use crate::plan::{BufferId, Command, Pass, Plan};
+use crate::tuning::Tuning;
 
 /// Format of the pictures.
 pub(crate) const FORMAT: vk::Format = crate::offline::TARGET_FORMAT;
@@ -99,6 +101,18 @@ impl Rig {
 
     pub(crate) fn messages(&self) -> Messages {
         self.headless.messages()
+    }
+
+    /// Effects that are made from now on take these ways; none: those that the device's type suggests.
+    pub(crate) fn tune(&mut self, tuning: Option<Tuning>) {
+        self.headless.fit(None);
+        let traits = self.headless.traits();
+        self.headless.fit(tuning.map(|tuning| DeviceTraits { tuning, ..traits }));
+    }
+
+    /// Ways that effects take.
+    pub(crate) fn tuning(&self) -> Tuning {
+        self.headless.traits().tuning
     }
 
     /// Largest storage buffer of the device in bytes.

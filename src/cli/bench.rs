@@ -20,7 +20,9 @@ Examples:
   celfx bench smoke --quick                         one effect, one run each
   celfx bench smoke --only 'gaussian/per_id_tiles'  one variant at its workloads
   celfx bench flame --only 'tiles R=16/paper'       one row
-  celfx bench blur --only refine                    where triangles are divided, at all workloads";
+  celfx bench blur --only refine                    where triangles are divided, at all workloads
+  celfx bench calibrate > mine.toml                 which ways are the fastest here; then:
+  celfx render --tuning mine.toml shot.toml -o out/%04d.png";
 
 /// Options of `celfx bench`.
 #[derive(Debug, Args)]
@@ -35,6 +37,9 @@ pub(super) struct Options {
     /// One run each, the largest workload cut
     #[arg(long)]
     quick: bool,
+    /// Write a page of Markdown with the table, performance-DEVICE.md, into this folder
+    #[arg(long, value_name = "DIR")]
+    page: Option<PathBuf>,
     /// Only rows whose PASS/VARIANT/WORKLOAD contains this
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -42,6 +47,8 @@ pub(super) struct Options {
 
 /// Name of the benchmark of the device alone; the other name stands for all of them.
 const LIMITS: &str = "limits";
+/// Name of what only says which ways kernels should take.
+const CALIBRATE: &str = "calibrate";
 const ALL: &str = "all";
 
 /// Names that can be measured.
@@ -51,6 +58,7 @@ fn names() -> PossibleValuesParser {
             .help(format!("The {} effect: its kernels with a choice, and its frames", effect.name()))
     });
     let others = [
+        PossibleValue::new(CALIBRATE).help("Which ways are the fastest on the device: prints a file for --tuning"),
         PossibleValue::new(LIMITS).help("What the device can do: copy and arithmetic"),
         PossibleValue::new(ALL).help("All of it"),
     ];
@@ -104,11 +112,14 @@ impl From<BenchError> for Failure {
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     interrupt::install(Failure::INTERRUPTED);
     let what = benchmarks(Some(options.what.as_str()).filter(|what| *what != ALL));
-    let (validate, device) = (common.validate, common.device.clone());
     let go_on = if common.quiet { interrupt::go_on } else { go_on };
-    let device = headless::Options { validate, device, go_on, ..headless::Options::default() };
-    let request = Request { what, quick: options.quick, only: options.only.clone(), device };
+    let device = headless::Options { go_on, ..common.device()? };
+    let request =
+        Request { what, quick: options.quick, only: options.only.clone(), page: options.page.clone(), device };
     let watch = Terminal { begin: Instant::now(), quiet: common.quiet };
+    if options.what == CALIBRATE {
+        return print(&bench::calibrate::calibrate(&request, &watch)?);
+    }
     let table = bench::run(&request, &options.output, &watch)?;
     if common.quiet { Ok(()) } else { print(&table) }
 }

@@ -49,12 +49,7 @@ fn pretty(value: &impl serde::Serialize) -> Result<String, Failure> {
 
 /// What every kernel costs.
 fn kernels(options: &Options, common: &Common) -> Result<String, Failure> {
-    let wanted = headless::Options {
-        validate: common.validate,
-        costs: true,
-        device: common.device.clone(),
-        ..headless::Options::default()
-    };
+    let wanted = headless::Options { costs: true, ..common.device()? };
     // It ends with the process: a driver that only compiles may not survive its device's end.
     let device = ManuallyDrop::new(Headless::new(&wanted)?);
     let name = device.info().name.clone();

@@ -9,6 +9,7 @@ mod shot;
 
 use std::borrow::Cow;
 use std::ffi::OsString;
+use std::fs;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -16,13 +17,14 @@ use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 
 use crate::error::Error;
-use crate::gpu::headless::NoDevice;
-use crate::interrupt::Interrupted;
+use crate::gpu::headless::{self, NoDevice};
+use crate::interrupt::{self, Interrupted};
 use crate::io::overlap::Overlap;
 use crate::io::pattern::PatternError;
 use crate::io::shot::ShotError;
 use crate::io::{ReadError, WriteError};
 use crate::program::InputError;
+use crate::tuning::Tuning;
 
 /// Hand-drawn-looking effects on Vulkan, from the terminal.
 #[derive(Debug, Parser)]
@@ -52,6 +54,10 @@ struct Common {
     /// Device to run on: its index in `celfx info`, or a part of its name
     #[arg(long, global = true, value_name = "NAME|INDEX")]
     device: Option<String>,
+    /// Ways that kernels take to the same picture: "cpu", "gpu", or a file that `celfx bench calibrate` has printed
+    /// [default: as the device's type suggests]
+    #[arg(long, global = true, value_name = "NAME|FILE")]
+    tuning: Option<String>,
     /// Run with Vulkan validation, synchronisation included; a message of it is an error
     #[arg(long, global = true)]
     validate: bool,
@@ -67,6 +73,13 @@ struct Common {
 }
 
 impl Common {
+    /// The device to open.
+    fn device(&self) -> Result<headless::Options, Failure> {
+        let tuning = self.tuning.as_deref().map(tuning).transpose()?;
+        let (validate, device) = (self.validate, self.device.clone());
+        Ok(headless::Options { validate, device, tuning, go_on: interrupt::go_on, ..headless::Options::default() })
+    }
+
     fn threads(&self) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         self.threads.map_or_else(cores, usize::from)
@@ -85,6 +98,21 @@ enum Command {
     Info(info::Options),
     /// Show what a mesh, volume, particle or shot file holds
     Inspect(inspect::Options),
+}
+
+/// Ways that kernels take, by name or from a file.
+fn tuning(text: &str) -> Result<Tuning, Failure> {
+    let tuning = match text {
+        "cpu" => Tuning::CPU,
+        "gpu" => Tuning::GPU,
+        path => {
+            let read = |e| Failure::new(Failure::INPUT, format!("--tuning {path}: {e}; or \"cpu\" or \"gpu\""));
+            let text = fs::read_to_string(path).map_err(|e| read(e.to_string()))?;
+            toml::from_str(&text).map_err(|e| read(e.to_string()))?
+        }
+    };
+    tuning.validate().map_err(|e| Failure::usage(e.to_string()))?;
+    Ok(tuning)
 }
 
 /// Why the program ends without having done its work.

@@ -21,6 +21,7 @@ use crate::gpu::costs::Cost;
 use crate::gpu::debug;
 use crate::gpu::kernels::Kernels;
 use crate::host::{Host, requirements};
+use crate::tuning::Tuning;
 use commands::Queue;
 use devices::Candidate;
 use instance::Instance;
@@ -40,6 +41,8 @@ pub struct Options {
     pub go_on: fn(Duration) -> bool,
     /// Enables what [`Kernels::with_costs`] needs, where the device has it.
     pub costs: bool,
+    /// Which of several ways effects take; none: those that the device's type suggests.
+    pub tuning: Option<Tuning>,
     /// Enables stores to memory in all stages of a render pass, where the device has them. For the benchmark, which counts
     /// what shaders do.
     #[doc(hidden)]
@@ -57,6 +60,7 @@ impl Default for Options {
             timeout: None,
             go_on: |_| true,
             costs: false,
+            tuning: None,
             stores: false,
             table: |device| device,
         }
@@ -220,7 +224,11 @@ impl Headless {
         let debug = unsafe { if instance.has_debug_utils { debug::table(&instance.raw, &device) } else { None } };
         let opened = Opened { candidate, device, debug, instance: ManuallyDrop::new(instance) };
         let kernels = if has_costs { Kernels::with_costs() } else { Kernels::new() };
-        Ok(Headless { allocator: ManuallyDrop::new(allocator), kernels, opened, queue, has_stores })
+        let mut headless = Headless { allocator: ManuallyDrop::new(allocator), kernels, opened, queue, has_stores };
+        if let Some(tuning) = options.tuning {
+            headless.fit(Some(DeviceTraits { tuning, ..headless.traits() }));
+        }
+        Ok(headless)
     }
 
     /// The host that an effect is made and recorded with.

@@ -167,6 +167,15 @@ fn prepare(
     Ok((Run::Effect(effect, plan), mean))
 }
 
+/// What the shape of the kernels is chosen by: repetitions, and the expected image.
+pub(super) fn accumulations(rig: &mut Rig, scene: &Scene) -> Result<[(EffectId, Plan); 2]> {
+    let mut accumulation = |variant: Variant| {
+        let effect = scene.render(rig, variant.settings(scene))?;
+        Ok((effect, rig.steps(effect, |pass| pass.name == "flame.accumulate")))
+    };
+    Ok([accumulation(Variant::Tiles(16))?, accumulation(Variant::Expected(32))?])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

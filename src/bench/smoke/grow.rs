@@ -9,6 +9,7 @@ use crate::bench::{Outcome, Session};
 use crate::data::Volume;
 use crate::error::Result;
 use crate::offline;
+use crate::plan::Plan;
 use crate::smoke::Settings;
 use crate::smoke::layout::SPHERES;
 use crate::smoke::reference::{Grid, grow};
@@ -64,23 +65,11 @@ fn measure_workload(
     variants: &[&(&str, Grow)],
 ) -> Outcome {
     let volume = scene::still_plume(dimensions);
-    let mut effects = Vec::new();
-    let mut plans = Vec::new();
-    for (_, grow) in variants {
-        // Everything that has nothing to do with radii is off.
-        let settings =
-            Settings { grow: *grow, particles, fade: 0, shadow: Shadow::None, sigma: 0.0, ..Settings::default() };
-        let effect = session.rig.effect(scene::desc([16, 16], &volume, settings, false))?;
-        // The frame compiles every kernel.
-        session
-            .rig
-            .frame(effect, &offline::Scene { rendered: false, ..scene::first_scene(Camera::default(), &volume) })?;
-        plans.push(session.rig.steps(effect, |pass| STEPS.contains(&pass.name)));
-        effects.push(effect);
-    }
+    let runs = variants.iter().map(|(_, grow)| prepare(&mut session.rig, *grow, particles, &volume));
+    let runs = runs.collect::<Result<Vec<_>>>()?;
     let rig = &mut session.rig;
-    let times = interleaved(variants.len(), session.quick, |i| rig.replay(effects[i], &plans[i]))?;
-    for ((((variant, _), times), effect), plan) in variants.iter().zip(&times).zip(effects).zip(plans) {
+    let times = interleaved(variants.len(), session.quick, |i| rig.replay(runs[i].0, &runs[i].1))?;
+    for (((variant, _), times), (effect, plan)) in variants.iter().zip(&times).zip(runs) {
         let work = session.rig.work_of_replay(effect, &plan)?;
         let accuracy = accuracy(&mut session.rig, effect, &volume, particles)?;
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
@@ -88,6 +77,28 @@ fn measure_workload(
         session.rows.push(Row::new(EFFECT, subject, times, &accuracy, work, &session.limits));
     }
     Ok(())
+}
+
+/// The searches by field, by pyramid and, if asked for, by the paper's loop, in a cube.
+pub(in crate::bench) fn searches(
+    rig: &mut Rig,
+    side: u32,
+    particles: u32,
+    has_growth: bool,
+) -> Result<Vec<(EffectId, Plan)>> {
+    let volume = scene::still_plume([side; 3]);
+    let ways = [Grow::Field, Grow::Pyramid].into_iter().chain(has_growth.then_some(Grow::Growth));
+    ways.map(|grow| prepare(rig, grow, particles, &volume)).collect()
+}
+
+/// A frame, which compiles every kernel, and the steps of it that lead to radii.
+fn prepare(rig: &mut Rig, grow: Grow, particles: u32, volume: &Volume) -> Result<(EffectId, Plan)> {
+    // Everything that has nothing to do with radii is off.
+    let settings = Settings { grow, particles, fade: 0, shadow: Shadow::None, sigma: 0.0, ..Settings::default() };
+    let effect = rig.effect(scene::desc([16, 16], volume, settings, false))?;
+    let first = scene::first_scene(Camera::default(), volume);
+    rig.frame(effect, &offline::Scene { rendered: false, ..first })?;
+    Ok((effect, rig.steps(effect, |pass| STEPS.contains(&pass.name))))
 }
 
 /// Against the brute force over all voxels in f64, in voxels.

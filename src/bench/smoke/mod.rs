@@ -7,6 +7,7 @@ pub(super) mod scene;
 mod shadow;
 
 use super::{Outcome, Session};
+pub(super) use grow::searches;
 
 /// Name of the effect in rows.
 const EFFECT: &str = "smoke";

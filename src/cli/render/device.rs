@@ -3,8 +3,7 @@
 use super::input::Step;
 use super::outputs::Frame;
 use crate::cli::{Common, Failure};
-use crate::gpu::headless::{Headless, Messages, Options};
-use crate::interrupt;
+use crate::gpu::headless::{Headless, Messages};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{EffectBuffer, Effects, Offline, Scene};
@@ -38,9 +37,7 @@ impl<'a> Renderer<'a> {
         timed: bool,
         background: Option<&Picture<[f32; 4]>>,
     ) -> Result<Renderer<'a>, Failure> {
-        let (validate, device) = (common.validate, common.device.clone());
-        let options = Options { validate, device, go_on: interrupt::go_on, ..Options::default() };
-        let headless = Headless::new(&options)?;
+        let headless = Headless::new(&common.device()?)?;
         let messages = headless.messages();
         let mut offline = Offline::new(headless, effects.clone())?;
         let buffers = layers::buffers(&effects, layers);
