@@ -13,7 +13,7 @@ pub struct Constant {
 }
 
 /// The scalar constants of a file, in its order. One whose value calls a function, takes several lines, or follows from a
-/// specialisation constant of the file, is the shaders' own.
+/// specialisation constant of the file or from what is built in, is the shaders' own.
 pub fn constants(text: &str) -> impl Iterator<Item = Constant> {
     let specialised: Vec<&str> = text.lines().filter_map(specialised).collect();
     let all = text.lines().filter_map(|line| constant(line.strip_prefix("const ")?));
@@ -35,7 +35,7 @@ fn constant(line: &str) -> Option<Constant> {
     };
     let (name, rest) = rest.split_once(" = ")?;
     let (value, comment) = rest.split_once(';')?;
-    if name.contains('[') || value.contains('(') {
+    if name.contains('[') || value.contains('(') || value.contains("gl_") {
         return None;
     }
     let comment = comment.trim().trim_start_matches('/').trim().to_owned();

@@ -3,7 +3,7 @@
 
 use crate::plan::{BufferId, Command, Pass, PassId, Plan};
 use crate::shaders::scan as glsl;
-use crate::shaders::scan::constants::SCAN_BLOCK;
+use crate::shaders::scan::constants::{SCAN_BLOCK, SCAN_VECTORS};
 
 /// Counters of a scan: more would take more workgroups than every device can dispatch.
 pub const MOST_COUNTERS: u64 = 1 << 25;
@@ -24,5 +24,6 @@ pub fn passes(name: &'static str, values: BufferId, sums: BufferId) -> [Pass; 2]
 /// Half of a scan over a buffer of so many bytes, a multiple of 16.
 pub fn step(plan: &mut Plan, pass: PassId, bytes: u64) {
     let constants = glsl::blocks::ScanConstants { vectors: (bytes / 16) as u32 };
-    plan.step_with(pass, Command::Dispatch { threads: [constants.vectors, 1, 1] }, &constants);
+    let threads = [constants.vectors.div_ceil(SCAN_VECTORS), 1, 1];
+    plan.step_with(pass, Command::Dispatch { threads }, &constants);
 }

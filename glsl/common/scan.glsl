@@ -4,26 +4,39 @@
 #ifndef SCAN
 #define SCAN
 
-shared SCAN_TYPE scan_sums[gl_WorkGroupSize.x];
-
+const uint SCAN_ROW = 16u;  // invocations whose values one of them adds up
+const uint SCAN_ROWS = gl_WorkGroupSize.x * gl_WorkGroupSize.y / SCAN_ROW;
+shared SCAN_TYPE scan_sums[SCAN_ROWS * (SCAN_ROW + 1u)];  // a row's sum stands after it
 struct Scan {
     SCAN_TYPE before;
     SCAN_TYPE all;
 };
 
-// Over the invocations of a workgroup.
+// Over the invocations of a workgroup: along rows, then over the sums of rows. Few barriers, and no two invocations wait for a bank of memory.
 Scan scan_workgroup(SCAN_TYPE own) {
     uint lane = gl_LocalInvocationIndex;
+    uint place = lane + lane / SCAN_ROW;
     barrier();
-    scan_sums[lane] = own;
-    for (uint reach = 1u; reach < gl_WorkGroupSize.x; reach *= 2u) {
-        barrier();
-        SCAN_TYPE before = lane >= reach ? scan_sums[lane - reach] : SCAN_TYPE(0u);
-        barrier();
-        scan_sums[lane] += before;
+    scan_sums[place] = own;
+    barrier();
+    if (lane < SCAN_ROWS) {
+        uint first = lane * (SCAN_ROW + 1u);
+        SCAN_TYPE sum = SCAN_TYPE(0u);
+        for (uint i = first; i < first + SCAN_ROW; ++i) {
+            SCAN_TYPE value = scan_sums[i];
+            scan_sums[i] = sum;
+            sum += value;
+        }
+        scan_sums[first + SCAN_ROW] = sum;
     }
     barrier();
-    return Scan(scan_sums[lane] - own, scan_sums[gl_WorkGroupSize.x - 1u]);
+    Scan scan = Scan(scan_sums[place], SCAN_TYPE(0u));
+    for (uint row = 0u; row < SCAN_ROWS; ++row) {
+        SCAN_TYPE sum = scan_sums[row * (SCAN_ROW + 1u) + SCAN_ROW];
+        scan.before += row < lane / SCAN_ROW ? sum : SCAN_TYPE(0u);
+        scan.all += sum;
+    }
+    return scan;
 }
 
 #ifdef SCAN_BLOCKS

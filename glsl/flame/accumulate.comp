@@ -39,9 +39,11 @@ shared vec4 batch_slope[BATCH];   // slope and reach; or, near the camera, x and
 shared uvec3 batch_draw[BATCH];   // row + 1, id, hash of the id less the place of its first render particle in the batch
 shared vec4 sprite_place[BATCH];  // x, y, depth, texels a pixel
 shared uvec4 sprite_draw[BATCH];  // row + 1, id, texel, alpha
-// For even rounds and for odd ones: while one is used, the other is emptied.
+// For even rounds and for odd ones: while one is used, the other is emptied. Columns of whole blocks have one of each: more barriers are cheaper for
+// the drivers that they suit than places that are not known beforehand.
 shared uint starts[2u * WORDS];         // a bit for each sprite of the round that is its particle's first
 shared uint touches[2u * BATCH / 8u];   // which of 8 sprites each touch: a byte for each block
+shared uint columns_farthest[LANES];
 shared uint farthest[2u * BLOCKS];      // of what is nearest in the pixels of each block as the round begins
 
 // What is nearest in each pixel of the column. Rows count from 1; 0 is nobody.
@@ -165,11 +167,15 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity)
     float reach = abs(slope.z) * optics.half_mask / sprite.scale + 1e-3;
     vec4 bounds = vec4(sprite.at - reach, sprite.at + reach);
     uint depth = floatBitsToUint(sprite.z);
+    uint limits[BLOCKS];
+    [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
+        limits[block] = farthest[BLOCKS * parity + block];
+    }
     uint touched = 0u;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         vec2 corner = vec2(block_corner(block));
         bool is_near = all(lessThanEqual(bounds.xy, corner + (float(BLOCK) - 0.5))) && all(greaterThanEqual(bounds.zw, corner + 0.5));
-        touched |= is_near && depth <= farthest[BLOCKS * parity + block] ? 1u << (8u * block) : 0u;
+        touched |= is_near && depth <= limits[block] ? 1u << (8u * block) : 0u;
     }
     if (sprite.exists && touched != 0u) {
         sprite_place[lane] = vec4(sprite.at, sprite.z, sprite.scale);
@@ -190,7 +196,7 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
         float alpha = uintBitsToFloat(sprite.w);
         vec2 t = (centre - place.xy) * place.w + half_mask;
         Look look = begin_look(t.x, sprite.z, level);
-        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
             float value = mask_value(look, t.y + float(column.row + y) * place.w);
             bool passes = is_one && value > 0.0 && alpha * value >= threshold;
             bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
@@ -212,13 +218,29 @@ uint touching(uint block, uint word, uint parity) {
     return bits;
 }
 
-// Notes how far away the farthest of what is nearest is: it can only come nearer, and what is behind all of it need not be looked at.
-void note_farthest(uint block, uint parity, bool skips) {
+
+// Begins a round: notes how far away the farthest of what is nearest is: it can only come nearer, and what is behind all of it need not be looked at.
+void begin_round(uint block, uint parity, bool skips) {
     uint own = skips ? 0u : INFINITY_BITS;
-    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
         own = max(own, nearest_depth[y]);
     }
-    atomicMax(farthest[BLOCKS * parity + block], own);
+    uint lane = gl_LocalInvocationID.x;
+    if (ROWS == int(BLOCK)) {
+        // Drivers that pack invocations into vectors do atomics one by one.
+        columns_farthest[lane] = own;
+        barrier();
+        if (lane < BLOCKS) {
+            uint all = 0u;
+            [[unroll]] for (uint i = 0u; i < BLOCK; ++i) {
+                all = max(all, columns_farthest[BLOCK * lane + i]);
+            }
+            farthest[lane] = all;
+            touches[lane] = 0u;
+        }
+    } else {
+        atomicMax(farthest[BLOCKS * parity + block], own);
+    }
 }
 
 // Empties what a round leaves behind.
@@ -260,7 +282,7 @@ void main() {
     bool is_last_segment = segment + 1u == control.segments;
 
     Column column = own_column();
-    uvec2 pixel = tile * TILE + column.corner + uvec2(column.x, column.row);
+    uvec2 pixel = tile * TILE + column.corner + uvec2(column.x, uint(column.row));
     vec2 centre = vec2(column.corner) + vec2(float(column.x) + 0.5, 0.5);
     vec2 origin = vec2(tile * TILE);
     uint first_pixel = pixel_index(pixel);
@@ -269,9 +291,9 @@ void main() {
     Sum sum[ROWS];
     uint before = params.repetitions_before;
     bool is_first = before + first == 0u;
-    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
-        inside[y] = pixel.x < params.size.x && pixel.y + y < params.size.y;
-        uint at = first_pixel + y * params.size.x;
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        inside[y] = pixel.x < params.size.x && pixel.y + uint(y) < params.size.y;
+        uint at = first_pixel + uint(y) * params.size.x;
         scene_depth[y] = inside[y] ? INFINITY_BITS : 0u;
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
@@ -298,19 +320,19 @@ void main() {
     uint left = 0u;
     do {
         bool is_first_batch = at == first_entry;
-        uint found = find_batch(at, last_entry, left, is_first_batch, 1u - parity);
+        uint found = find_batch(at, last_entry, left, is_first_batch, ROWS == int(BLOCK) ? 0u : 1u - parity);
         bool is_last_batch = at >= last_entry && found <= BATCH;
         Batch batch = load_batch(found, origin);
         left = batch.left;
         // One batch that is all of the list serves all repetitions.
         do {
             if (is_first_batch) {
-                [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+                [[unroll]] for (int y = 0; y < ROWS; ++y) {
                     nearest_depth[y] = scene_depth[y];
                     nearest_id[y] = 0u;
                     nearest_row[y] = 0u;
                     if (segment > 0u && inside[y]) {
-                        uvec4 winner = winners[first_pixel + y * params.size.x];
+                        uvec4 winner = winners[first_pixel + uint(y) * params.size.x];
                         nearest_depth[y] = winner.x;
                         nearest_id[y] = winner.y;
                         nearest_row[y] = winner.z;
@@ -320,13 +342,15 @@ void main() {
             uint made = 0u;
             uint particles_before = 0u;
             do {
-                note_farthest(column.block, parity, skips);
+                begin_round(column.block, parity, skips);
                 uint begins = batch.start - made;
                 if (begins < BATCH) {
                     atomicOr(starts[WORDS * parity + begins / 32u], 1u << (begins % 32u));
                 }
                 barrier();
-                empty_round(1u - parity);
+                if (ROWS != int(BLOCK)) {
+                    empty_round(1u - parity);
+                }
                 uvec2 begun = count_starts(parity);
                 if (is_in_batch() && made + lane < batch.total) {
                     note_sprite(optics, particles_before + begun.x - 1u, made + lane, before + repetition, parity);
@@ -334,18 +358,21 @@ void main() {
                 particles_before += begun.y;
                 made += BATCH;
                 barrier();
+                if (ROWS == int(BLOCK) && lane == 0u) {
+                    starts[0] = 0u;
+                }
                 [[unroll]] for (uint word = 0u; word < WORDS; ++word) {
                     uint touching_block = touching(column.block, word, parity);
                     if (WORDS == 1u || touching_block != 0u) {
                         test_sprites(touching_block, 32u * word, column, centre, level, optics.half_mask, threshold);
                     }
                 }
-                parity = 1u - parity;
+                parity = ROWS == int(BLOCK) ? 0u : 1u - parity;
             } while (made < batch.total);
             if (is_last_batch) {
-                [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+                [[unroll]] for (int y = 0; y < ROWS; ++y) {
                     if (inside[y] && !is_last_segment) {
-                        winners[first_pixel + y * params.size.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
+                        winners[first_pixel + uint(y) * params.size.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
                     }
                     if (is_last_segment && nearest_row[y] != 0u) {
                         add_winner(sum[y], particles[nearest_row[y] - 1u].light, nearest_depth[y]);
@@ -356,8 +383,8 @@ void main() {
         } while (is_first_batch && is_last_batch && repetition < last);
         at = is_last_batch ? first_entry : at;
     } while (repetition < last);
-    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
-        uint at = first_pixel + y * params.size.x;
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        uint at = first_pixel + uint(y) * params.size.x;
         if (inside[y] && is_last_segment) {
             store_sum(at, sum[y]);
         }

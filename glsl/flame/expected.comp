@@ -62,25 +62,26 @@ vec4 bins[ROWS];         // not composited yet: mean colour, optical depth
 vec3 bin_squares[ROWS];  // mean squared colours
 float scene_depth[ROWS];
 
-Finished load_finished(uint y) {
-    if (ROWS == 1u) {
+Finished load_finished(int y) {
+    Finished of_pixel = finished_rows[y];
+    if (ROWS == 1) {
         uint at = gl_LocalInvocationID.x;
         vec4 a = finished[at], b = finished[SHARED_PIXELS + at], c = finished[2u * SHARED_PIXELS + at];
-        return Finished(a.xyz, a.w, b, c.xyz, c.w, finished_squares[at]);
+        of_pixel = Finished(a.xyz, a.w, b, c.xyz, c.w, finished_squares[at]);
     }
-    return finished_rows[y];
+    return of_pixel;
 }
 
-void store_finished(uint y, Finished of_pixel) {
-    if (ROWS == 1u) {
+void store_finished(int y, Finished of_pixel) {
+    if (ROWS == 1) {
         uint at = gl_LocalInvocationID.x;
         finished[at] = vec4(of_pixel.mean, of_pixel.transmittance);
         finished[SHARED_PIXELS + at] = of_pixel.nearer_bin;
         finished[2u * SHARED_PIXELS + at] = vec4(of_pixel.nearer_square, of_pixel.depth_sum);
         finished_squares[at] = of_pixel.bin_square;
-        return;
+    } else {
+        finished_rows[y] = of_pixel;
     }
-    finished_rows[y] = of_pixel;
 }
 
 // ln(1 - G) at a corner of the grid, between two depths.
@@ -194,7 +195,7 @@ struct Meeting {
     vec2 zeta;    // where a bin, as far as the scene lets one see, begins and ends; metres behind the particle
 };
 
-Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, uint row, uint y) {
+Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, int row, int y) {
     vec2 slope = vec2(ray.x, ray.y - float(row + y) * step_down);
     float end = min(bin.y, scene_depth[y]);
     vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.bounding_radius, params.bounding_radius);
@@ -212,17 +213,17 @@ void add_particle(bool is_one, uint row, Column column, vec2 bin, vec2 ray, floa
     // What decides for all rows is asked once, and not in each.
     float rises[ROWS];
     if (narrow) {
-        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
             Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
             rises[y] = narrow_rise(met.centre, met.zeta, near, pixel, particles[row].chance);
         }
     } else {
-        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
             Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
             rises[y] = rise(met.centre, met.slope, met.zeta, class_index);
         }
         if (near > -params.bounding_radius) {
-            [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+            [[unroll]] for (int y = 0; y < ROWS; ++y) {
                 Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
                 rises[y] /= cut_by_near(met.centre, met.slope, met.zeta.x, near, class_index);
             }
@@ -231,7 +232,7 @@ void add_particle(bool is_one, uint row, Column column, vec2 bin, vec2 ray, floa
     // Read no earlier than they are needed: registers are few.
     vec3 colour = particles[row].colour.rgb / brightest;
     float weight = is_one ? particles[row].weight : 0.0;
-    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
         float h = min(weight * depth_of(clamp(rises[y], 0.0, 1.0)), MOST_DEPTH);
         h = bin.x < min(bin.y, scene_depth[y]) ? h : 0.0;
         uvec4 added = uvec4(vec4(h * colour, h) * FIXED + 0.5);
@@ -258,7 +259,7 @@ float middle(uint bin, vec2 scale) {
 
 // Composites the pending bin behind what is nearer; the finished one takes its place. `depth`: of the former.
 void composite_bin(float depth) {
-    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
         vec4 sum = vec4(bin_high[y]) * FIXED_WORD + vec4(bin_low[y]) / FIXED;
         vec4 farther = vec4(sum.rgb / max(sum.w, 1e-30), sum.w);
         Finished before = load_finished(y);
@@ -290,7 +291,7 @@ void composite_bin(float depth) {
 }
 
 // What the dispatch before has left: the bin that is not composited yet and the one before it, and sums of an unfinished one.
-void load_unlaid(uint y, uint at, bool is_there, bool is_unfinished, inout Finished of_pixel) {
+void load_unlaid(int y, uint at, bool is_there, bool is_unfinished, inout Finished of_pixel) {
     bins[y] = vec4(0.0);
     bin_squares[y] = vec3(0.0);
     square_low[y] = uvec4(0u);
@@ -311,7 +312,7 @@ void load_unlaid(uint y, uint at, bool is_there, bool is_unfinished, inout Finis
     }
 }
 
-void store_unlaid(uint y, uint at, bool is_finished, Finished of_pixel) {
+void store_unlaid(int y, uint at, bool is_finished, Finished of_pixel) {
     unlaid[UNLAID * at] = bins[y];
     unlaid[UNLAID * at + 1u] = of_pixel.nearer_bin;
     unlaid[UNLAID * at + 2u] = vec4(bin_squares[y], of_pixel.bin_square);
@@ -338,13 +339,13 @@ void main() {
     bool is_last_segment = segment + 1u == control.segments;
 
     Column column = own_column();
-    uvec2 pixel = tile * TILE + column.corner + uvec2(column.x, column.row);
+    uvec2 pixel = tile * TILE + column.corner + uvec2(column.x, uint(column.row));
     vec2 ray = ray_at(vec2(tile * TILE + column.corner + uvec2(column.x, 0u)) + 0.5);
     uint first_pixel = pixel_index(pixel);
     bool inside[ROWS];
-    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
-        inside[y] = pixel.x < params.size.x && pixel.y + y < params.size.y;
-        uint at = first_pixel + y * params.size.x;
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        inside[y] = pixel.x < params.size.x && pixel.y + uint(y) < params.size.y;
+        uint at = first_pixel + uint(y) * params.size.x;
         scene_depth[y] = uintBitsToFloat(INFINITY_BITS);
         if (HAS_SCENE == 1u) {
             if (inside[y]) {
@@ -442,7 +443,7 @@ void main() {
         }
         barrier();
         float own = 0.0;
-        [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
             own = max(own, load_finished(y).transmittance);
         }
         atomicMax(clearest, floatBitsToUint(max(own, 0.0)));
@@ -450,8 +451,8 @@ void main() {
         ++bin;
     } while (bin < last);
     bool is_done = last == buckets && is_last_segment;
-    [[unroll]] for (uint y = 0u; y < ROWS; ++y) {
-        uint at = first_pixel + y * params.size.x;
+    [[unroll]] for (int y = 0; y < ROWS; ++y) {
+        uint at = first_pixel + uint(y) * params.size.x;
         Finished of_pixel = load_finished(y);
         if (inside[y] && !is_done) {
             store_unlaid(y, at, is_last_segment, of_pixel);
