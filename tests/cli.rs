@@ -19,6 +19,8 @@ mod outputs;
 mod resume;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/tuning.rs"]
+mod tuning;
 #[path = "cli/vignette.rs"]
 mod vignette;
 #[path = "cli/winding.rs"]

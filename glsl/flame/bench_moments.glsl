@@ -10,7 +10,7 @@
 #include "bench_transmittance.glsl"
 
 const float OVERESTIMATION = 0.25;  // how much of the weight at a particle's own depth is before it
-const float FARTHEST = 1e6;         // of points
+const float FARTHEST_POINT = 1e6;         // of points
 
 // Of 1, z ... z^6; the mean of z^k after `conclude`.
 float moments[7];
@@ -84,7 +84,7 @@ float weight_at(float z) {
 
 // Weight of the point at z + 1 / t where that is before z.
 float weight_before(float z, float t) {
-    return t < 0.0 ? weight_at(z + 1.0 / min(t, -1.0 / FARTHEST)) : 0.0;
+    return t < 0.0 ? weight_at(z + 1.0 / min(t, -1.0 / FARTHEST_POINT)) : 0.0;
 }
 
 // Roots of t^2 + m t + n; all are real but for rounding.

@@ -3,7 +3,9 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::host::{Capabilities, Features, Host, Limits, requirements};
+#[cfg(feature = "cli")]
+use crate::host::Host;
+use crate::host::{Capabilities, Features, Limits, requirements};
 use crate::tuning::Tuning;
 
 /// Names everything that a physical device lacks to run celfx, one entry each; empty: nothing.

@@ -215,10 +215,10 @@ impl Writer {
                     chains.insert(*id, Touched::Image(module.images[image]));
                 }
                 _ => {
-                    if let Some((place, access)) = self.access(module, chains, (opcode, w), code) {
-                        if marked.insert((place.clone(), access)) {
-                            self.mark(&place, access, label, code);
-                        }
+                    if let Some((place, access)) = self.access(module, chains, (opcode, w), code)
+                        && marked.insert((place.clone(), access))
+                    {
+                        self.mark(&place, access, label, code);
                     }
                 }
             }
