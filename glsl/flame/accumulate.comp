@@ -43,7 +43,7 @@ shared uvec4 sprite_draw[BATCH];  // row + 1, id, texel, alpha
 // the drivers that they suit than places that are not known beforehand.
 shared uint starts[2u * WORDS];         // a bit for each sprite of the round that is its particle's first
 shared uint touches[2u * BATCH / 8u];   // which of 8 sprites each touch: a byte for each block
-shared uint columns_farthest[LANES];
+shared uint columns_farthest[LANES];  // of what is nearest in each column, where blocks are taken from there
 shared uint farthest[2u * BLOCKS];      // of what is nearest in the pixels of each block as the round begins
 
 // What is nearest in each pixel of the column. Rows count from 1; 0 is nobody.
@@ -218,8 +218,7 @@ uint touching(uint block, uint word, uint parity) {
     return bits;
 }
 
-
-// Begins a round: notes how far away the farthest of what is nearest is: it can only come nearer, and what is behind all of it need not be looked at.
+// Begins a round: notes how far away the farthest of what is nearest is. It can only come nearer, and what is behind all of it need not be looked at.
 void begin_round(uint block, uint parity, bool skips) {
     uint own = skips ? 0u : INFINITY_BITS;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {

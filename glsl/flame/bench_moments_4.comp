@@ -2,5 +2,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-const uint MOMENTS = 4u;
+#define MOMENTS 4u
 #include "bench_moments.glsl"

@@ -2,5 +2,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-const uint MOMENTS = 6u;
+#define MOMENTS 6u
 #include "bench_moments.glsl"

@@ -7,27 +7,26 @@
 #include "bench_blend.glsl"
 #include "bench_transmittance.glsl"
 
-const uint RANK = 3u;
-const uint BINS = 2u << RANK;
+#include "bench_wavelets.glsl"
 
 // Of the constant, then of wavelet k of level j at 2^j + k.
-float coefficients[BINS];
+float coefficients[WAVELET_BINS];
 
 // Where a depth lies, in bins.
 float bin_place(float depth) {
-    return depth * float(BINS - 1u);
+    return depth * float(WAVELET_BINS - 1u);
 }
 
 void clear_function() {
-    [[unroll]] for (uint k = 0u; k < BINS; ++k) {
+    [[unroll]] for (uint k = 0u; k < WAVELET_BINS; ++k) {
         coefficients[k] = 0.0;
     }
 }
 
 void record(float depth, float amount) {
-    float x = bin_place(depth) / float(BINS);
+    float x = bin_place(depth) / float(WAVELET_BINS);
     coefficients[0] += amount * (1.0 - x);
-    [[unroll]] for (uint level = 0u; level <= RANK; ++level) {
+    [[unroll]] for (uint level = 0u; level <= WAVELET_RANK; ++level) {
         float scale = float(1u << level);
         float place = x * scale;
         float along = fract(place);
@@ -41,9 +40,9 @@ void conclude(float total) {}
 // Mean in a bin.
 float bin_mean(uint bin) {
     float mean = coefficients[0];
-    [[unroll]] for (uint level = 0u; level <= RANK; ++level) {
-        bool is_first = (bin >> (RANK - level) & 1u) == 0u;
-        float coefficient = coefficients[(1u << level) + (bin >> (RANK + 1u - level))];
+    [[unroll]] for (uint level = 0u; level <= WAVELET_RANK; ++level) {
+        bool is_first = (bin >> (WAVELET_RANK - level) & 1u) == 0u;
+        float coefficient = coefficients[(1u << level) + (bin >> (WAVELET_RANK + 1u - level))];
         mean += (is_first ? coefficient : -coefficient) * sqrt(float(1u << level));
     }
     return mean;

@@ -107,7 +107,7 @@ struct Control {
     uint segments;         // parts that a tile's list is cut into
     uint segment_entries;  // entries of each
     uint part_repetitions; // repetitions of a dispatch
-    uint listed;           // entries of the longest list that a tile can have
+    uint listed;           // entries of the tile that has most in its lists
     uint classes;          // of the kernel table: a bit for each that a particle needs
     uint base;             // bits of the view depth that particles' depths are less; 0 unless the fire is far away
     uint depth_low;        // depth range of what can be seen from there, if it is not 0

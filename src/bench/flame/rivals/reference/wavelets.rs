@@ -4,9 +4,10 @@
 use glam::DVec3;
 
 use super::{Fog, Layer, layers, normalised};
+use crate::shaders::flame::constants::{WAVELET_BINS, WAVELET_RANK};
 
-const RANK: u32 = 3;
-const BINS: usize = 2 << RANK;
+/// Bins of depth, and coefficients.
+const BINS_OF_DEPTH: usize = WAVELET_BINS as usize;
 
 /// One of the functions: a constant, or a wavelet.
 #[derive(Clone, Copy)]
@@ -19,7 +20,7 @@ enum Basis {
 impl Basis {
     fn all() -> impl Iterator<Item = Basis> {
         let level = |level| (0..1_usize << level).map(move |number| Basis::Wavelet(level, number));
-        std::iter::once(Basis::Constant).chain((0..=RANK).flat_map(level))
+        std::iter::once(Basis::Constant).chain((0..=WAVELET_RANK).flat_map(level))
     }
 
     /// Its value and where that is, twice: both halves.
@@ -47,7 +48,7 @@ impl Basis {
 
 /// Where a layer is. None is in the last bin, whose mean is therefore the total.
 fn place(depth: f64) -> f64 {
-    depth * (BINS - 1) as f64 / BINS as f64
+    depth * (BINS_OF_DEPTH - 1) as f64 / BINS_OF_DEPTH as f64
 }
 
 /// What remains of layers.
@@ -63,13 +64,13 @@ impl Wavelets {
 
     /// Mean in a bin; before the first there is nothing.
     fn mean(&self, bin: Option<usize>) -> f64 {
-        let x = |bin: usize| (bin as f64 + 0.5) / BINS as f64;
+        let x = |bin: usize| (bin as f64 + 0.5) / BINS_OF_DEPTH as f64;
         bin.map_or(0.0, |bin| self.0.iter().map(|(basis, coefficient)| coefficient * basis.value(x(bin))).sum())
     }
 
     /// Before a depth from 0 to 1: from the mean of the bin before to that of its own.
     pub(in super::super) fn absorbance_before(&self, depth: f64) -> f64 {
-        let place = place(depth) * BINS as f64;
+        let place = place(depth) * BINS_OF_DEPTH as f64;
         let bin = place as usize;
         let along = place - bin as f64;
         (1.0 - along) * self.mean(bin.checked_sub(1)) + along * self.mean(Some(bin))
@@ -77,7 +78,7 @@ impl Wavelets {
 
     /// Behind all layers.
     fn total(&self) -> f64 {
-        self.mean(Some(BINS - 1))
+        self.mean(Some(BINS_OF_DEPTH - 1))
     }
 }
 
@@ -103,14 +104,14 @@ mod tests {
     #[test]
     fn the_basis_is_orthonormal() {
         let basis: Vec<Basis> = Basis::all().collect();
-        assert_eq!(basis.len(), BINS);
+        assert_eq!(basis.len(), BINS_OF_DEPTH);
         for (i, a) in basis.iter().enumerate() {
             for (j, b) in basis.iter().enumerate() {
                 let product = |bin: usize| {
-                    let x = (bin as f64 + 0.5) / BINS as f64;
-                    a.value(x) * b.value(x) / BINS as f64
+                    let x = (bin as f64 + 0.5) / BINS_OF_DEPTH as f64;
+                    a.value(x) * b.value(x) / BINS_OF_DEPTH as f64
                 };
-                let inner: f64 = (0..BINS).map(product).sum();
+                let inner: f64 = (0..BINS_OF_DEPTH).map(product).sum();
                 assert!((inner - f64::from(u8::from(i == j))).abs() < 1e-12, "{i} {j}: {inner}");
             }
         }
@@ -121,8 +122,8 @@ mod tests {
         let draw = |i, dimension| f64::from(unit(hash(5, i, 0, dimension)));
         let layers: Vec<Layer> = (0..40).map(|i| Layer { depth: draw(i, 0), absorbance: 3.0 * draw(i, 1) }).collect();
         let wavelets = Wavelets::new(&layers);
-        for bin in 0..BINS {
-            let share = |depth: f64| (bin as f64 + 1.0 - place(depth) * BINS as f64).clamp(0.0, 1.0);
+        for bin in 0..BINS_OF_DEPTH {
+            let share = |depth: f64| (bin as f64 + 1.0 - place(depth) * BINS_OF_DEPTH as f64).clamp(0.0, 1.0);
             let expected: f64 = layers.iter().map(|layer| layer.absorbance * share(layer.depth)).sum();
             assert!((wavelets.mean(Some(bin)) - expected).abs() < 1e-12, "{bin}");
         }
@@ -133,8 +134,8 @@ mod tests {
     /// Layers where bins begin are exact there, and so is blending of layers between which a bin is whole.
     #[test]
     fn layers_that_bins_tell_apart_are_exact() {
-        let edge = |bin: usize| bin as f64 / (BINS - 1) as f64;
-        let layers: Vec<Layer> = (0..BINS).map(|bin| Layer { depth: edge(bin), absorbance: 0.3 }).collect();
+        let edge = |bin: usize| bin as f64 / (BINS_OF_DEPTH - 1) as f64;
+        let layers: Vec<Layer> = (0..BINS_OF_DEPTH).map(|bin| Layer { depth: edge(bin), absorbance: 0.3 }).collect();
         let wavelets = Wavelets::new(&layers);
         for (bin, layer) in layers.iter().enumerate() {
             // A rounding may put an edge into the bin before: interpolation is continuous.
