@@ -128,12 +128,14 @@ impl Tracker {
             self.open(plan, passes);
         } else {
             for_each_use(step, pass, |resource, usage| is_needed |= self.change(resource, usage));
-            // Copies that follow change theirs together with it.
+            // Copies that follow change theirs together with it, unless an image would change twice.
             let copies = |step: &&Step| is_needed && matches!(step.command, Command::CopyImage { .. });
             for step in plan.steps[index..].iter().take_while(copies).skip(1) {
                 let pass = &passes[usize::from(step.pass.0)];
                 for_each_use(step, pass, |resource, usage| {
-                    self.change(resource, usage);
+                    if !self.changes.iter().any(|change| Resource::Image(change.image) == resource) {
+                        self.change(resource, usage);
+                    }
                 });
             }
         }

@@ -196,6 +196,36 @@ fn images_of_the_host_change_with_barriers() {
     }
 }
 
+/// Copies in a row change their images at once, but an image that is written and then read does so twice.
+#[test]
+fn copies_in_a_row_share_a_barrier() {
+    let [a, b, c] = [0, 1, 2].map(ImageId);
+    let pass = Pass::transfer("copies").copies(a, b).copies(b, c).copies(a, c).fills(A);
+    let copies = |pairs: &[(ImageId, ImageId)]| {
+        let mut plan = Plan::default();
+        plan.step(PassId(0), Command::Fill { buffer: A, word: 0 });
+        // An image's first use is the frame's beginning: here that is as a source.
+        plan.step(PassId(0), Command::CopyImage { from: b, to: a, extent: [1, 1] });
+        pairs
+            .iter()
+            .for_each(|(from, to)| plan.step(PassId(0), Command::CopyImage { from: *from, to: *to, extent: [1, 1] }));
+        let passes = std::slice::from_ref(&pass);
+        let mut tracker = Tracker::new(2, 3);
+        tracker.begin(&plan, passes);
+        let mut changes = Vec::new();
+        for index in 0..plan.steps.len() {
+            tracker.before(&plan, index, passes);
+            let mut images: Vec<_> = tracker.changes().iter().map(|change| change.image.0).collect();
+            images.sort_unstable();
+            assert!(images.windows(2).all(|pair| pair[0] != pair[1]), "an image changes twice in a barrier");
+            changes.push(images);
+        }
+        changes
+    };
+    assert_eq!(copies(&[(a, c), (a, c)]), [vec![0, 1, 2], vec![], vec![0], vec![]]);
+    assert_eq!(copies(&[(a, b), (b, c)]), [vec![0, 1, 2], vec![], vec![0, 1], vec![1]]);
+}
+
 #[test]
 fn a_binding_is_bound_once_and_used_as_each_stage_says() {
     let seen = glsl::tiles::SEEN;

@@ -8,7 +8,7 @@ layout(local_size_x = 256) in;
 #include "sides.glsl"
 #include "hsv.glsl"
 
-layout(constant_id = 1) const uint MOST_ITERATIONS = 40000u;  // of the loops of all rounds
+layout(constant_id = 1) const uint MOST_ITERATIONS = 1u;   // of the loops of all rounds
 const uint ROUND_ITERATIONS = 5u;      // of a round, and of what a lane does in it with one sample
 const uint SAMPLE_ITERATIONS = 11u;
 

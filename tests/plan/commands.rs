@@ -11,7 +11,7 @@ use celfx::low_level::plan::{ImageId, Plan};
 use celfx::smoke::{self, SmokeKind, VolumeInput};
 use celfx::view::{Camera, Light};
 
-use crate::kinds::{FORMAT, SIZE, buffer, image};
+use crate::kinds::{FORMAT, SIZE, buffer, image, mesh, segments};
 
 /// Steps and barriers of the last of these frames.
 fn commands<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) -> (usize, u32) {
@@ -42,20 +42,8 @@ fn commands<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) -> (usize, u32) {
 
 #[test]
 fn a_frame_of_smoke() {
-    let settings = smoke::Settings::default();
-    let (dimensions, size) = ([64; 3], SIZE);
-    let desc = smoke::Desc {
-        size,
-        target_format: FORMAT,
-        dimensions,
-        velocity: true,
-        point_light: false,
-        seed: 0,
-        settings,
-        layers: false,
-        depth: None,
-        edges: false,
-    };
+    let dimensions = [64; 3];
+    let desc = smoke::Desc { target_format: FORMAT, dimensions, ..crate::desc(smoke::Settings::default()) };
     let velocity = Some(buffer());
     let volume = VolumeInput { dimensions, voxel_size: [0.1; 3], origin: [0.0; 3], density: buffer(), velocity };
     let first = smoke::Frame {
@@ -128,18 +116,9 @@ fn a_frame_of_blur() {
         settings,
         layers: false,
     };
-    let groups = blur::GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() };
-    let mesh = blur::TopologyInput {
-        triangles: buffer(),
-        neighbour_starts: buffer(),
-        neighbours: buffer(),
-        groups: Some(groups),
-        colours: Some(buffer()),
-    };
-    let segments: Vec<_> =
-        (0..desc.segments).map(|s| blur::motion::Segment { begin: -(s as f32), end: 1.0 - s as f32 }).collect();
+    let segments = segments(&desc);
     let frame = |number: u32| blur::Frame {
-        mesh: (number == 0).then_some(mesh),
+        mesh: (number == 0).then(mesh),
         poses: Some(blur::PoseInput { first: number + 3, count: 1, positions: buffer() }),
         interval: Some(blur::IntervalInput {
             counts: blur::Counts { clusters: 3, hull: 100, seams: 7, farthest: 500.0, ..Default::default() },

@@ -35,6 +35,23 @@ fn depth() -> HostDepth {
     HostDepth { image: image(DEPTH.format), terms: HostDepth::perspective(0.1, 100.0, false) }
 }
 
+/// A mesh with all that one may have.
+pub fn mesh() -> blur::TopologyInput {
+    let groups = blur::GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() };
+    blur::TopologyInput {
+        triangles: buffer(),
+        neighbour_starts: buffer(),
+        neighbours: buffer(),
+        groups: Some(groups),
+        colours: Some(buffer()),
+    }
+}
+
+/// Where trajectories begin and end, of as many segments as an effect has.
+pub fn segments(desc: &blur::Desc) -> Vec<blur::motion::Segment> {
+    (0..desc.segments).map(|s| blur::motion::Segment { begin: -(s as f32), end: 1.0 - s as f32 }).collect()
+}
+
 fn backgrounds() -> [Background; 3] {
     [Background::Keep, Background::Clear([0.5; 4]), Background::Copy(image(FORMAT))]
 }
@@ -312,16 +329,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 settings,
                 layers,
             };
-            let groups = blur::GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() };
-            let mesh = blur::TopologyInput {
-                triangles: buffer(),
-                neighbour_starts: buffer(),
-                neighbours: buffer(),
-                groups: Some(groups),
-                colours: Some(buffer()),
-            };
-            let segments: Vec<_> =
-                (0..desc.segments).map(|s| blur::motion::Segment { begin: -(s as f32), end: 1.0 - s as f32 }).collect();
+            let segments = segments(&desc);
             let interval = blur::IntervalInput {
                 counts: blur::Counts { clusters: 3, hull: 100, seams: 7, farthest: 500.0, ..Default::default() },
                 segments: &segments,
@@ -336,7 +344,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
             };
             let host = blur::DepthInput { host: depth(), view: view(2) };
             let first = blur::Frame {
-                mesh: Some(mesh),
+                mesh: Some(mesh()),
                 poses: Some(blur::PoseInput { first: 0, count: 26, positions: buffer() }),
                 interval: Some(interval),
                 images: Some([image(FORMAT); 2]),
