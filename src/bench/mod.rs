@@ -32,7 +32,7 @@ pub struct Benchmark(pub(crate) fn(&mut Session) -> Outcome);
 pub struct Request {
     /// The benchmarks to run, besides what the device can do: copy and arithmetic.
     pub what: Vec<Benchmark>,
-    /// One run each, and the largest workload cut.
+    /// One run each, and workloads and variants that take long are cut.
     pub quick: bool,
     /// Only rows whose `pass/variant/workload` contains this.
     pub only: Option<String>,
@@ -103,6 +103,14 @@ impl Session<'_> {
         }
         self.watch.progress(text);
         Ok(())
+    }
+
+    /// A workload's name and size in pixels: with `--quick`, the sides are divided by `cut`, which the name says.
+    pub(crate) fn picture(&self, name: &str, size: [u32; 2], cut: u32) -> (String, [u32; 2]) {
+        match (self.quick, size.map(|side| side / cut)) {
+            (true, size @ [width, height]) if cut > 1 => (format!("{name} (cut to {width}x{height})"), size),
+            _ => (name.to_owned(), size),
+        }
     }
 
     /// Those variants of a pass at a workload that were asked for.

@@ -28,6 +28,8 @@ const VERTICES: u32 = 4_000;
 /// the last.
 const FRAMES: [usize; 6] = [20, 21, 22, 25, 26, 27];
 const SIZE: [u32; 2] = [1280, 720];
+/// What `--quick` divides its sides by.
+const CUT: u32 = 2;
 /// Degrees by which the light turns in a frame.
 const LIGHT_TURN: f64 = 15.0;
 /// The bar before the other.
@@ -36,10 +38,11 @@ const FRONT_BAR: u32 = 0;
 const ONE_SIDED: [u32; 2] = [SHOWN_PREVIOUS, SHOWN_NEXT];
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
-    let variants = session.wanted(PASS, NAME, &VARIANTS);
+    let (name, size) = session.picture(NAME, SIZE, CUT);
+    let variants = session.wanted(PASS, &name, &VARIANTS);
     if !variants.is_empty() {
-        session.next(&format!("blur complete {NAME}"))?;
-        measure_variants(session, &variants)?;
+        session.next(&format!("blur complete {name}"))?;
+        measure_variants(session, &name, size, &variants)?;
         session.rig.clear();
     }
     Ok(())
@@ -53,18 +56,18 @@ struct Layers {
     object: Vec<Option<u32>>,
 }
 
-fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> Outcome {
+fn measure_variants(session: &mut Session, name: &str, size: [u32; 2], variants: &[&(&str, Completion)]) -> Outcome {
     let mut runs: Vec<(EffectId, Plan)> = Vec::new();
     let mut differences: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
     let frames = if session.quick { vec![FRAMES[0], FRAMES[FRAMES.len() - 1]] } else { FRAMES.to_vec() };
     for current in frames {
-        let scene = Scene { current, ..Scene::builtin(Builtin::Crossing, VERTICES, SIZE)? };
+        let scene = Scene { current, ..Scene::builtin(Builtin::Crossing, VERTICES, size)? };
         let open = scene.without(FRONT_BAR)?;
         let (images, open_images) = (images(&scene), images(&open));
         let truth = render(&mut session.rig, &open, &open_images, Completion::None)?.1;
         runs.clear();
         for ((variant, completion), differences) in variants.iter().zip(&mut differences) {
-            session.next(&format!("blur complete {NAME}: {variant}"))?;
+            session.next(&format!("blur complete {name}: {variant}"))?;
             let (effect, layers) = render(&mut session.rig, &scene, &images, *completion)?;
             differences.extend(compare(&layers, &truth, scene.size));
             let names = ["blur.params", "blur.normals", "blur.learn", "blur.tones", "blur.shade", "blur.complete"];
@@ -78,11 +81,11 @@ fn measure_variants(session: &mut Session, variants: &[&(&str, Completion)]) -> 
         let work = session.rig.work_of_replay(effect, &plan)?;
         let (count, sum) = (differences.len(), differences.iter().sum::<f64>());
         let mean = sum / count.max(1) as f64;
-        session.notes.push(format!("blur complete {NAME}: {variant} is off by {mean:.3} in the mean"));
+        session.notes.push(format!("blur complete {name}: {variant} is off by {mean:.3} in the mean"));
         let of = format!("occluder removed, 100 x distance in Oklab, {count} one-sided pixels");
         let accuracy: Accuracy = Deviation::of(differences).map(|deviation| (deviation, of));
         let subject =
-            Subject { pass: PASS, variant: (*variant).to_owned(), workload: NAME.to_owned(), items: count as u64 };
+            Subject { pass: PASS, variant: (*variant).to_owned(), workload: name.to_owned(), items: count as u64 };
         session.rows.push(Row::new(EFFECT, subject, times, &accuracy, work, &session.limits));
     }
     Ok(())

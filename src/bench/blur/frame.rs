@@ -31,19 +31,15 @@ const VARIANTS: [(&str, Change); 8] = [
     ("no smoothing", |settings| Settings { seam_smoothing: 0, ..settings }),
 ];
 /// Name, pixels, and what `--quick` divides the sides by.
-const WORKLOADS: [(&str, [u32; 2], u32); 2] = [("paper", [512, 512], 1), ("1920x1080", FULL_HD, 2)];
-const VERTICES: u32 = 10_000;
+const WORKLOADS: [(&str, [u32; 2], u32); 2] = [("paper", [512, 512], 2), ("1920x1080", FULL_HD, 4)];
+/// Vertices, and those with `--quick`.
+const VERTICES: [u32; 2] = [10_000, 2_500];
 /// Of the picture that others are compared with, in pixels.
 const FINE_TOLERANCE: f32 = 0.1;
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
     for (name, size, cut) in WORKLOADS {
-        let cut = if session.quick { cut } else { 1 };
-        let size = size.map(|side| side / cut);
-        let name = match cut {
-            1 => name.to_owned(),
-            _ => format!("{name} (cut to {}x{})", size[0], size[1]),
-        };
+        let (name, size) = session.picture(name, size, cut);
         let variants = session.wanted(PASS, &name, &VARIANTS);
         if !variants.is_empty() {
             session.next(&format!("blur frame {name}"))?;
@@ -57,7 +53,7 @@ pub(super) fn measure(session: &mut Session) -> Outcome {
 type Picture = Vec<[f32; 4]>;
 
 fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants: &[&(&str, Change)]) -> Outcome {
-    let scene = Scene::builtin(Builtin::Run, VERTICES, size)?;
+    let scene = Scene::builtin(Builtin::Run, VERTICES[usize::from(session.quick)], size)?;
     let images = scene.images([LIGHT; 2]);
     // Settings that differ only in how triangles are divided have one truth.
     let mut truths: Vec<(Settings, Picture)> = Vec::new();

@@ -30,6 +30,8 @@ const VARIANTS: [(&str, (Refine, f32)); 8] = [
     ("error 1", (Refine::Error, 1.0)),
     ("error 0.5", (Refine::Error, 0.5)),
 ];
+/// What `--quick` divides the picture's sides by.
+const CUT: u32 = 2;
 /// Name and vertices. The Fox of the glTF samples has 576 triangles.
 const WORKLOADS: [(&str, u32); 2] = [("fox-like", 330), ("run", 10_000)];
 /// Triangles that there may be, where the device has room for them.
@@ -41,10 +43,11 @@ const COMPARED: f64 = 0.5;
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
     for (name, vertices) in WORKLOADS {
-        let variants = session.wanted(PASS, name, &VARIANTS);
+        let (name, size) = session.picture(name, FULL_HD, CUT);
+        let variants = session.wanted(PASS, &name, &VARIANTS);
         if !variants.is_empty() {
             session.next(&format!("blur refine {name}"))?;
-            measure_workload(session, name, vertices, &variants)?;
+            measure_workload(session, &name, size, vertices, &variants)?;
             session.rig.clear();
         }
     }
@@ -57,8 +60,14 @@ struct Made {
     accuracy: Accuracy,
 }
 
-fn measure_workload(session: &mut Session, name: &str, vertices: u32, variants: &[&(&str, (Refine, f32))]) -> Outcome {
-    let scene = Scene::builtin(Builtin::Run, vertices, FULL_HD)?;
+fn measure_workload(
+    session: &mut Session,
+    name: &str,
+    size: [u32; 2],
+    vertices: u32,
+    variants: &[&(&str, (Refine, f32))],
+) -> Outcome {
+    let scene = Scene::builtin(Builtin::Run, vertices, size)?;
     let mut runs: Vec<(EffectId, Plan)> = Vec::new();
     let mut made = Vec::new();
     for (variant, (refine, amount)) in variants {

@@ -44,6 +44,8 @@ const VARIANTS: [(&str, Variant); 26] = [
     ("mboit 6", Variant::Rival(Rival::Moments6)),
     ("wavelet 3", Variant::Rival(Rival::Wavelets)),
 ];
+/// The most repetitions with `--quick`.
+const QUICK_REPETITIONS: u64 = 64;
 const WORKLOADS: [Workload; 3] = [scene::PAPER, scene::THIN, scene::THICK];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +107,8 @@ impl Run {
 pub(super) fn measure(session: &mut Session) -> Outcome {
     for workload in &WORKLOADS {
         let scene = Scene::new(workload, session.quick);
-        let variants = session.wanted(PASS, &scene.name, &VARIANTS);
+        let mut variants = session.wanted(PASS, &scene.name, &VARIANTS);
+        variants.retain(|(_, variant)| !session.quick || variant.repetitions() <= QUICK_REPETITIONS);
         if !variants.is_empty() {
             session.next(&format!("flame accumulate {}", scene.name))?;
             measure_workload(session, &scene, &variants)?;

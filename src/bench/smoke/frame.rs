@@ -27,7 +27,8 @@ const VARIANTS: [(&str, Change); 6] = [
         Settings { outline, ..settings }
     }),
 ];
-const WORKLOADS: [(&str, [u32; 2]); 2] = [("paper", scene::PAPER), ("1920x1080", scene::FULL_HD)];
+/// Name, pixels, and what `--quick` divides the sides by.
+const WORKLOADS: [(&str, [u32; 2], u32); 2] = [("paper", scene::PAPER, 1), ("1920x1080", scene::FULL_HD, 4)];
 const PARTICLES: u32 = 500;
 
 /// The common part of the variants' references: they differ in shading, not in spheres.
@@ -42,11 +43,12 @@ struct Seen {
 }
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
-    for (name, size) in WORKLOADS {
-        let variants = session.wanted(PASS, name, &VARIANTS);
+    for (name, size, cut) in WORKLOADS {
+        let (name, size) = session.picture(name, size, cut);
+        let variants = session.wanted(PASS, &name, &VARIANTS);
         if !variants.is_empty() {
             session.next(&format!("smoke frame {name}"))?;
-            measure_workload(session, name, size, &variants)?;
+            measure_workload(session, &name, size, &variants)?;
             session.rig.clear();
         }
     }

@@ -28,10 +28,11 @@ const VARIANTS: [(&str, Variant); 5] = [
     ("per_id_tiles", Variant::PerIdTiles),
     ("plain", Variant::Plain),
 ];
-const WORKLOADS: [(&str, [u32; 2], f32); 3] = [
-    ("512x512 sigma 4", scene::PAPER, 4.0),
-    ("512x512 sigma 8", scene::PAPER, 8.0),
-    ("1920x1080 sigma 8", scene::FULL_HD, 8.0),
+/// Name, pixels, what `--quick` divides the sides by, sigma.
+const WORKLOADS: [(&str, [u32; 2], u32, f32); 3] = [
+    ("512x512 sigma 4", scene::PAPER, 1, 4.0),
+    ("512x512 sigma 8", scene::PAPER, 1, 8.0),
+    ("1920x1080 sigma 8", scene::FULL_HD, 4, 8.0),
 ];
 const PARTICLES: u32 = 1000;
 const GROUPS: u32 = 8;
@@ -68,11 +69,12 @@ struct Picture {
 }
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
-    for (name, size, sigma) in WORKLOADS {
-        let variants = session.wanted(PASS, name, &VARIANTS);
+    for (name, size, cut, sigma) in WORKLOADS {
+        let (name, size) = session.picture(name, size, cut);
+        let variants = session.wanted(PASS, &name, &VARIANTS);
         if !variants.is_empty() {
             session.next(&format!("smoke gaussian {name}"))?;
-            measure_workload(session, name, size, sigma, &variants)?;
+            measure_workload(session, &name, size, sigma, &variants)?;
             session.rig.clear();
         }
     }

@@ -21,7 +21,10 @@ const VARIANTS: [(&str, (Shadow, u32)); 4] = [
     ("map 2048", (Shadow::Map, 2048)),
     ("map 4096", (Shadow::Map, 4096)),
 ];
-const WORKLOADS: [(&str, [u32; 2]); 2] = [("paper", scene::PAPER), ("1920x1080", scene::FULL_HD)];
+/// The most texels a side of a map with `--quick`.
+const QUICK_MAP: u32 = 2048;
+/// Name, pixels, and what `--quick` divides the sides by.
+const WORKLOADS: [(&str, [u32; 2], u32); 2] = [("paper", scene::PAPER, 1), ("1920x1080", scene::FULL_HD, 4)];
 const PARTICLES: u32 = 500;
 /// Relative difference of depth up to which device and reference see the same sphere at a pixel.
 const SAME_DEPTH: f64 = 1e-4;
@@ -34,11 +37,13 @@ struct Truth {
 }
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
-    for (name, size) in WORKLOADS {
-        let variants = session.wanted(PASS, name, &VARIANTS);
+    for (name, size, cut) in WORKLOADS {
+        let (name, size) = session.picture(name, size, cut);
+        let mut variants = session.wanted(PASS, &name, &VARIANTS);
+        variants.retain(|(_, (_, side))| !session.quick || *side <= QUICK_MAP);
         if !variants.is_empty() {
             session.next(&format!("smoke shadow {name}"))?;
-            measure_workload(session, name, size, &variants)?;
+            measure_workload(session, &name, size, &variants)?;
             session.rig.clear();
         }
     }
