@@ -1,4 +1,5 @@
-# celfx: make build, make demo, make test, make test-all, make bench, make bench-gpu. Each first runs .ci/setup, which installs what is missing.
+# celfx: make build, make demo, make test, make test-all, make bench, make bench-gpu,
+# make shaders. Each first runs .ci/setup, which installs what is missing.
 
 export PATH := $(or $(CARGO_HOME),$(HOME)/.cargo)/bin:$(PATH)
 
@@ -9,7 +10,7 @@ CELFX = $(or $(CARGO_TARGET_DIR),target)/release/celfx
 DRIVER = $(firstword $(wildcard $(addsuffix /vulkan/icd.d/lvp_icd*.json,/usr/share /usr/local/share /etc)))
 ON_DRIVER = $(if $(DRIVER),VK_DRIVER_FILES=$(DRIVER) VK_ICD_FILENAMES=$(DRIVER))
 
-.PHONY: build demo test test-all bench bench-gpu clean setup
+.PHONY: build demo test test-all bench bench-gpu shaders clean setup
 
 build: setup
 	cargo build --release --locked
@@ -51,6 +52,10 @@ bench-gpu: build
 	-$(CELFX) info --kernels
 	$(CELFX) bench calibrate | tee bench-gpu-tuning.toml
 	$(CELFX) bench all -o bench-gpu --page docs
+
+# Writes the SPIR-V that travels in the package, shaders/, anew.
+shaders: setup
+	CELFX_WRITE_SHADERS=1 cargo test --locked --test shipped the_shipped_shaders
 
 clean:
 	cargo clean

@@ -2,21 +2,27 @@
 
 use std::fmt::Write as _;
 
-use crate::reflect::{Block, Blocks};
-use crate::source::{Comments, Constant};
-use crate::{Compiled, Reflection};
+use super::reflect::{Block, Blocks, Reflection};
+use super::source::{Comments, Constant};
+use super::{Compiled, Feature, gate};
 
 /// A shader as the module `module`.
 pub fn shader(table: &mut String, file: &str, module: &str, Compiled { stage, words, reflection }: &Compiled) {
     let Reflection { local_size, push_size, bindings, .. } = reflection;
     let _ = writeln!(table, "/// `glsl/{file}`.\npub mod {module} {{\nuse crate::plan::*;");
+    let count = words.len();
+    let _ = writeln!(
+        table,
+        "static WORDS: [u32; {count}] = bytemuck::must_cast(*include_bytes!({:?}));",
+        format!("{file}.spv")
+    );
     let _ = writeln!(table, "/// SPIR-V and what it binds.\npub static SHADER: Shader = Shader {{");
     let _ = writeln!(table, "file: {file:?}, stage: Stage::{stage}, local_size: {local_size:?},");
     let _ = writeln!(table, "push_size: {push_size}, bindings: &[");
     for (name, ..) in bindings.values() {
         let _ = write!(table, "{},", upper_case(name));
     }
-    let _ = writeln!(table, "], words: &{words:?} }};");
+    let _ = writeln!(table, "], words: &WORDS }};");
     for (number, (name, kind, access)) in bindings {
         let constant = upper_case(name);
         let _ = writeln!(table, "/// `{name}`.\npub const {constant}: Binding = Binding {{");
@@ -44,18 +50,19 @@ fn upper_case(name: &str) -> String {
 
 /// Structures with the members, offsets and sizes of blocks, documented as the shaders document them.
 /// `shared` names those that are declared for all folders.
-pub fn blocks(table: &mut String, blocks: &Blocks, shared: &[String], comments: &Comments) {
+pub fn blocks(table: &mut String, blocks: &Blocks, shared: &[(String, Feature)], comments: &Comments) {
     table.push_str("/// Structures that host and shaders share.\npub mod blocks {\nuse bytemuck::{Pod, Zeroable};\n");
-    for name in shared {
-        let _ = writeln!(table, "pub use crate::shaders::shared::blocks::{name};");
+    for (name, feature) in shared {
+        let _ = writeln!(table, "{}pub use crate::shaders::shared::blocks::{name};", gate(*feature));
     }
-    for (name, Block { members, size }) in blocks {
+    for (name, Block { members, size, feature }) in blocks {
         let comment = |member: &str| comments.get(&(name.clone(), member.to_owned())).filter(|text| !text.is_empty());
         let doc = |member: &str, shown: &str| match comment(member) {
             Some(text) => format!("#[doc = {text:?}]"),
             None => format!("/// `{shown}`."),
         };
         let derived = "#[repr(C)]\n#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]";
+        table.push_str(gate(*feature));
         let _ = writeln!(table, "{}\n{derived}\npub struct {name} {{", doc("", name));
         let mut end = 0;
         for member in members {
@@ -65,6 +72,7 @@ pub fn blocks(table: &mut String, blocks: &Blocks, shared: &[String], comments: 
         }
         pad(table, end, *size);
         table.push_str("}\n");
+        table.push_str(gate(*feature));
         let _ = writeln!(table, "const _: () = {{\nassert!(size_of::<{name}>() == {size});");
         for member in members {
             let _ = writeln!(table, "assert!(core::mem::offset_of!({name}, {}) == {});", member.name, member.offset);
@@ -83,7 +91,8 @@ fn pad(table: &mut String, from: usize, to: usize) {
 /// Constants of GLSL files as those of Rust.
 pub fn constants(table: &mut String, constants: &[Constant]) {
     table.push_str("/// Constants that host and shaders share.\npub mod constants {\n");
-    for Constant { name, rust, value, comment } in constants {
+    for Constant { name, rust, value, comment, feature } in constants {
+        table.push_str(gate(*feature));
         let doc = if comment.is_empty() { format!("`{name}`.") } else { comment.clone() };
         let _ = writeln!(table, "#[doc = {doc:?}]\npub const {name}: {rust} = {value};");
     }

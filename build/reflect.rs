@@ -17,6 +17,8 @@ pub struct Block {
     pub members: Vec<Member>,
     /// Bytes.
     pub size: usize,
+    /// The feature without which nothing uses it.
+    pub feature: Option<&'static str>,
 }
 
 /// A member of a [`Block`].
@@ -138,7 +140,7 @@ fn block(name: &str, structure: &StructType, blocks: &Blocks) -> Result<Block, S
         let (rust, size) = rust_type(&member.ty, blocks).map_err(|why| format!("{name}.{field}: {why}"))?;
         members.push(Member { name: field, rust, offset, size });
     }
-    Ok(Block { members, size: structure.nbyte().ok_or(format!("{name}: no size"))? })
+    Ok(Block { members, size: structure.nbyte().ok_or(format!("{name}: no size"))?, feature: None })
 }
 
 /// What a member is in Rust, and how many bytes that has.

@@ -1,6 +1,7 @@
 //! What the text of shaders says and SPIR-V does not: constants, and comments on members of blocks.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// `const TYPE NAME = VALUE;` of a GLSL file, at the start of a line.
 pub struct Constant {
@@ -10,6 +11,8 @@ pub struct Constant {
     /// Its value as a Rust expression.
     pub value: String,
     pub comment: String,
+    /// The feature that its file is for.
+    pub feature: Option<&'static str>,
 }
 
 /// The scalar constants of a file, in its order. One whose value calls a function, takes several lines, or follows from a
@@ -39,7 +42,7 @@ fn constant(line: &str) -> Option<Constant> {
         return None;
     }
     let comment = comment.trim().trim_start_matches('/').trim().to_owned();
-    Some(Constant { name: name.to_owned(), rust, value: rust_value(value), comment })
+    Some(Constant { name: name.to_owned(), rust, value: rust_value(value), comment, feature: None })
 }
 
 /// `1u << 26u` becomes `1 << 26`.
@@ -49,6 +52,15 @@ fn rust_value(value: &str) -> String {
         _ => word.to_owned(),
     };
     value.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// FNV-1a of the names and the texts of all files in `glsl`: of what a table was made from.
+pub fn hash() -> u64 {
+    let bytes = super::sorted(Path::new("glsl")).into_iter().filter(|path| path.is_dir()).flat_map(|folder| {
+        super::sorted(&folder).into_iter().flat_map(|path| [path.display().to_string(), super::read(&path)])
+    });
+    let bytes = bytes.flat_map(String::into_bytes);
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
 }
 
 /// Comments on the members of blocks: (block, member) -> comment; on a block itself: (block, "").

@@ -25,13 +25,14 @@ use gpu_allocator::vulkan::Allocator;
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 pub use crate::gpu::capabilities::DeviceTraits;
+use crate::gpu::debug;
 use crate::gpu::executor::{Description, Executor};
 use crate::gpu::image::ImageDesc;
 pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::Resources;
-use crate::host::{Host, Memory};
+use crate::host::{Host, Memory, NamedFormat, check_formats};
 use crate::plan::{BufferId, Pass, Plan};
 
 /// How much of a frame's work is done.
@@ -90,6 +91,17 @@ pub trait Kind: fmt::Debug + Sized {
 
     /// Notes that a planned frame has been recorded.
     fn recorded(&mut self, desc: &Self::Desc, frame: &Self::Frame<'_>, recorded: Self::Recorded);
+
+    /// Whether a frame begins anew, and so needs nothing that the device holds.
+    fn restarts(_: &Self::Frame<'_>) -> bool {
+        false
+    }
+
+    /// Forgets all frames: the next is as the first.
+    fn forget(&mut self);
+
+    /// The formats of the host's images, and what they are used as.
+    fn formats(desc: &Self::Desc) -> Vec<NamedFormat>;
 }
 
 /// Which buffers and images an effect has, by their ids: own ones first, then those that the host hands over.
@@ -175,6 +187,11 @@ impl<K: Kind> Effect<K> {
     ) -> Result<Effect<K>> {
         // SAFETY: the caller's.
         let mut kind = K::new(&desc, &unsafe { kernels.traits(host) }, effort)?;
+        // SAFETY: the caller's.
+        unsafe {
+            check_formats(host, &K::formats(&desc))?;
+            debug::check(host)?;
+        }
         let description = describe(&mut kind, &desc);
         // SAFETY: the caller's.
         let executor = unsafe { Executor::new(host, kernels, allocator, description)? };
@@ -244,10 +261,22 @@ impl<K: Kind> Effect<K> {
         plan.clear();
         let recorded = kind.plan(desc, frame, plan)?;
         kind.upload(desc, frame, executor.resources_mut());
+        executor.check(timing)?;
+        if K::restarts(frame) {
+            executor.forget();
+        }
         // SAFETY: the caller's.
         unsafe { executor.record(host, stream, timing)? };
         kind.recorded(desc, frame, recorded);
         Ok(())
+    }
+
+    /// Says that the frame recorded last is never submitted, as when a swapchain was out of date. What the effect had on the
+    /// device before it is not told apart from what that frame would have left, so the next frame must bring all that a
+    /// first one does. Frames that were submitted before may still run.
+    pub fn frame_dropped(&mut self) {
+        self.kind.forget();
+        self.executor.forget();
     }
 
     /// The effect's parts on the device.

@@ -8,11 +8,12 @@
 //! `vk::Device` cannot be read back from it: the host must have enabled everything in
 //! [`Requirements::features`], for instance with [`Features::enable`] on its own create chain.
 
+mod check;
+
 use ash::vk;
 
-use crate::error::{Error, Result};
 pub use crate::gpu::capabilities::check_device;
-use crate::view::BRIGHTEST;
+pub(crate) use check::*;
 
 /// The host's Vulkan objects, borrowed for the length of a call.
 #[derive(Clone, Copy)]
@@ -79,7 +80,7 @@ pub enum Background {
     /// The target's own content.
     #[default]
     Keep,
-    /// Linear RGBA, premultiplied; none beyond [`BRIGHTEST`].
+    /// Linear RGBA, premultiplied; none beyond [`crate::view::BRIGHTEST`].
     Clear([f32; 4]),
     /// An image of the target's size and format. Usage: `TRANSFER_SRC`; target: `TRANSFER_DST`.
     Copy(HostImage),
@@ -120,43 +121,6 @@ impl HostDepth {
         let share = if far.is_finite() { near / (far - near) } else { 0.0 };
         let scale = near * (1.0 + share);
         if reversed { [-share, scale] } else { [1.0 + share, -scale] }
-    }
-}
-
-/// Refuses an image that is not of this size and format.
-pub(crate) fn check_image(name: &'static str, image: &HostImage, size: [u32; 2], format: vk::Format) -> Result<()> {
-    if image.extent == size && image.format == format {
-        return Ok(());
-    }
-    let why = format!("{:?} pixels of {:?}; expected {size:?} of {format:?}", image.extent, image.format);
-    Err(Error::HostResource { name, why })
-}
-
-/// Refuses a background that does not fit a target of this size and format, or that is too bright.
-pub(crate) fn check_background(background: &Background, size: [u32; 2], format: vk::Format) -> Result<()> {
-    match background {
-        Background::Copy(image) => check_image("background", image, size, format),
-        Background::Clear(colour) if !colour.iter().all(|c| c.abs() <= BRIGHTEST) => {
-            Err(Error::setting("frame.background", format!("{colour:?}"), "linear RGBA, none beyond 1e6"))
-        }
-        Background::Clear(_) | Background::Keep => Ok(()),
-    }
-}
-
-/// Refuses depth that an effect was not made for; none is expected exactly if it was made for none.
-pub(crate) fn check_depth(depth: Option<&HostDepth>, size: [u32; 2], made: Option<DepthFormat>) -> Result<()> {
-    match (depth, made) {
-        (Some(HostDepth { image, terms }), Some(made)) if terms.iter().all(|term| term.is_finite()) => {
-            check_image("depth", image, size, made.format)
-        }
-        (Some(depth), Some(_)) => {
-            Err(Error::setting("frame.depth.terms", format!("{:?}", depth.terms), "two finite numbers"))
-        }
-        (None, None) => Ok(()),
-        (_, made) => {
-            let expected = if made.is_some() { "expected" } else { "not expected" };
-            Err(Error::HostResource { name: "depth", why: format!("{expected}: the effect was made so") })
-        }
     }
 }
 

@@ -1,3 +1,6 @@
-//! The table of compiled shaders that `build.rs` writes.
+//! The table of compiled shaders: as `build.rs` writes it, or as it is in the package.
 
-include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+#[cfg(feature = "compile-shaders")]
+include!(concat!(env!("OUT_DIR"), "/shaders/table.rs"));
+#[cfg(not(feature = "compile-shaders"))]
+include!("../shaders/table.rs");

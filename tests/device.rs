@@ -384,7 +384,7 @@ fn the_hosts_own_queries_are_filled_two_a_step() {
             Ok(())
         });
         reset.expect("it runs");
-        let mut timing = Timing::Queries { pool, first: FIRST };
+        let mut timing = Timing::Queries { pool, first: FIRST, count: FIRST + queries(2) };
         record(&mut device, &buffer, &["test.a", "test.b"], &mut timing, None);
         assert!(matches!(timing, Timing::Queries { first, .. } if first == FIRST + queries(2)));
         let mut ticks = [[0_u64; 2]; 2];

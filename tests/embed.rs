@@ -226,7 +226,7 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
             depth: None,
             edges: None,
         };
-        let mut timing = Timing::Queries { pool: slot.queries, first: 0 };
+        let mut timing = Timing::Queries { pool: slot.queries, first: 0, count: queries(MOST_STEPS) };
         unsafe { smoke.record(&device.host(), commands.raw(), &frame, &mut timing)? };
 
         slot.written = queries(smoke.plan().steps.len() as u32);

@@ -5,6 +5,8 @@
 mod allocations;
 #[path = "plan/commands.rs"]
 mod commands;
+#[path = "common/handles.rs"]
+mod handles;
 #[path = "plan/kinds.rs"]
 mod kinds;
 

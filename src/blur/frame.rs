@@ -7,7 +7,8 @@ use crate::blur::motion::{Cluster, Interval, Segment};
 pub use crate::blur::motion::{Knot, View};
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
-use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image};
+use crate::host::{Background, Content, HostBuffer, HostDepth, HostImage};
+use crate::host::{check_background, check_buffer as holds, check_depth, check_distinct, check_image};
 use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
 use crate::view::{Camera, Light};
 
@@ -220,13 +221,6 @@ fn refuse<T>(name: &'static str, why: String) -> Result<T> {
     Err(Error::HostResource { name, why })
 }
 
-fn holds(name: &'static str, buffer: &HostBuffer, needed: u64) -> Result<()> {
-    match buffer.size < needed {
-        true => refuse(name, format!("{} bytes; {needed} expected", buffer.size)),
-        false => Ok(()),
-    }
-}
-
 impl TopologyInput {
     fn validate(&self, desc: &Desc) -> Result<()> {
         holds("the mesh's triangles", &self.triangles, 16 * u64::from(desc.triangles))?;
@@ -339,24 +333,31 @@ impl Frame<'_> {
             interval.validate(desc)?;
             interval.frames().try_for_each(|frame| self.needs(frame, desc, resident))?;
         }
-        check_image("target", &self.target, desc.size, desc.target_format)?;
+        check_image("target", &self.target, desc.size, desc.target_format, Content::Replaced)?;
         self.validate_depth(desc, resident)?;
         match &self.images {
             Some([previous, next]) => {
-                check_image("the image of frame i", previous, desc.size, desc.target_format)?;
-                check_image("the image of frame i + 1", next, desc.size, desc.target_format)?;
+                self.validate_image("the image of frame i", previous, desc)?;
+                self.validate_image("the image of frame i + 1", next, desc)?;
             }
             None => self.validate_toon(desc, resident)?,
         }
         for (name, image) in ["the image of frame i - 1", "the image of frame i + 2"].into_iter().zip(&self.outer) {
             if let Some(image) = image {
-                check_image(name, image, desc.size, desc.target_format)?;
+                self.validate_image(name, image, desc)?;
                 if !desc.outer {
                     return refuse(name, "the effect was made for none".to_owned());
                 }
             }
         }
-        check_background(&self.background, desc.size, desc.target_format)
+        check_background(&self.background, desc.size, desc.target_format)?;
+        check_distinct("background", self.background.image().as_ref(), &self.target)
+    }
+
+    /// An image that colours are taken from while the target is drawn.
+    fn validate_image(&self, name: &'static str, image: &HostImage, desc: &Desc) -> Result<()> {
+        check_image(name, image, desc.size, desc.target_format, Content::Kept)?;
+        check_distinct(name, Some(image), &self.target)
     }
 
     /// Whether this output brings the pose of a frame.
@@ -376,7 +377,7 @@ impl Frame<'_> {
     }
 
     fn validate_depth(&self, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
-        check_depth(self.depth.as_ref().map(|depth| &depth.host), desc.size, desc.depth)?;
+        check_depth("depth", self.depth.as_ref().map(|depth| &depth.host), desc.size, desc.depth)?;
         let Some(DepthInput { view, .. }) = &self.depth else { return Ok(()) };
         view.camera.validate()?;
         self.needs(view.frame, desc, resident)?;

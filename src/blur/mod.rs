@@ -31,7 +31,7 @@ pub use settings::Settings;
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::resources::Resources;
-use crate::host::HostBuffer;
+use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
 use crate::plan::{Pass, Plan};
 use layout::Layout;
 use passes::Passes;
@@ -136,6 +136,17 @@ impl Kind for BlurKind {
                 self.resident[(new % desc.frames_resident) as usize] = Some(new);
             }
         }
+    }
+
+    fn forget(&mut self) {
+        self.has_mesh = false;
+        self.drawn.fill(None);
+        self.resident.fill(None);
+    }
+
+    fn formats(desc: &Desc) -> Vec<NamedFormat> {
+        let depth = desc.depth.map(|depth| depth_format(depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT));
+        [target_format(desc.target_format)].into_iter().chain(depth).collect()
     }
 }
 

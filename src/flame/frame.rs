@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::flame::desc::{Desc, SceneFormat};
-use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_image};
+use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_buffer, check_depth, check_target};
 use crate::view::Camera;
 
 /// The depth of the scene: what is nearer hides fire.
@@ -82,26 +82,14 @@ impl Frame {
         if self.accumulate && desc.settings.is_adaptive() {
             return Err(Error::setting("frame.accumulate", true, "not with flame.adaptive"));
         }
-        check_image("target", &self.target, desc.size, desc.target_format)?;
-        check_background(&self.background, desc.size, desc.target_format)?;
+        check_target(&self.target, &self.background, desc.size, desc.target_format)?;
         match (&self.scene, desc.scene) {
             (None, None) => Ok(()),
             (Some(SceneDepth::Image(depth)), Some(SceneFormat::Image(made))) => {
-                if !depth.terms.iter().all(|term| term.is_finite()) {
-                    let terms = format!("{:?}", depth.terms);
-                    return Err(Error::setting("frame.scene.terms", terms, "two finite numbers"));
-                }
-                check_image("scene", &depth.image, desc.size, made.format)
+                check_depth("scene", Some(depth), desc.size, Some(made))
             }
             (Some(SceneDepth::Buffer(buffer)), Some(SceneFormat::Buffer)) => {
-                let needed = 4 * u64::from(desc.size[0]) * u64::from(desc.size[1]);
-                match buffer.size < needed {
-                    true => {
-                        let why = format!("{} bytes; {needed} expected, 4 a pixel", buffer.size);
-                        Err(Error::HostResource { name: "scene", why })
-                    }
-                    false => Ok(()),
-                }
+                check_buffer("scene", buffer, 4 * u64::from(desc.size[0]) * u64::from(desc.size[1]))
             }
             (given, made) => {
                 let given = given.map(|given| match given {

@@ -21,10 +21,13 @@ mod spacing;
 pub(crate) mod steps;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
+use crate::host::{NamedFormat, depth_format, target_format};
 pub use desc::{Desc, SceneFormat};
 pub use frame::{Frame, ParticleInput, SceneDepth};
 pub use settings::Settings;
 pub use spacing::mean_spacing;
+
+use ash::vk;
 
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::{Error, Result};
@@ -129,6 +132,18 @@ impl Kind for FlameKind {
 
     fn recorded(&mut self, _: &Desc, _: &Frame, state: State) {
         self.state = state;
+    }
+
+    fn forget(&mut self) {
+        self.state = State::default();
+    }
+
+    fn formats(desc: &Desc) -> Vec<NamedFormat> {
+        let depth = match desc.scene {
+            Some(SceneFormat::Image(depth)) => Some(depth_format(depth, vk::FormatFeatureFlags::TRANSFER_SRC)),
+            Some(SceneFormat::Buffer) | None => None,
+        };
+        [target_format(desc.target_format)].into_iter().chain(depth).collect()
     }
 }
 

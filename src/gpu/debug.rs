@@ -6,6 +6,7 @@ use std::ffi::{CStr, CString};
 
 use ash::vk;
 
+use crate::error::{Error, Result};
 use crate::host::Host;
 
 /// The functions of `VK_EXT_debug_utils`, or none where the loader lacks one of those that celfx calls (calling
@@ -15,12 +16,38 @@ use crate::host::Host;
 ///
 /// `device` is a valid device of `instance`, and `VK_EXT_debug_utils` is enabled on `instance`.
 pub unsafe fn table(instance: &ash::Instance, device: &ash::Device) -> Option<ash::ext::debug_utils::Device> {
+    // SAFETY: the caller's.
+    let missing = missing(|name| unsafe { has(instance, device, name) });
+    missing.is_none().then(|| ash::ext::debug_utils::Device::new(instance, device))
+}
+
+unsafe fn has(instance: &ash::Instance, device: &ash::Device, name: &CStr) -> bool {
+    // SAFETY: the caller's; the name ends in NUL.
+    unsafe { (instance.fp_v1_0().get_device_proc_addr)(device.handle(), name.as_ptr()) }.is_some()
+}
+
+/// The first of the functions that celfx calls which is not there.
+fn missing(has: impl Fn(&CStr) -> bool) -> Option<&'static CStr> {
     let called = [c"vkSetDebugUtilsObjectNameEXT", c"vkCmdBeginDebugUtilsLabelEXT", c"vkCmdEndDebugUtilsLabelEXT"];
-    let has = |name: &CStr| {
-        // SAFETY: the caller's; the name ends in NUL.
-        unsafe { (instance.fp_v1_0().get_device_proc_addr)(device.handle(), name.as_ptr()) }.is_some()
-    };
-    called.into_iter().all(has).then(|| ash::ext::debug_utils::Device::new(instance, device))
+    called.into_iter().find(|name| !has(name))
+}
+
+/// Refuses a table of the host's whose functions are not there: calling one would end the process.
+///
+/// # Safety
+///
+/// `host` holds valid handles.
+pub(crate) unsafe fn check(host: &Host) -> Result<()> {
+    // SAFETY: the caller's. A device answers for functions of extensions that are not enabled with none.
+    let missing = host.debug.and_then(|_| missing(|name| unsafe { has(host.instance, host.device, name) }));
+    match missing {
+        None => Ok(()),
+        Some(name) => {
+            let name = name.to_string_lossy();
+            let why = format!("the device has no {name}: enable VK_EXT_debug_utils on the instance, or leave it None");
+            Err(Error::HostResource { name: "Host::debug", why })
+        }
+    }
 }
 
 /// Names an object. Meant for creation: long names allocate.
@@ -80,6 +107,13 @@ fn c_string<'a>(name: &str, storage: &'a mut [u8; LABEL_BYTES + 1]) -> &'a CStr 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_table_has_all_that_is_called() {
+        assert_eq!(missing(|_| true), None);
+        assert_eq!(missing(|_| false), Some(c"vkSetDebugUtilsObjectNameEXT"));
+        assert_eq!(missing(|name| name != c"vkCmdEndDebugUtilsLabelEXT"), Some(c"vkCmdEndDebugUtilsLabelEXT"));
+    }
 
     #[test]
     fn labels_are_cut_at_a_character_and_end_in_nul() {

@@ -9,7 +9,7 @@ use crate::gpu::image::ImageDesc;
 use crate::gpu::kernels::Kernels;
 use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
-use crate::gpu::recorder::{Recorder, Recording, Stream};
+use crate::gpu::recorder::{Recorder, Recording, Stream, check};
 use crate::gpu::resources::Resources;
 use crate::host::{Host, Memory};
 use crate::plan::{BufferId, Pass, Plan};
@@ -145,10 +145,24 @@ impl Executor {
         self.memory
     }
 
-    /// Records the plan.
+    /// Refuses the plan if it does not fit the resources or the queries.
     ///
     /// # Errors
-    /// A step does not fit the resources.
+    /// A copy of more than a host's buffer has, too few queries.
+    pub fn check(&self, timing: &Timing) -> Result<()> {
+        timing.check(self.plan.steps.len() as u32)?;
+        check(&self.plan, &self.passes, &self.resources)
+    }
+
+    /// Forgets what the device holds: images are initialised once more.
+    pub fn forget(&mut self) {
+        self.resources.initialised = false;
+    }
+
+    /// Records the plan, which [`Self::check`] has found nothing wrong with.
+    ///
+    /// # Errors
+    /// What the stream says.
     ///
     /// # Safety
     /// `host` is the one that everything was made with; the command buffers of `stream` are in recording state, outside of
@@ -165,7 +179,7 @@ impl Executor {
     /// them may touch the host's images or buffers, or what later plans go on from.
     ///
     /// # Errors
-    /// A step does not fit the resources.
+    /// None: as [`Executor::record`].
     ///
     /// # Safety
     /// As [`Executor::record`].

@@ -313,6 +313,11 @@ impl Headless {
         self.recording().1.begin()
     }
 
+    /// Takes commands back that will not be submitted.
+    pub fn discard(&mut self, commands: Commands) {
+        self.recording().1.discard(commands);
+    }
+
     /// Submits commands and does not wait. `what` names them in errors.
     pub fn start(&mut self, commands: Commands, what: &str) -> Result<Submission> {
         self.recording().1.start(commands, what)

@@ -31,6 +31,8 @@ pub enum Timing<'a> {
         pool: vk::QueryPool,
         /// The next query that is written; counts up while frames are recorded.
         first: u32,
+        /// Queries of the pool. A frame that needs more than are left is refused before anything is recorded.
+        count: u32,
     },
 }
 
@@ -40,6 +42,21 @@ pub const fn queries(steps: u32) -> u32 {
 }
 
 impl Timing<'_> {
+    /// Refuses a frame of so many steps that the host's pool has too few queries for.
+    pub(crate) fn check(&self, steps: u32) -> Result<()> {
+        match self {
+            Timing::Queries { first, count, .. } if first.saturating_add(queries(steps)) > *count => {
+                let needed = queries(steps);
+                let left = count.saturating_sub(*first);
+                let why = format!(
+                    "{left} queries are left from {first} of {count}; this frame of {steps} steps needs {needed}"
+                );
+                Err(Error::HostResource { name: "timing", why })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Writes the begin of a step; to be called after the step's own barrier.
     ///
     /// # Safety
@@ -51,7 +68,7 @@ impl Timing<'_> {
             // SAFETY: the caller's.
             Timing::Profiler(profiler) => unsafe { profiler.begin_scope(host, commands, name) },
             // SAFETY: the caller's.
-            Timing::Queries { pool, first } => unsafe { write(host, commands, *pool, *first) },
+            Timing::Queries { pool, first, .. } => unsafe { write(host, commands, *pool, *first) },
         }
     }
 
@@ -65,7 +82,7 @@ impl Timing<'_> {
             Timing::None => {}
             // SAFETY: the caller's.
             Timing::Profiler(profiler) => unsafe { profiler.end_scope(host, commands) },
-            Timing::Queries { pool, first } => {
+            Timing::Queries { pool, first, .. } => {
                 // SAFETY: the caller's.
                 unsafe { write(host, commands, *pool, first.saturating_add(1)) };
                 *first = first.saturating_add(queries(1));

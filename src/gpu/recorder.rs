@@ -10,7 +10,7 @@ use crate::gpu::pipelines::{Bound, Pipelines};
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::raster::{area, viewport};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Resources};
-use crate::host::{Host, HostImage, ImageState};
+use crate::host::{Host, HostImage, ImageState, aspect_of};
 use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Step, Usage};
 
 /// Records plans of one effect.
@@ -86,7 +86,7 @@ impl Recorder {
                 debug::begin_label(host, commands, pass.name);
                 timing.begin_scope(host, commands, pass.name);
                 let walk = Walk { host, commands, resources, plan };
-                walk.step(step, pass, &pipelines.passes[usize::from(step.pass.0)])?;
+                walk.step(step, pass, &pipelines.passes[usize::from(step.pass.0)]);
                 timing.end_scope(host, commands);
                 debug::end_label(host, commands);
             }
@@ -113,6 +113,12 @@ impl Recorder {
         if std::mem::replace(&mut resources.initialised, true) {
             return;
         }
+        // Frames that were recorded before a dropped one may still run.
+        let before = ImageState {
+            stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+            access: vk::AccessFlags2::MEMORY_WRITE,
+            layout: vk::ImageLayout::UNDEFINED,
+        };
         let all = ImageState {
             stage: vk::PipelineStageFlags2::ALL_COMMANDS,
             access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
@@ -120,7 +126,7 @@ impl Recorder {
         };
         for slot in &resources.images {
             if let ImageSlot::Own(image) = slot {
-                self.changing.push(change(image.handle, image.aspect, ImageState::default(), all));
+                self.changing.push(change(image.handle, image.aspect, before, all));
             }
         }
         // SAFETY: the caller's.
@@ -186,16 +192,6 @@ fn host_images(resources: &Resources) -> impl Iterator<Item = (ImageId, &HostIma
     })
 }
 
-fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
-    match format {
-        vk::Format::D16_UNORM | vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
-        vk::Format::D16_UNORM_S8_UINT | vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
-            vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
-        }
-        _ => vk::ImageAspectFlags::COLOR,
-    }
-}
-
 /// An image from one state into another.
 fn change(
     image: vk::Image,
@@ -226,6 +222,28 @@ fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
     }
 }
 
+/// Refuses a plan that does not fit the resources: copies of more than there is.
+///
+/// # Errors
+/// Names the pass.
+pub fn check(plan: &Plan, passes: &[Pass], resources: &Resources) -> Result<()> {
+    for step in &plan.steps {
+        let (from, to, bytes) = match step.command {
+            Command::CopyBuffer { from, to, bytes } => ((from, 0), (to, 0), bytes),
+            Command::CopyRange { from, to, bytes } => (from, to, bytes),
+            _ => continue,
+        };
+        for (verb, (buffer, offset)) in [("read from", from), ("written to", to)] {
+            let (needed, available) = (offset + bytes, resources.buffer(buffer).2);
+            if needed > available {
+                let why = format!("a buffer of {available} bytes; {needed} are {verb} it");
+                return Err(Error::HostResource { name: passes[usize::from(step.pass.0)].name, why });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// The context in which a step is recorded.
 struct Walk<'a> {
     host: &'a Host<'a>,
@@ -235,7 +253,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    unsafe fn step(&self, step: &Step, pass: &Pass, bound: &Bound) -> Result<()> {
+    unsafe fn step(&self, step: &Step, pass: &Pass, bound: &Bound) {
         // SAFETY: the caller's.
         unsafe {
             match &pass.kernel {
@@ -247,10 +265,9 @@ impl Walk<'_> {
                     self.bind(step, pass, bound, vk::PipelineBindPoint::GRAPHICS);
                     self.render(step, raster);
                 }
-                Kernel::Transfer => self.transfer(step, pass)?,
+                Kernel::Transfer => self.transfer(step),
             }
         }
-        Ok(())
     }
 
     unsafe fn bind(&self, step: &Step, pass: &Pass, Bound { pipeline, set }: &Bound, point: vk::PipelineBindPoint) {
@@ -336,21 +353,16 @@ impl Walk<'_> {
         layout(is_host, usage)
     }
 
-    unsafe fn copy(&self, from: (BufferId, u64), to: (BufferId, u64), size: u64, pass: &Pass) -> Result<()> {
-        let (source, src_offset, available) = self.resources.buffer(from.0);
-        if from.1 + size > available {
-            let why = format!("{available} bytes, {} are read from it", from.1 + size);
-            return Err(Error::HostResource { name: pass.name, why });
-        }
+    unsafe fn copy(&self, from: (BufferId, u64), to: (BufferId, u64), size: u64) {
+        let (source, src_offset, _) = self.resources.buffer(from.0);
         let (target, dst_offset, _) = self.resources.buffer(to.0);
         let (src_offset, dst_offset) = (src_offset + from.1, dst_offset + to.1);
         let regions = [vk::BufferCopy { src_offset, dst_offset, size }];
         // SAFETY: the caller's.
         unsafe { self.host.device.cmd_copy_buffer(self.commands, source, target, &regions) };
-        Ok(())
     }
 
-    unsafe fn transfer(&self, step: &Step, pass: &Pass) -> Result<()> {
+    unsafe fn transfer(&self, step: &Step) {
         let device = self.host.device;
         // SAFETY: the caller's.
         unsafe {
@@ -369,8 +381,8 @@ impl Walk<'_> {
                     let layout = self.layout(image, &Usage::COPY_TARGET);
                     device.cmd_clear_color_image(self.commands, self.resources.image(image), layout, &value, &range);
                 }
-                Command::CopyBuffer { from, to, bytes } => self.copy((from, 0), (to, 0), bytes, pass)?,
-                Command::CopyRange { from, to, bytes } => self.copy(from, to, bytes, pass)?,
+                Command::CopyBuffer { from, to, bytes } => self.copy((from, 0), (to, 0), bytes),
+                Command::CopyRange { from, to, bytes } => self.copy(from, to, bytes),
                 Command::CopyImage { from, to, extent: [width, height] } => {
                     let layers = vk::ImageSubresourceLayers {
                         aspect_mask: vk::ImageAspectFlags::COLOR,
@@ -404,6 +416,5 @@ impl Walk<'_> {
                 _ => debug_assert!(false, "a transfer pass copies, clears, fills or updates"),
             }
         }
-        Ok(())
     }
 }

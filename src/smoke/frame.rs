@@ -1,7 +1,8 @@
 //! A host's description of one frame.
 
 use crate::error::{Error, Result};
-use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_background, check_depth, check_image};
+use crate::host::{Background, HostBuffer, HostDepth, HostImage};
+use crate::host::{check_background, check_buffer, check_depth, check_target};
 use crate::smoke::desc::Desc;
 use crate::view::{Camera, FARTHEST, Light};
 
@@ -139,12 +140,15 @@ impl Frame {
                 let why = "not expected: the effect was made for none".to_owned();
                 return Err(Error::HostResource { name: "edges", why });
             }
-            check_depth(self.depth.as_ref(), desc.size, desc.depth)?;
+            check_depth("depth", self.depth.as_ref(), desc.size, desc.depth)?;
         }
-        if let Some(target) = &self.target {
-            check_image("target", target, desc.size, desc.target_format)?;
+        let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
+        if let Some(edges) = &self.edges {
+            check_buffer("edges", edges, 16 * pixels)?;
         }
-        check_background(&self.background, desc.size, desc.target_format)?;
-        Ok(())
+        match &self.target {
+            Some(target) => check_target(target, &self.background, desc.size, desc.target_format),
+            None => check_background(&self.background, desc.size, desc.target_format),
+        }
     }
 }

@@ -27,7 +27,7 @@ use ash::vk;
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::resources::Resources;
-use crate::host::HostBuffer;
+use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
 use crate::plan::{Pass, Plan};
 use crate::view::Light;
 use layout::Layout;
@@ -123,6 +123,19 @@ impl Kind for SmokeKind {
     fn recorded(&mut self, _: &Desc, _: &Frame, state: State) {
         self.state = state;
     }
+
+    fn restarts(frame: &Frame) -> bool {
+        frame.sequence == Sequence::Restart && frame.volume.is_some()
+    }
+
+    fn forget(&mut self) {
+        self.state = State::default();
+    }
+
+    fn formats(desc: &Desc) -> Vec<NamedFormat> {
+        let depth = desc.depth.map(|depth| depth_format(depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT));
+        [target_format(desc.target_format)].into_iter().chain(depth).collect()
+    }
 }
 
 impl SmokeKind {
@@ -153,7 +166,7 @@ impl SmokeKind {
         } else if still.is_none() {
             state.shadowed = None;
         }
-        let first = !self.state.begun;
+        let first = !self.state.begun || restart;
         (FrameDelta { shape: state.shape, restart, new_volume, first, still, same_shadow }, state)
     }
 }

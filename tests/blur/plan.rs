@@ -17,6 +17,8 @@ use celfx::low_level::shaders::blur::constants::BLOCK;
 use celfx::low_level::smoke::limits::LOOP_BUDGET;
 use celfx::view::{Camera, Light, LightSource};
 
+use crate::common::handles::handle;
+
 const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
 const VIEW: View = View {
     frame: 1,
@@ -62,14 +64,14 @@ fn desc(settings: Settings) -> Desc {
 
 fn buffer() -> HostBuffer {
     let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
-    HostBuffer { buffer: vk::Buffer::null(), offset: 0, size: u64::MAX, stage, access }
+    HostBuffer { buffer: handle(), offset: 0, size: u64::MAX, stage, access }
 }
 
 fn image(desc: &Desc) -> HostImage {
     let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
     HostImage {
-        image: vk::Image::null(),
-        view: vk::ImageView::null(),
+        image: handle(),
+        view: handle(),
         format: desc.target_format,
         extent: desc.size,
         state_in: state,

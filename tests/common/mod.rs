@@ -11,6 +11,7 @@ pub mod bench;
 pub mod blur;
 pub mod faults;
 pub mod flame;
+pub mod handles;
 pub mod host;
 pub mod picture;
 pub mod rig;

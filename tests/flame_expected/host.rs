@@ -168,6 +168,37 @@ fn frames_in_flight_are_those_that_are_waited_for() {
     }
 }
 
+/// As when a swapchain is out of date: recorded and never submitted. What comes after is as if it had not been.
+#[test]
+fn a_dropped_frame_leaves_no_trace() {
+    let Some(mut device) = device() else { return };
+    for mode in [celfx::flame::settings::Mode::Stochastic, celfx::flame::settings::Mode::Expected] {
+        let mut flame = make(&mut device, effect([48, 36], Settings { mode, ..settings() }));
+        let (dropped, shown) = (ball(80, 3), ball(60, 7));
+        let mut pictures = Vec::new();
+        for _ in 0..2 {
+            let mut slot = Slot::new(&mut device, [48, 36], 80);
+            let frame = slot.frame(&dropped, 1);
+            let commands = device.begin().expect("commands");
+            // SAFETY: they are not submitted.
+            unsafe { flame.record(&device.host(), commands.raw(), &frame, &mut Timing::None) }.expect("a frame");
+            device.discard(commands);
+            flame.frame_dropped();
+            let next = Frame { particles: None, ..frame };
+            // SAFETY: it is refused.
+            let refused = unsafe { flame.record(&device.host(), vk::CommandBuffer::null(), &next, &mut Timing::None) };
+            assert!(refused.expect_err("particles that never came").to_string().starts_with("particles"));
+            slot.destroy(&mut device);
+            pictures.push(one_frame(&mut device, &mut flame, &shown));
+        }
+        destroy(&mut device, flame);
+        let mut fresh = make(&mut device, effect([48, 36], Settings { mode, ..settings() }));
+        let expected = one_frame(&mut device, &mut fresh, &shown);
+        assert!(pictures.iter().all(|picture| *picture == expected), "{mode:?}");
+        destroy(&mut device, fresh);
+    }
+}
+
 /// One frame over the host's sky, by an effect that exists.
 fn one_frame(device: &mut TestDevice, flame: &mut Flame, particles: &Particles) -> Vec<[u8; 4]> {
     let mut slot = Slot::new(device, flame.desc().size, 80);

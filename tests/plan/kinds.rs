@@ -14,6 +14,7 @@ use celfx::smoke::{self, SmokeKind, VolumeInput};
 use celfx::view::{Camera, Light};
 
 use crate::allocations::allocated;
+use crate::handles::handle;
 
 pub const SIZE: [u32; 2] = [200, 150];
 pub const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -22,12 +23,12 @@ const TRAITS: DeviceTraits = DeviceTraits { image_side: 16_384, ..DeviceTraits::
 
 pub fn buffer() -> HostBuffer {
     let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
-    HostBuffer { buffer: vk::Buffer::null(), offset: 0, size: u64::MAX, stage, access }
+    HostBuffer { buffer: handle(), offset: 0, size: u64::MAX, stage, access }
 }
 
 pub fn image(format: vk::Format) -> HostImage {
     let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
-    let (image, view) = (vk::Image::null(), vk::ImageView::null());
+    let (image, view) = (handle(), handle());
     HostImage { image, view, format, extent: SIZE, state_in: state, state_out: state }
 }
 

@@ -120,10 +120,20 @@ fn frames_in_flight_are_those_that_are_waited_for() {
     assert!(waited.windows(2).all(|pair| pair[0] != pair[1]), "frames that are all the same show nothing");
 }
 
-/// Renders one frame of an effect that exists.
+/// Renders the first frame of an effect that exists.
 fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<[u32; 4]> {
-    let mut slot = Slot::new(device, size);
-    let frame = slot.frame(0);
+    let slot = Slot::new(device, size);
+    one_into(device, smoke, slot, 0)
+}
+
+/// Renders frame `i` of a sequence.
+fn one_of(device: &mut TestDevice, smoke: &mut Smoke, i: u32) -> Vec<[u32; 4]> {
+    let slot = Slot::new(device, SIZE);
+    one_into(device, smoke, slot, i)
+}
+
+fn one_into(device: &mut TestDevice, smoke: &mut Smoke, mut slot: Slot, i: u32) -> Vec<[u32; 4]> {
+    let frame = slot.frame(i);
     host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.
         unsafe {
@@ -152,6 +162,50 @@ fn threads_share_pipelines() {
         shared.destroy(&host);
         alone.destroy(&host);
     }
+}
+
+/// As when a swapchain is out of date: recorded and never submitted. What comes after is as if it had not been.
+#[test]
+fn a_dropped_frame_leaves_no_trace() {
+    let Some(mut device) = device() else { return };
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: the handles are the device's own.
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, effect()) }.expect("an effect");
+    let mut expected = None;
+    // The first frame, one in the middle of a sequence, and one that a restart follows without a word.
+    for (before, tells) in [(0, true), (0, false), (2, true), (1, false)] {
+        for i in 0..before {
+            one_of(&mut device, &mut smoke, i);
+        }
+        let mut slot = Slot::new(&mut device, SIZE);
+        let frame = slot.frame(before);
+        let commands = device.begin().expect("commands");
+        // SAFETY: they are not submitted.
+        unsafe { smoke.record(&device.host(), commands.raw(), &frame, &mut Timing::None) }.expect("a frame");
+        device.discard(commands);
+        if tells {
+            smoke.frame_dropped();
+            let next = slot.frame(before + 1);
+            // SAFETY: it is refused.
+            let refused = unsafe { smoke.record(&device.host(), vk::CommandBuffer::null(), &next, &mut Timing::None) };
+            assert!(refused.expect_err("it went on").to_string().starts_with("frame.sequence = Advance"));
+        }
+        slot.destroy(&mut device);
+        let again = [0, 1].map(|i| one_of(&mut device, &mut smoke, i));
+        let expected = expected.get_or_insert_with(|| again.clone());
+        assert!(again == *expected, "{before} frames before, told: {tells}");
+    }
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: every frame has been waited for.
+    let mut fresh = unsafe {
+        smoke.destroy(&host, allocator);
+        Smoke::new(&host, kernels, allocator, effect()).expect("an effect")
+    };
+    let fresh_pictures = [0, 1].map(|i| one_of(&mut device, &mut fresh, i));
+    assert!(Some(fresh_pictures) == expected, "unlike an effect that never dropped a frame");
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe { fresh.destroy(&host, allocator) };
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::gpu::resources::Resources;
-use crate::host::{HostImage, Memory};
+use crate::host::{HostImage, Memory, NamedFormat, target_format};
 use crate::layout::{Sizes, buffers};
 use crate::plan::{
     Binding, Blend, BufferId, ColourAttachment, Command, ImageId, Pass, Plan, Raster, Resource, Topology, passes,
@@ -113,6 +113,12 @@ impl Kind for VignetteKind {
     }
 
     fn recorded(&mut self, _: &Desc, _: &HostImage, (): ()) {}
+
+    fn forget(&mut self) {}
+
+    fn formats(desc: &Desc) -> Vec<NamedFormat> {
+        vec![target_format(desc.target_format)]
+    }
 }
 
 impl Inventory for Layout {

@@ -1,0 +1,240 @@
+//! What can be said of a host's images before anything is recorded.
+
+use ash::vk;
+use ash::vk::Handle as _;
+
+use super::{Background, DepthFormat, FormatUse, Host, HostBuffer, HostDepth, HostImage};
+use crate::error::{Error, Result};
+use crate::view::BRIGHTEST;
+
+/// What happens to what an image holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// It is read, or drawn over.
+    Kept,
+    /// All of it is replaced.
+    Replaced,
+}
+
+fn refuse<T>(name: &'static str, why: String) -> Result<T> {
+    Err(Error::HostResource { name, why })
+}
+
+/// Refuses an image that is not of this size and format, and states that no image can be in.
+pub(crate) fn check_image(
+    name: &'static str,
+    image: &HostImage,
+    size: [u32; 2],
+    format: vk::Format,
+    content: Content,
+) -> Result<()> {
+    let is_undefined = |layout| matches!(layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED);
+    match image {
+        _ if image.extent != size || image.format != format => {
+            let why = format!("{:?} pixels of {:?}; expected {size:?} of {format:?}", image.extent, image.format);
+            refuse(name, why)
+        }
+        _ if image.image.is_null() || image.view.is_null() => refuse(name, "a null handle".to_owned()),
+        _ if content == Content::Kept && image.state_in.layout == vk::ImageLayout::UNDEFINED => {
+            refuse(name, "state_in has layout UNDEFINED, in which it holds nothing, but its content is used".to_owned())
+        }
+        _ if is_undefined(image.state_out.layout) => {
+            let layout = image.state_out.layout;
+            refuse(name, format!("state_out has layout {layout:?}, into which no image can be brought"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a target and a background that do not fit a picture of this size and format.
+pub(crate) fn check_target(
+    target: &HostImage,
+    background: &Background,
+    size: [u32; 2],
+    format: vk::Format,
+) -> Result<()> {
+    let content = match background {
+        Background::Keep => Content::Kept,
+        Background::Clear(_) | Background::Copy(_) => Content::Replaced,
+    };
+    check_image("target", target, size, format, content)?;
+    check_background(background, size, format)?;
+    check_distinct("background", background.image().as_ref(), target)
+}
+
+/// Refuses a background that does not fit a picture of this size and format, or that is too bright.
+pub(crate) fn check_background(background: &Background, size: [u32; 2], format: vk::Format) -> Result<()> {
+    match background {
+        Background::Copy(image) => check_image("background", image, size, format, Content::Kept),
+        Background::Clear(colour) if !colour.iter().all(|c| c.abs() <= BRIGHTEST) => {
+            Err(Error::setting("frame.background", format!("{colour:?}"), "linear RGBA, none beyond 1e6"))
+        }
+        Background::Clear(_) | Background::Keep => Ok(()),
+    }
+}
+
+/// Refuses an image that is read and is the target at once.
+pub(crate) fn check_distinct(name: &'static str, image: Option<&HostImage>, target: &HostImage) -> Result<()> {
+    match image {
+        Some(image) if image.image == target.image => refuse(name, "it is the target's image".to_owned()),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses depth that an effect was not made for; none is expected exactly if it was made for none.
+pub(crate) fn check_depth(
+    name: &'static str,
+    depth: Option<&HostDepth>,
+    size: [u32; 2],
+    made: Option<DepthFormat>,
+) -> Result<()> {
+    let (HostDepth { image, terms }, made) = match (depth, made) {
+        (Some(depth), Some(made)) => (depth, made),
+        (None, None) => return Ok(()),
+        (_, made) => {
+            let expected = if made.is_some() { "expected" } else { "not expected" };
+            return refuse(name, format!("{expected}: the effect was made so"));
+        }
+    };
+    let given = || format!("{terms:?}");
+    if !terms.iter().all(|term| term.is_finite()) {
+        return Err(Error::setting("frame.depth.terms", given(), "two finite numbers"));
+    }
+    // 1 / z falls with the distance: what is multiplied with it says which way depth goes.
+    if made.reversed != (terms[1] > 0.0) || terms[1] == 0.0 {
+        let allowed = match made.reversed {
+            true => "the second above 0: the effect was made for reversed depth, where nearer is larger",
+            false => "the second below 0: the effect was made for depth that is not reversed, where nearer is smaller",
+        };
+        return Err(Error::setting("frame.depth.terms", given(), allowed));
+    }
+    check_image(name, image, size, made.format, Content::Kept)
+}
+
+/// Refuses a buffer that holds fewer bytes than are read from it.
+pub(crate) fn check_buffer(name: &'static str, buffer: &HostBuffer, needed: u64) -> Result<()> {
+    match buffer {
+        _ if buffer.size < needed => refuse(name, format!("{} bytes; {needed} expected", buffer.size)),
+        _ if buffer.buffer.is_null() && needed > 0 => refuse(name, "a null handle".to_owned()),
+        _ => Ok(()),
+    }
+}
+
+/// A format of the host's images, and what the device must be able to use it as.
+pub(crate) type NamedFormat = (&'static str, FormatUse);
+
+/// What a target's format must be good for: it is drawn over, copied to and from, and sampled.
+pub(crate) fn target_format(format: vk::Format) -> NamedFormat {
+    use vk::FormatFeatureFlags as Use;
+    let drawn = Use::COLOR_ATTACHMENT | Use::COLOR_ATTACHMENT_BLEND;
+    let features = drawn | Use::SAMPLED_IMAGE | Use::TRANSFER_SRC | Use::TRANSFER_DST;
+    ("target_format", FormatUse { format, features })
+}
+
+/// What a depth image's format must be good for.
+pub(crate) fn depth_format(format: DepthFormat, features: vk::FormatFeatureFlags) -> NamedFormat {
+    ("depth.format", FormatUse { format: format.format, features })
+}
+
+/// The aspects of an image of this format.
+pub(crate) fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
+    use vk::ImageAspectFlags as Aspect;
+    match format {
+        vk::Format::D16_UNORM | vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D32_SFLOAT => Aspect::DEPTH,
+        vk::Format::D16_UNORM_S8_UINT | vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
+            Aspect::DEPTH | Aspect::STENCIL
+        }
+        vk::Format::S8_UINT => Aspect::STENCIL,
+        _ => Aspect::COLOR,
+    }
+}
+
+/// Refuses formats that the device cannot use so.
+///
+/// # Safety
+/// `host` holds valid handles.
+pub(crate) unsafe fn check_formats(host: &Host, formats: &[NamedFormat]) -> Result<()> {
+    for (name, FormatUse { format, features }) in formats {
+        // SAFETY: the caller's.
+        let has = unsafe { host.instance.get_physical_device_format_properties(host.physical_device, *format) };
+        let lacks = *features & !has.optimal_tiling_features;
+        if !lacks.is_empty() {
+            return refuse(name, format!("{format:?}, which this device has not as {lacks:?}"));
+        }
+        let depth = name.starts_with("depth");
+        if depth != aspect_of(*format).contains(vk::ImageAspectFlags::DEPTH) {
+            return refuse(name, format!("{format:?}, {} depth", if depth { "which has no" } else { "which is" }));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::host::ImageState;
+
+    const SIZE: [u32; 2] = [8, 4];
+    const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+    fn image(number: u64) -> HostImage {
+        let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
+        let (image, view) = (vk::Image::from_raw(number), vk::ImageView::from_raw(number));
+        HostImage { image, view, format: FORMAT, extent: SIZE, state_in: state, state_out: state }
+    }
+
+    fn with_layouts(state_in: vk::ImageLayout, state_out: vk::ImageLayout) -> HostImage {
+        let of = |layout| ImageState { layout, ..ImageState::default() };
+        HostImage { state_in: of(state_in), state_out: of(state_out), ..image(1) }
+    }
+
+    fn said(result: Result<()>) -> String {
+        result.err().map(|error| error.to_string()).unwrap_or_default()
+    }
+
+    #[test]
+    fn a_target_whose_content_is_used_has_some() {
+        let check = |image: &HostImage, background| said(check_target(image, &background, SIZE, FORMAT));
+        let new = with_layouts(vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
+        assert!(check(&new, Background::Keep).starts_with("target: state_in has layout UNDEFINED"));
+        assert_eq!(check(&new, Background::Clear([0.0; 4])), "");
+        assert_eq!(check(&new, Background::Copy(image(2))), "");
+        assert_eq!(check(&image(1), Background::Keep), "");
+    }
+
+    #[test]
+    fn no_image_is_left_undefined() {
+        for layout in [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED] {
+            let left = with_layouts(vk::ImageLayout::GENERAL, layout);
+            let said = said(check_target(&left, &Background::Keep, SIZE, FORMAT));
+            assert!(said.starts_with("target: state_out has layout"), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_background_is_another_image_than_the_target() {
+        let check = |background| said(check_target(&image(1), &Background::Copy(background), SIZE, FORMAT));
+        assert_eq!(check(image(1)), "background: it is the target's image");
+        assert_eq!(check(image(2)), "");
+        let missing = HostImage { view: vk::ImageView::null(), ..image(2) };
+        assert_eq!(check(missing), "background: a null handle");
+    }
+
+    #[test]
+    fn depth_terms_go_the_way_of_the_format() {
+        let check = |terms, reversed| {
+            let depth = HostDepth { image: image(3), terms };
+            said(check_depth("depth", Some(&depth), SIZE, Some(DepthFormat { format: FORMAT, reversed })))
+        };
+        for far in [100.0, f32::INFINITY] {
+            for reversed in [false, true] {
+                let terms = HostDepth::perspective(0.1, far, reversed);
+                assert_eq!(check(terms, reversed), "");
+                let wrong = check(terms, !reversed);
+                assert!(wrong.starts_with("frame.depth.terms = ") && wrong.contains("nearer is"), "{wrong}");
+            }
+        }
+        assert!(check([0.0, 0.0], false).contains("below 0"));
+        assert!(check([0.0, f32::NAN], true).contains("two finite numbers"));
+    }
+}

@@ -1,0 +1,228 @@
+//! Mistakes of hosts: told by name, before the first command, and without a trace.
+#![cfg(feature = "cli")]
+
+mod common;
+
+use ash::vk;
+use celfx::blur::{self, Blur, Mesh, MeshInput};
+use celfx::effect::{Effect, Kernels, Kind};
+use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
+use celfx::host::{Background, DepthFormat, Host, HostBuffer, HostDepth, HostImage, ImageState};
+use celfx::profile::Timing;
+use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
+use celfx::view::Camera;
+
+use common::handles::handle;
+use common::scenes::{desc, direction};
+use common::{TestDevice, device};
+
+const SIZE: [u32; 2] = [8, 6];
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+const REVERSED: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
+
+fn image(format: vk::Format) -> HostImage {
+    let state = state(vk::ImageLayout::GENERAL);
+    HostImage { image: handle(), view: handle(), format, extent: SIZE, state_in: state, state_out: state }
+}
+
+fn state(layout: vk::ImageLayout) -> ImageState {
+    ImageState { layout, ..ImageState::default() }
+}
+
+fn buffer(size: u64) -> HostBuffer {
+    let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+    HostBuffer { buffer: handle(), offset: 0, size, stage, access }
+}
+
+fn depth() -> HostDepth {
+    HostDepth { image: image(REVERSED.format), terms: HostDepth::perspective(0.1, f32::INFINITY, true) }
+}
+
+fn make<K: Kind>(device: &mut TestDevice, desc: &K::Desc) -> celfx::error::Result<Effect<K>> {
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: the handles are the device's own, and the device has what is required.
+    unsafe { Effect::new(&host, kernels, allocator, desc.clone()) }
+}
+
+fn destroy<K: Kind>(device: &mut TestDevice, mut effect: Effect<K>) {
+    let (host, allocator) = device.parts();
+    // SAFETY: nothing of it was submitted.
+    unsafe { effect.destroy(&host, allocator) };
+}
+
+/// Records a wrong frame. There is no command buffer: the first command would end the test.
+fn refusal<K: Kind>(host: &Host, effect: &mut Effect<K>, frame: &K::Frame<'_>, timing: &mut Timing) -> String {
+    // SAFETY: none of what the frame names is touched before all is checked.
+    let refused = unsafe { effect.record(host, vk::CommandBuffer::null(), frame, timing) };
+    refused.expect_err("a wrong frame").to_string()
+}
+
+fn smoke_desc() -> smoke::Desc {
+    let settings = smoke::Settings { particles: 100, ..smoke::Settings::default() };
+    smoke::Desc { target_format: FORMAT, depth: Some(REVERSED), edges: true, ..desc(SIZE, [4; 3], settings) }
+}
+
+fn smoke_frame() -> smoke::Frame {
+    let volume = VolumeInput {
+        dimensions: [4; 3],
+        voxel_size: [0.1; 3],
+        origin: [0.0; 3],
+        density: buffer(4 * 64),
+        velocity: None,
+    };
+    smoke::Frame {
+        sequence: Sequence::Restart,
+        dt: 0.04,
+        camera: Camera::default(),
+        light: direction(-1.0, -1.5, -1.0),
+        volume: Some(volume),
+        target: Some(image(FORMAT)),
+        background: Background::Clear([0.0; 4]),
+        depth: Some(depth()),
+        edges: Some(buffer(16 * 48)),
+    }
+}
+
+#[test]
+fn smoke_refuses_before_the_first_command() {
+    let Some(mut device) = device() else { return };
+    let mut smoke = make::<smoke::SmokeKind>(&mut device, &smoke_desc()).expect("an effect");
+    let host = device.host();
+    let good = smoke_frame();
+    let target = good.target.expect("a target");
+    let lost = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..target };
+    let left = HostImage { state_out: state(vk::ImageLayout::UNDEFINED), ..target };
+    let empty = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..depth().image };
+    let cases = [
+        ("edges: 16 bytes; 768 expected", smoke::Frame { edges: Some(buffer(16)), ..good }),
+        (
+            "target: state_in has layout UNDEFINED",
+            smoke::Frame { target: Some(lost), background: Background::Keep, ..good },
+        ),
+        ("target: state_out has layout UNDEFINED", smoke::Frame { target: Some(left), ..good }),
+        (
+            "depth: state_in has layout UNDEFINED",
+            smoke::Frame { depth: Some(HostDepth { image: empty, ..depth() }), ..good },
+        ),
+        (
+            "frame.depth.terms",
+            smoke::Frame {
+                depth: Some(HostDepth { terms: HostDepth::perspective(0.1, 9.0, false), ..depth() }),
+                ..good
+            },
+        ),
+        ("background: it is the target's image", smoke::Frame { background: Background::Copy(target), ..good }),
+    ];
+    for (expected, frame) in cases {
+        let said = refusal(&host, &mut smoke, &frame, &mut Timing::None);
+        assert!(said.starts_with(expected), "{expected}: {said}");
+    }
+    let mut timing = Timing::Queries { pool: handle(), first: 4, count: 24 };
+    let said = refusal(&host, &mut smoke, &good, &mut timing);
+    assert!(said.starts_with("timing: 20 queries are left from 4 of 24; this frame of "), "{said}");
+    assert!(matches!(timing, Timing::Queries { first: 4, .. }), "nothing was written");
+    // It still waits for its first frame.
+    let said = refusal(&host, &mut smoke, &smoke::Frame { sequence: Sequence::Advance, ..good }, &mut Timing::None);
+    assert!(said.starts_with("frame.sequence = Advance"), "{said}");
+    destroy(&mut device, smoke);
+}
+
+fn flame_desc() -> flame::Desc {
+    let settings = flame::Settings { spread: Some(0.1), ..flame::Settings::default() };
+    let (hottest, scene) = (settings.hottest, Some(SceneFormat::Image(REVERSED)));
+    flame::Desc { size: SIZE, target_format: FORMAT, scene, particles: 9, hottest, seed: 1, settings, layers: false }
+}
+
+#[test]
+fn flame_refuses_before_the_first_command() {
+    let Some(mut device) = device() else { return };
+    let mut flame = make::<flame::FlameKind>(&mut device, &flame_desc()).expect("an effect");
+    let host = device.host();
+    let position_temperature = buffer(16 * 9);
+    let given = ParticleInput { count: 9, hottest: f32::INFINITY, position_temperature, ids: None };
+    let good = flame::Frame {
+        camera: Camera::default(),
+        particles: Some(given),
+        number: 0,
+        accumulate: false,
+        target: image(FORMAT),
+        background: Background::Keep,
+        scene: Some(SceneDepth::Image(depth())),
+    };
+    let lost = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..good.target };
+    let backwards = HostDepth { terms: HostDepth::perspective(0.1, 9.0, false), ..depth() };
+    let short = ParticleInput { position_temperature: buffer(16 * 8), ..given };
+    let cases = [
+        ("target: state_in has layout UNDEFINED", flame::Frame { target: lost, ..good }),
+        ("background: it is the target's image", flame::Frame { background: Background::Copy(good.target), ..good }),
+        ("frame.depth.terms", flame::Frame { scene: Some(SceneDepth::Image(backwards)), ..good }),
+        ("scene: a buffer", flame::Frame { scene: Some(SceneDepth::Buffer(buffer(4 * 48))), ..good }),
+        ("particles", flame::Frame { particles: Some(short), ..good }),
+        ("particles: the first frame needs some", flame::Frame { particles: None, ..good }),
+    ];
+    for (expected, frame) in cases {
+        let said = refusal(&host, &mut flame, &frame, &mut Timing::None);
+        assert!(said.starts_with(expected), "{expected}: {said}");
+    }
+    let mut timing = Timing::Queries { pool: handle(), first: 0, count: 2 };
+    let said = refusal(&host, &mut flame, &good, &mut timing);
+    assert!(said.starts_with("timing: 2 queries are left"), "{said}");
+    destroy(&mut device, flame);
+}
+
+fn blur_desc() -> blur::Desc {
+    let triangles = &[[0, 1, 2], [2, 1, 3]];
+    let input = MeshInput { vertices: 4, triangles, objects: None, weld: None, normals: None, rest: None };
+    let mesh = Mesh::new(&input).expect("a mesh");
+    blur::Desc {
+        target_format: FORMAT,
+        depth: Some(REVERSED),
+        ..blur::Desc::new(&mesh, SIZE, blur::Settings::default())
+    }
+}
+
+/// A format that a target or a depth image cannot have, and what is said of it.
+#[test]
+fn formats_are_asked_for() {
+    let Some(mut device) = device() else { return };
+    let targets = [
+        (vk::Format::UNDEFINED, "target_format: UNDEFINED, which this device has not as"),
+        (vk::Format::R8G8B8A8_UINT, "target_format: R8G8B8A8_UINT, which this device has not as"),
+        (vk::Format::D32_SFLOAT, "target_format: D32_SFLOAT, which this device has not as COLOR_ATTACHMENT"),
+        (vk::Format::BC1_RGB_UNORM_BLOCK, "target_format: BC1_RGB_UNORM_BLOCK, which this device has not as"),
+    ];
+    for (target_format, expected) in targets {
+        refuses::<smoke::SmokeKind>(&mut device, &smoke::Desc { target_format, ..smoke_desc() }, expected);
+        refuses::<flame::FlameKind>(&mut device, &flame::Desc { target_format, ..flame_desc() }, expected);
+        refuses::<blur::BlurKind>(&mut device, &blur::Desc { target_format, ..blur_desc() }, expected);
+    }
+    for format in [vk::Format::R8G8B8A8_UNORM, vk::Format::S8_UINT] {
+        let (made, expected) = (DepthFormat { format, ..REVERSED }, format!("depth.format: {format:?}, which "));
+        refuses::<smoke::SmokeKind>(&mut device, &smoke::Desc { depth: Some(made), ..smoke_desc() }, &expected);
+        let scene = Some(SceneFormat::Image(made));
+        refuses::<flame::FlameKind>(&mut device, &flame::Desc { scene, ..flame_desc() }, &expected);
+        refuses::<blur::BlurKind>(&mut device, &blur::Desc { depth: Some(made), ..blur_desc() }, &expected);
+    }
+}
+
+fn refuses<K: Kind>(device: &mut TestDevice, desc: &K::Desc, expected: &str) {
+    let said = make::<K>(device, desc).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(said.starts_with(expected), "{}: {expected}: {said}", K::NAME);
+}
+
+/// Effects are made by one thread and recorded by another; what is shared is only read.
+#[test]
+fn effects_go_between_threads() {
+    fn send<T: Send>() {}
+    fn sync<T: Sync>() {}
+    send::<Smoke>();
+    send::<Flame>();
+    send::<Blur>();
+    sync::<Smoke>();
+    sync::<Flame>();
+    sync::<Blur>();
+    send::<Kernels>();
+    sync::<Kernels>();
+    send::<Mesh>();
+    sync::<blur::Motion>();
+}
