@@ -26,12 +26,13 @@ use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 pub use crate::gpu::capabilities::DeviceTraits;
 use crate::gpu::debug;
+pub use crate::gpu::executor::Retired;
 use crate::gpu::executor::{Description, Executor};
 use crate::gpu::image::ImageDesc;
 pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
-use crate::gpu::resources::Resources;
+use crate::gpu::resources::{Kept, Resources};
 use crate::host::{Host, Memory, NamedFormat, check_formats};
 use crate::plan::{BufferId, Pass, Plan};
 
@@ -99,6 +100,10 @@ pub trait Kind: fmt::Debug + Sized {
 
     /// Forgets all frames: the next is as the first.
     fn forget(&mut self);
+
+    /// Goes on from `old`, whose buffers and images are `kept` in part: what this frame needs of earlier ones, if that is there.
+    /// `descs` are of `old` and of this.
+    fn go_on(&mut self, old: &Self, descs: [&Self::Desc; 2], kept: &Kept);
 
     /// The formats of the host's images, and what they are used as.
     fn formats(desc: &Self::Desc) -> Vec<NamedFormat>;
@@ -186,40 +191,89 @@ impl<K: Kind> Effect<K> {
         effort: Effort,
     ) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        let mut kind = K::new(&desc, &unsafe { kernels.traits(host) }, effort)?;
-        // SAFETY: the caller's.
-        unsafe {
-            check_formats(host, &K::formats(&desc))?;
-            debug::check(host)?;
-        }
-        let description = describe(&mut kind, &desc);
+        let (kind, description) = unsafe { Self::prepare(host, kernels, &desc, effort)? };
         // SAFETY: the caller's.
         let executor = unsafe { Executor::new(host, kernels, allocator, description)? };
         Ok(Effect { desc, effort, kind, executor })
     }
 
-    /// Changes the size of the picture. The next frame must bring all that a first one does. On error the effect is as it
-    /// was.
+    /// All of an effect that needs no memory.
+    unsafe fn prepare(host: &Host, kernels: &Kernels, desc: &K::Desc, effort: Effort) -> Result<(K, Description)> {
+        // SAFETY: the caller's.
+        unsafe {
+            let mut kind = K::new(desc, &kernels.traits(host), effort)?;
+            check_formats(host, &K::formats(desc))?;
+            debug::check(host)?;
+            let description = describe(&mut kind, desc);
+            Ok((kind, description))
+        }
+    }
+
+    /// Makes the pipelines that an effect of this description takes, and nothing else: on any thread, before it is needed.
+    /// [`Self::new`] then takes milliseconds.
     ///
     /// # Errors
     /// As [`Self::new`].
     ///
     /// # Safety
-    /// As [`Self::new`], and the GPU is done with every frame recorded so far.
+    /// As [`Self::new`].
+    pub unsafe fn compile(host: &Host, kernels: &Kernels, desc: &K::Desc) -> Result<()> {
+        // SAFETY: the caller's.
+        unsafe {
+            let (_, description) = Self::prepare(host, kernels, desc, Effort::Needed)?;
+            description.passes.iter().try_for_each(|pass| kernels.make(host, pass))
+        }
+    }
+
+    /// Changes what the effect was made for: the look, the size of the picture, anything. Buffers that stay the same keep
+    /// what they hold, and the sequence goes on, unless what it needs has another size: then the next frame must bring all that
+    /// a first one does, and is refused if it does not. On error the effect is as it was.
+    ///
+    /// It waits for nothing: objects that are replaced are handed back, to be destroyed when the GPU is done with the frames
+    /// recorded so far. To hold old and new memory never at once, [`Self::retire`] the effect and make a new one.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// # Safety
+    /// As [`Self::new`], with the same `host`, `kernels` and `allocator`.
+    pub unsafe fn change(
+        &mut self,
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut Allocator,
+        desc: K::Desc,
+    ) -> Result<Retired> {
+        // SAFETY: the caller's.
+        let (mut kind, description) = unsafe { Self::prepare(host, kernels, &desc, self.effort)? };
+        // SAFETY: the caller's.
+        let (retired, kept) = unsafe { self.executor.change_to(host, kernels, allocator, description)? };
+        kind.go_on(&self.kind, [&self.desc, &desc], &kept);
+        (self.kind, self.desc) = (kind, desc);
+        Ok(retired)
+    }
+
+    /// [`Self::change`] of the size of the picture alone.
+    ///
+    /// # Errors
+    /// As there.
+    ///
+    /// # Safety
+    /// As there.
     pub unsafe fn resize(
         &mut self,
         host: &Host,
         kernels: &Kernels,
         allocator: &mut Allocator,
         size: [u32; 2],
-    ) -> Result<()> {
-        let desc = K::resized(&self.desc, size);
+    ) -> Result<Retired> {
         // SAFETY: the caller's.
-        unsafe {
-            let mut old = std::mem::replace(self, Self::with_effort(host, kernels, allocator, desc, self.effort)?);
-            old.destroy(host, allocator);
-        }
-        Ok(())
+        unsafe { self.change(host, kernels, allocator, K::resized(&self.desc, size)) }
+    }
+
+    /// Ends the effect: its objects, to be destroyed when the GPU is done with the frames recorded so far.
+    pub fn retire(self) -> Retired {
+        self.executor.retire()
     }
 
     /// Records a frame. Allocates nothing, submits nothing, waits for nothing.

@@ -274,7 +274,15 @@ impl Effect {
 
     fn delta(&self) -> FrameDelta {
         let shape = Shape { dimensions: self.desc.dimensions, voxel_size: [0.1; 3], origin: [0.0; 3] };
-        FrameDelta { shape, restart: true, new_volume: true, first: true, still: None, same_shadow: None }
+        FrameDelta {
+            shape,
+            restart: true,
+            new_volume: true,
+            stale: false,
+            new_tables: true,
+            still: None,
+            same_shadow: None,
+        }
     }
 
     fn frame(&self) -> Frame {
@@ -392,7 +400,7 @@ fn what_is_not_needed_is_left_out_and_says_why() {
     for name in ["smoke.volume", "smoke.occupancy"] {
         assert!(skipped(settings(), name, |_, delta| delta.new_volume = false).contains("unchanged"));
     }
-    assert_eq!(skipped(settings(), "smoke.tables", |_, delta| delta.first = false), "unchanged");
+    assert_eq!(skipped(settings(), "smoke.tables", |_, delta| delta.new_tables = false), "unchanged");
     for name in ["smoke.advect", "smoke.grow"] {
         assert_eq!(skipped(settings(), name, |_, delta| delta.still = Some("held")), "held");
     }

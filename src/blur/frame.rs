@@ -194,7 +194,7 @@ pub struct DepthInput {
 /// One output, i + 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// The mesh; given exactly in the first frame after creation and `resize`.
+    /// The mesh. The first frame after creation needs it; later ones may bring another with as many of everything.
     pub mesh: Option<TopologyInput>,
     /// Poses of frames that are not on the device yet.
     pub poses: Option<PoseInput>,
@@ -323,7 +323,6 @@ impl Frame<'_> {
     pub(crate) fn validate(&self, desc: &Desc, first: bool, resident: &[Option<u32>]) -> Result<()> {
         match (&self.mesh, first) {
             (None, true) => return refuse("the mesh", "the first frame needs it".to_owned()),
-            (Some(_), false) => return refuse("the mesh", "only the first frame brings it".to_owned()),
             (mesh, _) => mesh.iter().try_for_each(|mesh| mesh.validate(desc))?,
         }
         if let Some(poses) = &self.poses {

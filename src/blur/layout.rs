@@ -108,6 +108,9 @@ pub const HOST_COLOURS: BufferId = BufferId(BUFFERS + 14);
 /// Buffers of the host's.
 pub const HOST_BUFFERS: usize = 15;
 
+/// What frames need of frames before: the mesh and poses.
+pub const KEPT: [BufferId; 8] =
+    [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, TOON_BUFFER, CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
 /// Where in [`TOON_BUFFER`] the base colours begin.
 pub const BASE_COLOURS: u64 = size_of::<ToonParams>() as u64;
 
@@ -427,9 +430,7 @@ impl Inventory for Layout {
     }
 
     fn memory(&self, desc: &Desc) -> Memory {
-        let groups = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
-        let kept = [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, TOON_BUFFER, groups[0], groups[1], groups[2]];
-        let mut memory = self.sizes.memory(&kept);
+        let mut memory = self.sizes.memory(&KEPT);
         for image in self.images(desc) {
             // The host's format may take up to 16 bytes.
             let texel = match image.format {

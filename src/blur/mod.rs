@@ -30,7 +30,7 @@ pub use settings::Settings;
 
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::Result;
-use crate::gpu::resources::Resources;
+use crate::gpu::resources::{Kept, Resources};
 use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
 use crate::plan::{Pass, Plan};
 use layout::Layout;
@@ -129,6 +129,9 @@ impl Kind for BlurKind {
 
     fn recorded(&mut self, desc: &Desc, frame: &Frame, (): ()) {
         self.has_mesh = true;
+        if frame.mesh.is_some() {
+            self.drawn.fill(None);
+        }
         self.drawn.iter_mut().for_each(|place| *place = place.filter(|drawn| !frame.brings(drawn.frame())));
         steps::drawn(desc, frame).into_iter().flatten().for_each(|new| self.drawn[new.place(desc)] = Some(new));
         if let Some(poses) = &frame.poses {
@@ -142,6 +145,16 @@ impl Kind for BlurKind {
         self.has_mesh = false;
         self.drawn.fill(None);
         self.resident.fill(None);
+    }
+
+    fn go_on(&mut self, old: &BlurKind, descs: [&Desc; 2], kept: &Kept) {
+        let mesh = descs.map(|d| [d.points, d.triangles, d.neighbours, d.objects, d.groups, d.group_triangles]);
+        let has_normals = descs.map(|desc| self.layout.has_normals(desc));
+        let same_mesh = mesh[0] == mesh[1] && (descs[0].toon, has_normals[0]) == (descs[1].toon, has_normals[1]);
+        if same_mesh && layout::KEPT.iter().all(|id| kept.buffer(*id)) {
+            self.has_mesh = old.has_mesh;
+            self.resident.clone_from(&old.resident);
+        }
     }
 
     fn formats(desc: &Desc) -> Vec<NamedFormat> {

@@ -31,7 +31,7 @@ use ash::vk;
 
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::{Error, Result};
-use crate::gpu::resources::Resources;
+use crate::gpu::resources::{Kept, Resources};
 use crate::plan::{Pass, Plan};
 use crate::view::Camera;
 use colour::Table;
@@ -136,6 +136,17 @@ impl Kind for FlameKind {
 
     fn forget(&mut self) {
         self.state = State::default();
+    }
+
+    fn go_on(&mut self, old: &FlameKind, [before, desc]: [&Desc; 2], kept: &Kept) {
+        if !kept.buffer(layout::POSITIONS) || !kept.buffer(layout::IDS) {
+            return;
+        }
+        let has_room = kept.buffer(layout::COLOURS) && kept.buffer(layout::MASK) && kept.image(layout::LEVELS);
+        let same_mask = (before.seed, before.settings.variants) == (desc.seed, desc.settings.variants);
+        let has_tables = old.state.has_tables && has_room && same_mask && old.table.entries == self.table.entries;
+        // The sums are of another fire, and the expected image's table may be.
+        self.state = State { has_tables, repetitions: 0, lit: None, ..old.state };
     }
 
     fn formats(desc: &Desc) -> Vec<NamedFormat> {

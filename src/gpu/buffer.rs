@@ -9,7 +9,7 @@ use crate::gpu::debug;
 use crate::host::Host;
 
 /// Description of a buffer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BufferDesc {
     /// Debug name.
     pub name: &'static str,
@@ -45,6 +45,8 @@ pub struct Buffer {
     pub handle: vk::Buffer,
     /// Bytes.
     pub size: u64,
+    /// What it was made as.
+    pub desc: BufferDesc,
     allocation: Option<Allocation>,
 }
 
@@ -67,7 +69,7 @@ impl Buffer {
             linear: true,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         };
-        let mut buffer = Buffer { handle, size: desc.size, allocation: None };
+        let mut buffer = Buffer { handle, size: desc.size, desc: *desc, allocation: None };
         let bound = allocator
             .allocate(&request)
             .map_err(|source| Error::Allocation { name: desc.name.into(), bytes: requirements.size, source })

@@ -6,13 +6,13 @@ use gpu_allocator::vulkan::Allocator;
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::gpu::kernels::Kernels;
+use crate::gpu::kernels::{Kernels, Key};
 use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream, check};
-use crate::gpu::resources::Resources;
+use crate::gpu::resources::{BufferSlot, ImageSlot, Kept, Resources};
 use crate::host::{Host, Memory};
-use crate::plan::{BufferId, Pass, Plan};
+use crate::plan::{BufferId, ImageId, Pass, Plan};
 
 /// Passes, and what they run with on the device.
 #[derive(Debug)]
@@ -59,7 +59,8 @@ impl Executor {
         let mut resources = Resources::default();
         // SAFETY: the caller's; what was made is destroyed unused on error.
         unsafe {
-            create(host, allocator, &description, &mut resources)
+            let kept = Kept::new(&resources, &description.buffers, &description.images);
+            create(host, allocator, &description, &kept, &mut resources)
                 .inspect_err(|_| resources.destroy(host, allocator))?;
             let executor = Executor::on(host, kernels, allocator, description.passes, resources)?;
             Ok(Executor { memory: description.memory, ..executor })
@@ -83,6 +84,50 @@ impl Executor {
         };
         let (recorder, plan, memory) = (Recorder::new(&resources), Plan::for_passes(&passes), Memory::default());
         Ok(Executor { passes, resources, pipelines, recorder, plan, memory })
+    }
+
+    /// Changes to another description of the same kind. Buffers and images whose description stays the same keep what they
+    /// hold; what is replaced is handed back. On error everything is as it was.
+    ///
+    /// # Errors
+    /// As [`Executor::new`].
+    ///
+    /// # Safety
+    /// As [`Executor::new`], with the same `host` and `kernels`.
+    pub(crate) unsafe fn change_to(
+        &mut self,
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut Allocator,
+        description: Description,
+    ) -> Result<(Retired, Kept)> {
+        let kept = Kept::new(&self.resources, &description.buffers, &description.images);
+        let mut resources = Resources::default();
+        // SAFETY: the caller's; what was made is destroyed unused on error.
+        let pipelines = unsafe {
+            create(host, allocator, &description, &kept, &mut resources)
+                .inspect_err(|_| resources.destroy(host, allocator))?;
+            kept.exchange(&mut self.resources, &mut resources);
+            match kept.is_all() && same_bindings(&self.passes, &description.passes) {
+                true => std::mem::take(&mut self.pipelines),
+                false => Pipelines::new(host, kernels, &description.passes, &resources).inspect_err(|_| {
+                    kept.exchange(&mut self.resources, &mut resources);
+                    resources.destroy(host, allocator);
+                })?,
+            }
+        };
+        let recorder = std::mem::replace(&mut self.recorder, Recorder::new(&resources));
+        self.recorder.set_mode(recorder.mode());
+        self.plan = Plan::for_passes(&description.passes);
+        (self.passes, self.memory) = (description.passes, description.memory);
+        let pipelines = std::mem::replace(&mut self.pipelines, pipelines);
+        let resources = std::mem::replace(&mut self.resources, resources);
+        Ok((Retired { pipelines, resources }, kept))
+    }
+
+    /// Its parts, to be destroyed.
+    pub(crate) fn retire(self) -> Retired {
+        Retired { pipelines: self.pipelines, resources: self.resources }
     }
 
     /// Changes passes. Plans stay; the mode does not.
@@ -156,7 +201,7 @@ impl Executor {
 
     /// Forgets what the device holds: images are initialised once more.
     pub fn forget(&mut self) {
-        self.resources.initialised = false;
+        self.resources.forget();
     }
 
     /// Records the plan, which [`Self::check`] has found nothing wrong with.
@@ -211,22 +256,59 @@ impl Executor {
     }
 }
 
+/// Objects that no new frame uses. Frames recorded before may: they are destroyed when the GPU is done with those.
+#[derive(Debug)]
+#[must_use = "what is not destroyed is lost"]
+pub struct Retired {
+    pipelines: Pipelines,
+    resources: Resources,
+}
+
+impl Retired {
+    /// Destroys them.
+    ///
+    /// # Safety
+    /// The GPU is done with every frame recorded before they were handed back; `host` and `allocator` are those they were
+    /// made with.
+    pub unsafe fn destroy(mut self, host: &Host, allocator: &mut Allocator) {
+        // SAFETY: the caller's.
+        unsafe {
+            self.pipelines.destroy(host);
+            self.resources.destroy(host, allocator);
+        }
+    }
+}
+
+/// Whether passes take the same pipelines and bind the same.
+fn same_bindings(a: &[Pass], b: &[Pass]) -> bool {
+    let same = |(a, b): (&Pass, &Pass)| a.bindings == b.bindings && Key::of(a) == Key::of(b);
+    a.len() == b.len() && a.iter().zip(b).all(same)
+}
+
+/// All but what is kept, for which there is an empty place.
 unsafe fn create(
     host: &Host,
     allocator: &mut Allocator,
     description: &Description,
+    kept: &Kept,
     resources: &mut Resources,
 ) -> Result<()> {
     // SAFETY: the caller's.
     unsafe {
-        for buffer in &description.buffers {
-            resources.add_buffer(host, allocator, buffer)?;
+        for (id, buffer) in (0..).zip(&description.buffers) {
+            match kept.buffer(BufferId(id)) {
+                true => resources.buffers.push(BufferSlot::Host(None)),
+                false => drop(resources.add_buffer(host, allocator, buffer)?),
+            }
         }
         for _ in 0..description.host_buffers {
             resources.add_host_buffer();
         }
-        for image in &description.images {
-            resources.add_image(host, allocator, image)?;
+        for (id, image) in (0..).zip(&description.images) {
+            match kept.image(ImageId(id)) {
+                true => resources.images.push(ImageSlot::Host(None)),
+                false => drop(resources.add_image(host, allocator, image)?),
+            }
         }
         for _ in 0..description.host_images {
             resources.add_host_image();

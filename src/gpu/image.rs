@@ -9,7 +9,7 @@ use crate::gpu::debug;
 use crate::host::Host;
 
 /// Description of an image: two-dimensional, one mip level, single-sampled, optimal tiling.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageDesc {
     /// Debug name.
     pub name: &'static str,
@@ -38,6 +38,8 @@ pub struct Image {
     pub aspect: vk::ImageAspectFlags,
     /// What it was made as.
     pub desc: ImageDesc,
+    /// Whether it has left layout UNDEFINED.
+    pub(crate) initialised: bool,
     allocation: Option<Allocation>,
 }
 
@@ -64,7 +66,7 @@ impl Image {
             _ => vk::ImageAspectFlags::COLOR,
         };
         let (view, layer_views) = (vk::ImageView::null(), Vec::new());
-        let mut image = Image { handle, view, layer_views, aspect, desc: *desc, allocation: None };
+        let mut image = Image { handle, view, layer_views, aspect, desc: *desc, initialised: false, allocation: None };
         // SAFETY: `handle` was just made; on error everything made so far is destroyed unused.
         unsafe {
             if let Err(error) = image.complete(host, allocator, desc) {

@@ -44,7 +44,7 @@ pub(crate) struct Pipeline {
 
 /// The part of a pass that its pipeline depends on. Shaders go by where their words are.
 #[derive(Debug, PartialEq, Eq, Hash)]
-struct Key {
+pub(crate) struct Key {
     shaders: [Option<usize>; 2],
     specialisation: Vec<u32>,
     topology: Option<Topology>,
@@ -53,7 +53,7 @@ struct Key {
 }
 
 impl Key {
-    fn of(pass: &Pass) -> Key {
+    pub(crate) fn of(pass: &Pass) -> Key {
         let raster = match &pass.kernel {
             Kernel::Raster(raster) => Some(raster),
             Kernel::Compute(_) | Kernel::Transfer => None,

@@ -67,6 +67,11 @@ impl Recorder {
         self.mode = mode;
     }
 
+    /// How steps are recorded.
+    pub(crate) fn mode(&self) -> Mode {
+        self.mode
+    }
+
     /// Records every step of `plan`; how many barriers that took.
     ///
     /// # Safety
@@ -110,9 +115,6 @@ impl Recorder {
             }
         }
         host_images(resources).for_each(|(id, image)| self.tracker.take_image(id, image.state_in));
-        if std::mem::replace(&mut resources.initialised, true) {
-            return;
-        }
         // Frames that were recorded before a dropped one may still run.
         let before = ImageState {
             stage: vk::PipelineStageFlags2::ALL_COMMANDS,
@@ -124,13 +126,17 @@ impl Recorder {
             access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
             layout: vk::ImageLayout::GENERAL,
         };
-        for slot in &resources.images {
-            if let ImageSlot::Own(image) = slot {
+        for slot in &mut resources.images {
+            if let ImageSlot::Own(image) = slot
+                && !std::mem::replace(&mut image.initialised, true)
+            {
                 self.changing.push(change(image.handle, image.aspect, before, all));
             }
         }
-        // SAFETY: the caller's.
-        unsafe { self.emit(host, stream.current(), &Barrier::default()) };
+        if !self.changing.is_empty() {
+            // SAFETY: the caller's.
+            unsafe { self.emit(host, stream.current(), &Barrier::default()) };
+        }
     }
 
     /// A barrier, and the changes of images that come with it; nothing if it is empty.

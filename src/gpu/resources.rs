@@ -34,8 +34,53 @@ pub struct Resources {
     pub buffers: Vec<BufferSlot>,
     /// By [`ImageId`].
     pub images: Vec<ImageSlot>,
-    /// Whether the own images have left layout UNDEFINED.
-    pub(crate) initialised: bool,
+}
+
+/// Which own buffers and images stay when a description changes, by their ids.
+#[derive(Debug)]
+pub struct Kept {
+    buffers: Vec<bool>,
+    images: Vec<bool>,
+}
+
+impl Kept {
+    /// Those whose description stays the same.
+    pub(crate) fn new(resources: &Resources, buffers: &[BufferDesc], images: &[ImageDesc]) -> Kept {
+        let buffers = buffers.iter().enumerate().map(|(id, new)| match resources.buffers.get(id) {
+            Some(BufferSlot::Own(old)) => old.desc == *new,
+            _ => false,
+        });
+        let images = images.iter().enumerate().map(|(id, new)| match resources.images.get(id) {
+            Some(ImageSlot::Own(old)) => old.desc == *new,
+            _ => false,
+        });
+        Kept { buffers: buffers.collect(), images: images.collect() }
+    }
+
+    /// Whether a buffer stays, with what it holds.
+    pub fn buffer(&self, id: BufferId) -> bool {
+        self.buffers.get(usize::from(id.0)).copied().unwrap_or(false)
+    }
+
+    /// Whether an image stays, with what it holds.
+    pub fn image(&self, id: ImageId) -> bool {
+        self.images.get(usize::from(id.0)).copied().unwrap_or(false)
+    }
+
+    /// Whether all of it stays.
+    pub(crate) fn is_all(&self) -> bool {
+        self.buffers.iter().chain(&self.images).all(|kept| *kept)
+    }
+
+    /// Exchanges what stays: it has one owner. Once more, and it is back.
+    pub(crate) fn exchange(&self, a: &mut Resources, b: &mut Resources) {
+        for (id, _) in self.buffers.iter().enumerate().filter(|(_, kept)| **kept) {
+            std::mem::swap(&mut a.buffers[id], &mut b.buffers[id]);
+        }
+        for (id, _) in self.images.iter().enumerate().filter(|(_, kept)| **kept) {
+            std::mem::swap(&mut a.images[id], &mut b.images[id]);
+        }
+    }
 }
 
 impl Resources {
@@ -71,6 +116,15 @@ impl Resources {
     pub fn add_host_image(&mut self) -> ImageId {
         self.images.push(ImageSlot::Host(None));
         ImageId(self.images.len() as u16 - 1)
+    }
+
+    /// Forgets what own images hold: they are initialised once more.
+    pub(crate) fn forget(&mut self) {
+        for slot in &mut self.images {
+            if let ImageSlot::Own(image) = slot {
+                image.initialised = false;
+            }
+        }
     }
 
     /// Takes all images of the host's back.
@@ -143,6 +197,5 @@ impl Resources {
                 unsafe { image.destroy(host, allocator) };
             }
         }
-        self.initialised = false;
     }
 }

@@ -85,6 +85,9 @@ pub fn resource(binding: &Binding) -> Option<Resource> {
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
+/// What frames need of frames before.
+pub const KEPT: [BufferId; 10] =
+    [DENSITY, VELOCITY, OCCUPANCY, BIRTH_COUNTS, HISTORY, PARTICLES, DYING, DYING_STEPS, SPHERES, GROUPS];
 /// The host's density.
 pub const HOST_DENSITY: BufferId = BufferId(BUFFERS);
 /// The host's velocity.
@@ -341,9 +344,7 @@ impl Inventory for Layout {
     }
 
     fn memory(&self, desc: &Desc) -> Memory {
-        let kept =
-            [DENSITY, VELOCITY, OCCUPANCY, BIRTH_COUNTS, HISTORY, PARTICLES, DYING, DYING_STEPS, SPHERES, GROUPS];
-        let mut memory = self.sizes.memory(&kept);
+        let mut memory = self.sizes.memory(&KEPT);
         for image in self.images(desc) {
             memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * u64::from(image.layers) * 4;
         }

@@ -26,7 +26,7 @@ use ash::vk;
 
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::Result;
-use crate::gpu::resources::Resources;
+use crate::gpu::resources::{Kept, Resources};
 use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
 use crate::plan::{Pass, Plan};
 use crate::view::Light;
@@ -64,6 +64,8 @@ pub struct State {
     /// A volume came in a hold: particles meet it when they move on.
     unmet: bool,
     shape: Shape,
+    /// Tables and what radii are searched in are those of other settings.
+    stale: bool,
     /// The light of the shadows on the device; none if there are none.
     shadowed: Option<Light>,
 }
@@ -132,6 +134,13 @@ impl Kind for SmokeKind {
         self.state = State::default();
     }
 
+    fn go_on(&mut self, old: &SmokeKind, descs: [&Desc; 2], kept: &Kept) {
+        if layout::KEPT.iter().all(|id| kept.buffer(*id)) && descs[0].velocity == descs[1].velocity {
+            // Radii may be others now, and so may all that is made for the picture.
+            self.state = State { quiet: 0, shadowed: None, stale: old.state.begun, ..old.state };
+        }
+    }
+
     fn formats(desc: &Desc) -> Vec<NamedFormat> {
         let depth = desc.depth.map(|depth| depth_format(depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT));
         [target_format(desc.target_format)].into_iter().chain(depth).collect()
@@ -144,13 +153,14 @@ impl SmokeKind {
         let restart = frame.sequence == Sequence::Restart;
         let advance = frame.sequence == Sequence::Advance;
         let new_volume = frame.volume.is_some();
-        let mut state = self.state;
+        let State { stale, .. } = self.state;
+        let mut state = State { stale: false, ..self.state };
         state.begun = true;
         state.range_before = 1 - self.state.range_before;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());
-        let moving = desc.velocity || desc.settings.lifetime.is_some() || new_volume || state.unmet;
-        state.unmet = !restart && !advance && (state.unmet || new_volume);
+        let moving = desc.velocity || desc.settings.lifetime.is_some() || new_volume || stale || state.unmet;
+        state.unmet = !restart && !advance && (state.unmet || new_volume || stale);
         state.quiet = if restart || (moving && advance) { 0 } else { state.quiet + u32::from(advance) };
         let still = match () {
             _ if restart || !self.effort.skips() && advance => None,
@@ -166,8 +176,8 @@ impl SmokeKind {
         } else if still.is_none() {
             state.shadowed = None;
         }
-        let first = !self.state.begun || restart;
-        (FrameDelta { shape: state.shape, restart, new_volume, first, still, same_shadow }, state)
+        let new_tables = !self.state.begun || restart || stale;
+        (FrameDelta { shape: state.shape, restart, new_volume, stale, new_tables, still, same_shadow }, state)
     }
 }
 

@@ -27,8 +27,10 @@ pub struct FrameDelta {
     pub restart: bool,
     /// A volume came with this frame.
     pub new_volume: bool,
-    /// First frame: tables are to be written.
-    pub first: bool,
+    /// What is made from volumes and settings is that of other settings.
+    pub stale: bool,
+    /// Tables are to be written.
+    pub new_tables: bool,
     /// Why particles stay as they are, if they do.
     pub still: Option<&'static str>,
     /// Why the shadows of the last frame serve, if they do.
@@ -67,7 +69,7 @@ impl Steps<'_> {
         }
         self.plan.update(self.passes.params, PARAMS, params);
         self.plan.update(self.passes.params, CONTROL, &Control::reset());
-        if self.delta.first {
+        if self.delta.new_tables {
             self.plan.update_slice(self.passes.tables, WEIGHTS, &tables.weights);
             self.plan.update_slice(self.passes.tables, TONES, &tables.tones);
         } else {
@@ -133,17 +135,18 @@ impl Steps<'_> {
     }
 
     fn volume(&mut self) {
-        if !self.delta.new_volume {
+        if !self.delta.new_volume && !self.delta.stale {
             self.plan.skip(self.passes.volume, "unchanged");
             self.plan.skip(self.passes.occupancy, "volume and threshold unchanged");
             return;
         }
         let shape = &self.delta.shape;
         let bytes = 4 * shape.voxels();
-        self.plan.step(self.passes.volume, Command::CopyBuffer { from: HOST_DENSITY, to: DENSITY, bytes });
-        if self.desc.velocity {
-            self.plan
-                .step(self.passes.volume, Command::CopyBuffer { from: HOST_VELOCITY, to: VELOCITY, bytes: 3 * bytes });
+        let copies = [(HOST_DENSITY, DENSITY, bytes), (HOST_VELOCITY, VELOCITY, 3 * bytes)];
+        for (from, to, bytes) in copies.into_iter().take(if self.desc.velocity { 2 } else { 1 }) {
+            if self.delta.new_volume {
+                self.plan.step(self.passes.volume, Command::CopyBuffer { from, to, bytes });
+            }
         }
         let pyramid = Pyramid::new(shape.dimensions);
         let words = pyramid.row_words * shape.dimensions[1] * shape.dimensions[2];

@@ -150,11 +150,11 @@ impl Film {
         self.rig.picture()
     }
 
-    /// As [`Film::output`] of what moves, as the first one after the size has changed.
+    /// As [`Film::output`] of what moves, with the mesh and the poses that are there.
     pub fn again(&mut self, i: usize) -> Vec<[f32; 4]> {
         let interval = self.interval(i);
         let views = self.animation.views(i);
-        let shot = Shot { poses: Some((0, &self.animation.poses[..])), interval: Some(&interval), views, knots: None };
+        let shot = Shot { poses: None, interval: Some(&interval), views, knots: None };
         self.rig.frame(&shot).expect("a frame");
         self.rig.picture()
     }

@@ -156,7 +156,15 @@ impl Bench {
             edges: None,
         };
         let shape = Shape { dimensions, voxel_size, origin };
-        let delta = FrameDelta { shape, restart, new_volume: true, first: true, still: None, same_shadow: None };
+        let delta = FrameDelta {
+            shape,
+            restart,
+            new_volume: true,
+            stale: false,
+            new_tables: true,
+            still: None,
+            same_shadow: None,
+        };
         let mut params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);
         params.range_before = given.frames % 2;
         let tables = Tables::new(&self.desc.settings, &self.layout);

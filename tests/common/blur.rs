@@ -145,17 +145,18 @@ impl BlurRig {
         }
     }
 
-    /// Another size of the picture; images are empty again.
+    /// Another size of the picture; images are empty again, the mesh and poses are there.
     pub fn resize(&mut self, size: [u32; 2]) {
         let (host, kernels, allocator) = self.device.making();
         // SAFETY: the handles are the device's own, and every submission has been waited for.
         unsafe {
-            self.blur.as_mut().expect("an effect").resize(&host, kernels, allocator, size).expect("a size");
+            let blur = self.blur.as_mut().expect("an effect");
+            blur.resize(&host, kernels, allocator, size).expect("a size").destroy(&host, allocator);
             self.images.drain(..).for_each(|mut image| image.destroy(&host, allocator));
         }
         let desc = self.desc().clone();
         self.images = make_images(&mut self.device, &desc);
-        (self.outer, self.has_backdrop, self.is_first) = ([false; 2], false, true);
+        (self.outer, self.has_backdrop) = ([false; 2], false);
         self.clear_images();
     }
 

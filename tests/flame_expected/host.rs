@@ -201,8 +201,12 @@ fn a_dropped_frame_leaves_no_trace() {
 
 /// One frame over the host's sky, by an effect that exists.
 fn one_frame(device: &mut TestDevice, flame: &mut Flame, particles: &Particles) -> Vec<[u8; 4]> {
+    numbered(device, flame, particles, 0)
+}
+
+fn numbered(device: &mut TestDevice, flame: &mut Flame, particles: &Particles, number: u32) -> Vec<[u8; 4]> {
     let mut slot = Slot::new(device, flame.desc().size, 80);
-    let frame = slot.frame(particles, 0);
+    let frame = slot.frame(particles, number);
     host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.
         unsafe {
@@ -252,7 +256,7 @@ fn resizing_is_like_making_anew() {
         one_frame(&mut device, &mut flame, &particles);
         let (host, kernels, allocator) = device.making();
         // SAFETY: every frame has been waited for.
-        unsafe { flame.resize(&host, kernels, allocator, size).expect("another size") };
+        unsafe { flame.resize(&host, kernels, allocator, size).expect("another size").destroy(&host, allocator) };
         let resized = one_frame(&mut device, &mut flame, &particles);
         let mut fresh = make(&mut device, effect(size, settings()));
         assert!(resized == one_frame(&mut device, &mut fresh, &particles), "{size:?}");
@@ -265,6 +269,50 @@ fn resizing_is_like_making_anew() {
     let refused = unsafe { flame.resize(&host, kernels, allocator, [1 << 20, 4]) };
     assert!(matches!(refused, Err(Error::Limit { .. })), "{refused:?}");
     assert!(one_frame(&mut device, &mut flame, &particles) == last);
+    destroy(&mut device, flame);
+}
+
+/// Sizes and settings change from frame to frame while frames are on their way. Particles came once.
+#[test]
+fn a_sequence_goes_on_through_changes() {
+    use celfx::flame::settings::{Mode, Shape};
+    let Some(mut device) = device() else { return };
+    let particles = ball(80, 7);
+    let bright = Settings { adaptation: 0.5, ..settings() };
+    let cubes = Settings { shape: Shape::Cube, mode: Mode::Expected, ..settings() };
+    let few = Settings { mode: Mode::Expected, variants: 3, hottest: 2500.0, ..settings() };
+    let looks =
+        [([48, 36], settings()), ([48, 36], bright), ([33, 70], cubes), ([48, 36], few), ([48, 36], settings())];
+    let looks = looks.map(|(size, settings)| effect(size, settings));
+    let mut flame = make(&mut device, looks[0].clone());
+    let (mut on_their_way, mut slots, mut replaced) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, desc) in (0..).zip(&looks) {
+        let (host, kernels, allocator) = device.making();
+        // SAFETY: what is replaced is kept until all frames have been waited for.
+        replaced.push(unsafe { flame.change(&host, kernels, allocator, desc.clone()) }.expect("a change"));
+        let mut slot = Slot::new(&mut device, desc.size, 80);
+        let frame = slot.frame(&particles, number);
+        let frame = Frame { particles: frame.particles.filter(|_| number == 0), ..frame };
+        let commands = device.begin().expect("commands");
+        // SAFETY: everything is the test's own, and frames are submitted in order.
+        unsafe {
+            slot.draw(&device.host(), commands.raw());
+            flame.record(&device.host(), commands.raw(), &frame, &mut Timing::None).expect("a frame");
+            slot.show(&device.host(), commands.raw());
+        }
+        on_their_way.push(device.start(commands, "frame").expect("it starts"));
+        slots.push(slot);
+    }
+    on_their_way.into_iter().for_each(|submission| device.wait(submission).expect("it ends"));
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    replaced.into_iter().for_each(|retired| unsafe { retired.destroy(&host, allocator) });
+    for ((number, desc), slot) in (0..).zip(&looks).zip(slots) {
+        let mut fresh = make(&mut device, desc.clone());
+        assert!(slot.pixels() == numbered(&mut device, &mut fresh, &particles, number), "frame {number}");
+        destroy(&mut device, fresh);
+        slot.destroy(&mut device);
+    }
     destroy(&mut device, flame);
 }
 

@@ -10,7 +10,10 @@ use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::COPIED_FROM;
 use celfx::offline::TARGET_FORMAT;
+use celfx::smoke::settings::{Grow, Shadow};
 use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
+
+use celfx::toon::Outline;
 
 use crate::common::allocations::allocated;
 use crate::common::host::{self, DISCARDED};
@@ -122,22 +125,23 @@ fn frames_in_flight_are_those_that_are_waited_for() {
 
 /// Renders the first frame of an effect that exists.
 fn one_frame(device: &mut TestDevice, smoke: &mut Smoke, size: [u32; 2]) -> Vec<[u32; 4]> {
-    let slot = Slot::new(device, size);
-    one_into(device, smoke, slot, 0)
+    let mut slot = Slot::new(device, size);
+    let frame = slot.frame(0);
+    one_into(device, smoke, slot, &frame)
 }
 
 /// Renders frame `i` of a sequence.
 fn one_of(device: &mut TestDevice, smoke: &mut Smoke, i: u32) -> Vec<[u32; 4]> {
-    let slot = Slot::new(device, SIZE);
-    one_into(device, smoke, slot, i)
+    let mut slot = Slot::new(device, SIZE);
+    let frame = slot.frame(i);
+    one_into(device, smoke, slot, &frame)
 }
 
-fn one_into(device: &mut TestDevice, smoke: &mut Smoke, mut slot: Slot, i: u32) -> Vec<[u32; 4]> {
-    let frame = slot.frame(i);
+fn one_into(device: &mut TestDevice, smoke: &mut Smoke, slot: Slot, frame: &Frame) -> Vec<[u32; 4]> {
     host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.
         unsafe {
-            smoke.record(host, commands, &frame, &mut Timing::None).expect("a frame");
+            smoke.record(host, commands, frame, &mut Timing::None).expect("a frame");
             slot.show(host, commands);
         }
     });
@@ -208,6 +212,131 @@ fn a_dropped_frame_leaves_no_trace() {
     unsafe { fresh.destroy(&host, allocator) };
 }
 
+/// Sizes and settings change from frame to frame while frames are on their way. Each picture is that of an effect that had
+/// them from the start, so particles and their history have gone on.
+#[test]
+fn a_sequence_goes_on_through_changes() {
+    let Some(mut device) = device() else { return };
+    let with = |size, settings| Desc { size, settings, ..effect() };
+    let plain = effect().settings;
+    let soft = Settings { sigma: 1.5, tone_softness: 2.0, ..plain.clone() };
+    let mapped = Settings {
+        shadow: Shadow::Map,
+        shadow_map: 256,
+        outline: Outline { width: 3.0, ..plain.outline },
+        ..plain.clone()
+    };
+    // The same radii, searched in what the last volume did not make.
+    let searched = Settings { grow: Grow::Pyramid, ..plain.clone() };
+    let looks = [
+        with(SIZE, plain.clone()),
+        with(SIZE, soft.clone()),
+        with([33, 90], mapped),
+        with([33, 90], searched),
+        with([200, 10], soft),
+        with(SIZE, plain),
+    ];
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: the handles are the device's own.
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, looks[0].clone()) }.expect("an effect");
+    let (mut on_their_way, mut slots, mut replaced) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, desc) in (0..).zip(&looks) {
+        let (host, kernels, allocator) = device.making();
+        // SAFETY: what is replaced is kept until all frames have been waited for.
+        replaced.push(unsafe { smoke.change(&host, kernels, allocator, desc.clone()) }.expect("a change"));
+        let mut slot = Slot::new(&mut device, desc.size);
+        let frame = slot.frame(i);
+        // Frames without a volume: what is made from it is made anew.
+        let frame = Frame { volume: frame.volume.filter(|_| i < 3), ..frame };
+        let commands = device.begin().expect("commands");
+        // SAFETY: everything is the test's own, and frames are submitted in order.
+        unsafe {
+            smoke.record(&device.host(), commands.raw(), &frame, &mut Timing::None).expect("a frame");
+            slot.show(&device.host(), commands.raw());
+        }
+        on_their_way.push(device.start(commands, "frame").expect("it starts"));
+        slots.push(slot);
+    }
+    on_their_way.into_iter().for_each(|submission| device.wait(submission).expect("it ends"));
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe {
+        replaced.into_iter().for_each(|retired| retired.destroy(&host, allocator));
+        smoke.retire().destroy(&host, allocator);
+    }
+    for ((last, desc), slot) in (0..).zip(&looks).zip(slots) {
+        let (host, kernels, allocator) = device.making();
+        // SAFETY: the handles are the device's own.
+        let mut fresh = unsafe { Smoke::new(&host, kernels, allocator, desc.clone()) }.expect("an effect");
+        let mut expected = Vec::new();
+        for i in 0..=last {
+            let mut other = Slot::new(&mut device, desc.size);
+            let frame = other.frame(i);
+            let frame = Frame { volume: frame.volume.filter(|_| i < 3), ..frame };
+            expected = one_into(&mut device, &mut fresh, other, &frame);
+        }
+        assert!(slot.pixels() == expected, "frame {last} is not that of an effect that was made so");
+        slot.destroy(&mut device);
+        let (host, allocator) = device.parts();
+        // SAFETY: every frame has been waited for.
+        unsafe { fresh.destroy(&host, allocator) };
+    }
+}
+
+/// What a sequence needs has another size: it must begin anew, and says so.
+#[test]
+fn a_change_that_loses_history_asks_for_a_restart() {
+    let Some(mut device) = device() else { return };
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: the handles are the device's own.
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, effect()) }.expect("an effect");
+    one_of(&mut device, &mut smoke, 0);
+    let more = Settings { particles: 300, ..effect().settings };
+    let (host, kernels, allocator) = device.making();
+    let mut slot = None;
+    // SAFETY: every frame has been waited for; the next is refused.
+    let refused = unsafe {
+        let changed = smoke.change(&host, kernels, allocator, Desc { settings: more, ..effect() });
+        changed.expect("a change").destroy(&host, allocator);
+        let slot = slot.insert(Slot::new(&mut device, SIZE));
+        smoke.record(&device.host(), vk::CommandBuffer::null(), &slot.frame(1), &mut Timing::None)
+    };
+    assert!(refused.expect_err("it went on").to_string().starts_with("frame.sequence = Advance"));
+    slot.into_iter().for_each(|slot| slot.destroy(&mut device));
+    let picture = one_of(&mut device, &mut smoke, 0);
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: every frame has been waited for.
+    let mut fresh = unsafe {
+        let desc = smoke.desc().clone();
+        smoke.destroy(&host, allocator);
+        Smoke::new(&host, kernels, allocator, desc).expect("an effect")
+    };
+    assert!(picture == one_of(&mut device, &mut fresh, 0));
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe { fresh.destroy(&host, allocator) };
+}
+
+/// Pipelines are made before they are needed, and making the effect makes none.
+#[test]
+fn an_effect_takes_pipelines_that_were_compiled() {
+    let Some(mut device) = device() else { return };
+    let mut kernels = Kernels::new();
+    let host = device.host();
+    // SAFETY: the handles are the device's own.
+    unsafe { Smoke::compile(&host, &kernels, &effect()) }.expect("pipelines");
+    let made = kernels.count();
+    assert!(made > 20, "{made}");
+    let (host, allocator) = device.parts();
+    // SAFETY: as above; nothing is submitted.
+    unsafe {
+        let smoke = Smoke::new(&host, &kernels, allocator, effect()).expect("an effect");
+        assert_eq!(kernels.count(), made);
+        smoke.retire().destroy(&host, allocator);
+        kernels.destroy(&host);
+    }
+}
+
 #[test]
 fn resizing_is_like_making_anew() {
     let Some(mut device) = device() else { return };
@@ -221,7 +350,7 @@ fn resizing_is_like_making_anew() {
         let (host, kernels, allocator) = device.making();
         // SAFETY: every frame has been waited for.
         let mut fresh = unsafe {
-            smoke.resize(&host, kernels, allocator, size).expect("another size");
+            smoke.resize(&host, kernels, allocator, size).expect("another size").destroy(&host, allocator);
             Smoke::new(&host, kernels, allocator, Desc { size, ..effect() }).expect("an effect")
         };
         let resized = one_frame(&mut device, &mut smoke, size);

@@ -6,7 +6,7 @@ use crate::effect::{DeviceTraits, Effect, Effort, Inventory, Kind};
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::gpu::resources::Resources;
+use crate::gpu::resources::{Kept, Resources};
 use crate::host::{HostImage, Memory, NamedFormat, target_format};
 use crate::layout::{Sizes, buffers};
 use crate::plan::{
@@ -115,6 +115,8 @@ impl Kind for VignetteKind {
     fn recorded(&mut self, _: &Desc, _: &HostImage, (): ()) {}
 
     fn forget(&mut self) {}
+
+    fn go_on(&mut self, _: &VignetteKind, _: [&Desc; 2], _: &Kept) {}
 
     fn formats(desc: &Desc) -> Vec<NamedFormat> {
         vec![target_format(desc.target_format)]
