@@ -22,7 +22,7 @@ use std::fmt;
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 pub use crate::gpu::capabilities::DeviceTraits;
 use crate::gpu::debug;
@@ -64,7 +64,7 @@ pub trait Kind: fmt::Debug + Sized {
     /// A host's description of one frame.
     type Frame<'a>;
     /// The state that is kept of a frame once it has been recorded.
-    type Recorded;
+    type Recorded: fmt::Debug;
 
     /// Checks what it is made for and computes sizes. Pure.
     ///
@@ -91,7 +91,7 @@ pub trait Kind: fmt::Debug + Sized {
     fn upload(&self, desc: &Self::Desc, frame: &Self::Frame<'_>, resources: &mut Resources);
 
     /// Notes that a planned frame has been recorded.
-    fn recorded(&mut self, desc: &Self::Desc, frame: &Self::Frame<'_>, recorded: Self::Recorded);
+    fn recorded(&mut self, desc: &Self::Desc, recorded: Self::Recorded);
 
     /// Whether a frame begins anew, and so needs nothing that the device holds.
     fn restarts(_: &Self::Frame<'_>) -> bool {
@@ -150,6 +150,16 @@ pub struct Effect<K: Kind> {
     effort: Effort,
     kind: K,
     executor: Executor,
+    prepared: Option<Prepared<K::Recorded>>,
+}
+
+/// A frame that has been planned and not yet recorded to its end.
+#[derive(Debug)]
+struct Prepared<R> {
+    recorded: R,
+    restarts: bool,
+    /// The step that is recorded next.
+    next: usize,
 }
 
 impl<K: Kind> Effect<K> {
@@ -191,14 +201,14 @@ impl<K: Kind> Effect<K> {
         effort: Effort,
     ) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        let (kind, description) = unsafe { Self::prepare(host, kernels, &desc, effort)? };
+        let (kind, description) = unsafe { Self::describe(host, kernels, &desc, effort)? };
         // SAFETY: the caller's.
         let executor = unsafe { Executor::new(host, kernels, allocator, description)? };
-        Ok(Effect { desc, effort, kind, executor })
+        Ok(Effect { desc, effort, kind, executor, prepared: None })
     }
 
     /// All of an effect that needs no memory.
-    unsafe fn prepare(host: &Host, kernels: &Kernels, desc: &K::Desc, effort: Effort) -> Result<(K, Description)> {
+    unsafe fn describe(host: &Host, kernels: &Kernels, desc: &K::Desc, effort: Effort) -> Result<(K, Description)> {
         // SAFETY: the caller's.
         unsafe {
             let mut kind = K::new(desc, &kernels.traits(host), effort)?;
@@ -220,7 +230,7 @@ impl<K: Kind> Effect<K> {
     pub unsafe fn compile(host: &Host, kernels: &Kernels, desc: &K::Desc) -> Result<()> {
         // SAFETY: the caller's.
         unsafe {
-            let (_, description) = Self::prepare(host, kernels, desc, Effort::Needed)?;
+            let (_, description) = Self::describe(host, kernels, desc, Effort::Needed)?;
             description.passes.iter().try_for_each(|pass| kernels.make(host, pass))
         }
     }
@@ -245,11 +255,11 @@ impl<K: Kind> Effect<K> {
         desc: K::Desc,
     ) -> Result<Retired> {
         // SAFETY: the caller's.
-        let (mut kind, description) = unsafe { Self::prepare(host, kernels, &desc, self.effort)? };
+        let (mut kind, description) = unsafe { Self::describe(host, kernels, &desc, self.effort)? };
         // SAFETY: the caller's.
         let (retired, kept) = unsafe { self.executor.change_to(host, kernels, allocator, description)? };
         kind.go_on(&self.kind, [&self.desc, &desc], &kept);
-        (self.kind, self.desc) = (kind, desc);
+        (self.kind, self.desc, self.prepared) = (kind, desc, None);
         Ok(retired)
     }
 
@@ -310,19 +320,83 @@ impl<K: Kind> Effect<K> {
         frame: &K::Frame<'_>,
         timing: &mut Timing,
     ) -> Result<()> {
-        let Effect { desc, kind, executor, .. } = self;
-        let plan = executor.plan_mut();
-        plan.clear();
-        let recorded = kind.plan(desc, frame, plan)?;
-        kind.upload(desc, frame, executor.resources_mut());
-        executor.check(timing)?;
-        if K::restarts(frame) {
-            executor.forget();
-        }
+        self.prepare(frame)?;
         // SAFETY: the caller's.
-        unsafe { executor.record(host, stream, timing)? };
-        kind.recorded(desc, frame, recorded);
-        Ok(())
+        unsafe { self.record_prepared(host, stream, usize::MAX, timing) }.map(drop)
+    }
+
+    /// Checks a frame and fills its plan, which [`Self::record_steps`] records. It calls nothing of Vulkan and allocates
+    /// nothing. A frame that was prepared before and not recorded is forgotten; one that was recorded in part is dropped
+    /// ([`Self::frame_dropped`]).
+    ///
+    /// # Errors
+    /// The frame does not fit what the effect was made for; the effect is as it was, and its plan is empty.
+    pub fn prepare(&mut self, frame: &K::Frame<'_>) -> Result<&Plan> {
+        if self.prepared.as_ref().is_some_and(|prepared| prepared.next > 0) {
+            self.frame_dropped();
+        }
+        let Effect { desc, kind, executor, prepared, .. } = self;
+        *prepared = None;
+        executor.plan_mut().clear();
+        let recorded = kind.plan(desc, frame, executor.plan_mut())?;
+        kind.upload(desc, frame, executor.resources_mut());
+        executor.check().inspect_err(|_| executor.plan_mut().clear())?;
+        *prepared = Some(Prepared { recorded, restarts: K::restarts(frame), next: 0 });
+        Ok(executor.plan())
+    }
+
+    /// Records the next steps of the prepared frame, at most so many; how many are left. The host's own commands may stand
+    /// between, and steps may go to several command buffers that are submitted in order. It is called until none are left, at
+    /// least once.
+    ///
+    /// # Errors
+    /// No frame is prepared; too few queries. Nothing has been recorded then.
+    ///
+    /// # Safety
+    /// As [`Self::record`], for the frame that was prepared. What the host records between touches nothing that the frame
+    /// names.
+    pub unsafe fn record_steps(
+        &mut self,
+        host: &Host,
+        mut commands: vk::CommandBuffer,
+        steps: usize,
+        timing: &mut Timing,
+    ) -> Result<usize> {
+        // SAFETY: the caller's.
+        unsafe { self.record_prepared(host, &mut commands, steps, timing) }
+    }
+
+    unsafe fn record_prepared(
+        &mut self,
+        host: &Host,
+        stream: &mut dyn Stream,
+        steps: usize,
+        timing: &mut Timing,
+    ) -> Result<usize> {
+        let Effect { desc, kind, executor, prepared, .. } = self;
+        let Some(Prepared { restarts, next, .. }) = prepared else {
+            return Err(Error::HostResource { name: "frame", why: "none is prepared".to_owned() });
+        };
+        let all = executor.plan().steps.len();
+        let range = *next..next.saturating_add(steps).min(all);
+        if range.is_empty() && all > 0 {
+            return Ok(all - range.end);
+        }
+        if range.start == 0 {
+            timing.check(all as u32)?;
+            if *restarts {
+                executor.forget();
+            }
+        }
+        *next = range.end;
+        // SAFETY: the caller's.
+        unsafe { executor.record(host, stream, range.clone(), timing)? };
+        if range.end == all
+            && let Some(Prepared { recorded, .. }) = prepared.take()
+        {
+            kind.recorded(desc, recorded);
+        }
+        Ok(all - range.end)
     }
 
     /// Says that the frame recorded last is never submitted, as when a swapchain was out of date. What the effect had on the
@@ -331,6 +405,7 @@ impl<K: Kind> Effect<K> {
     pub fn frame_dropped(&mut self) {
         self.kind.forget();
         self.executor.forget();
+        self.prepared = None;
     }
 
     /// The effect's parts on the device.
@@ -354,7 +429,7 @@ impl<K: Kind> Effect<K> {
         &self.desc
     }
 
-    /// The list of the frame recorded last; empty after one that was refused. No frame has more steps than it has room for.
+    /// The list of the frame prepared or recorded last; empty after one that was refused. No frame has more steps than it has room for.
     pub fn plan(&self) -> &Plan {
         self.executor.plan()
     }

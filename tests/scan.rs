@@ -41,10 +41,11 @@ fn scanned(device: &mut TestDevice, values: &[u32]) -> Vec<u32> {
     plan.step(PassId(0), Command::CopyBuffer { from: GIVEN, to: VALUES, bytes: 4 * values.len() as u64 });
     scan::step(plan, PassId(1), bytes);
     scan::step(plan, PassId(2), bytes);
+    let steps = plan.steps.len();
     device
         .one_time("scan", |host, mut commands| {
             // SAFETY: all is alive, and the host's buffer has been written.
-            unsafe { executor.record(host, &mut commands, &mut Timing::None) }
+            unsafe { executor.record(host, &mut commands, 0..steps, &mut Timing::None) }
         })
         .expect("it runs");
     let found = host::read(device, executor.buffer(VALUES), values.len());

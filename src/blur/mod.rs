@@ -17,6 +17,8 @@ pub mod settings;
 pub(crate) mod shells;
 pub(crate) mod steps;
 
+use std::ops::Range;
+
 use ash::vk;
 
 pub use crate::host::{Background, DepthFormat, HostDepth};
@@ -54,12 +56,23 @@ pub struct BlurKind {
     has_mesh: bool,
 }
 
+/// What a frame leaves on the device.
+#[derive(Clone, Debug)]
+pub struct Brought {
+    /// Whether it brought the mesh.
+    mesh: bool,
+    /// Frames whose poses it brought.
+    poses: Range<u32>,
+    /// Frames that were drawn.
+    drawn: [Option<frame::Drawn>; 4],
+}
+
 impl Kind for BlurKind {
     const NAME: &'static str = "blur";
     type Desc = Desc;
     type Layout = Layout;
     type Frame<'a> = Frame<'a>;
-    type Recorded = ();
+    type Recorded = Brought;
 
     fn new(desc: &Desc, traits: &DeviceTraits, effort: Effort) -> Result<BlurKind> {
         desc.validate()?;
@@ -83,11 +96,12 @@ impl Kind for BlurKind {
         std::mem::take(&mut self.passes.list)
     }
 
-    fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<()> {
+    fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<Brought> {
         frame.validate(desc, !self.has_mesh, &self.resident)?;
         let BlurKind { traits, layout, passes, effort, drawn, .. } = self;
         Steps { plan, passes, desc, layout, traits, effort: *effort, drawn }.fill(frame);
-        Ok(())
+        let poses = frame.poses.map_or(0..0, |poses| poses.first..poses.first + poses.count);
+        Ok(Brought { mesh: frame.mesh.is_some(), poses, drawn: steps::drawn(desc, frame) })
     }
 
     fn upload(&self, desc: &Desc, frame: &Frame, resources: &mut Resources) {
@@ -127,17 +141,14 @@ impl Kind for BlurKind {
         }
     }
 
-    fn recorded(&mut self, desc: &Desc, frame: &Frame, (): ()) {
+    fn recorded(&mut self, desc: &Desc, Brought { mesh, poses, drawn }: Brought) {
         self.has_mesh = true;
-        if frame.mesh.is_some() {
-            self.drawn.fill(None);
+        for place in &mut self.drawn {
+            *place = place.filter(|drawn| !mesh && !poses.contains(&drawn.frame()));
         }
-        self.drawn.iter_mut().for_each(|place| *place = place.filter(|drawn| !frame.brings(drawn.frame())));
-        steps::drawn(desc, frame).into_iter().flatten().for_each(|new| self.drawn[new.place(desc)] = Some(new));
-        if let Some(poses) = &frame.poses {
-            for new in poses.first..poses.first + poses.count {
-                self.resident[(new % desc.frames_resident) as usize] = Some(new);
-            }
+        drawn.into_iter().flatten().for_each(|new| self.drawn[new.place(desc)] = Some(new));
+        for new in poses {
+            self.resident[(new % desc.frames_resident) as usize] = Some(new);
         }
     }
 

@@ -130,7 +130,7 @@ impl Kind for FlameKind {
         resources.set_host_image(layout::HOST_DEPTH, image);
     }
 
-    fn recorded(&mut self, _: &Desc, _: &Frame, state: State) {
+    fn recorded(&mut self, _: &Desc, state: State) {
         self.state = state;
     }
 

@@ -1,5 +1,7 @@
 //! A list of passes on the device: buffers and images, pipelines, and the recorder that walks plans of them.
 
+use std::ops::Range;
+
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
@@ -190,12 +192,11 @@ impl Executor {
         self.memory
     }
 
-    /// Refuses the plan if it does not fit the resources or the queries.
+    /// Refuses the plan if it does not fit the resources.
     ///
     /// # Errors
-    /// A copy of more than a host's buffer has, too few queries.
-    pub fn check(&self, timing: &Timing) -> Result<()> {
-        timing.check(self.plan.steps.len() as u32)?;
+    /// A copy of more than a host's buffer has.
+    pub fn check(&self) -> Result<()> {
         check(&self.plan, &self.passes, &self.resources)
     }
 
@@ -204,7 +205,8 @@ impl Executor {
         self.resources.forget();
     }
 
-    /// Records the plan, which [`Self::check`] has found nothing wrong with.
+    /// Records steps of the plan, which [`Self::check`] has found nothing wrong with. They come in order, the first and the
+    /// last included.
     ///
     /// # Errors
     /// What the stream says.
@@ -212,11 +214,17 @@ impl Executor {
     /// # Safety
     /// `host` is the one that everything was made with; the command buffers of `stream` are in recording state, outside of
     /// a render pass; what the host has handed over is in the states that it declared.
-    pub unsafe fn record(&mut self, host: &Host, stream: &mut dyn Stream, timing: &mut Timing) -> Result<()> {
+    pub unsafe fn record(
+        &mut self,
+        host: &Host,
+        stream: &mut dyn Stream,
+        steps: Range<usize>,
+        timing: &mut Timing,
+    ) -> Result<()> {
         let Executor { passes, resources, pipelines, recorder, plan, .. } = self;
         let mut recording = Recording { host, stream, passes, pipelines, resources };
         // SAFETY: the caller's.
-        plan.barriers = unsafe { recorder.record(plan, &mut recording, timing)? };
+        plan.barriers = unsafe { recorder.record(plan, steps, &mut recording, timing)? };
         Ok(())
     }
 
@@ -234,7 +242,7 @@ impl Executor {
         let Executor { passes, resources, pipelines, recorder, .. } = self;
         let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
         // SAFETY: the caller's.
-        unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }.map(drop)
+        unsafe { recorder.record(plan, 0..plan.steps.len(), &mut recording, &mut Timing::None) }.map(drop)
     }
 
     /// A buffer: handle, offset and size in bytes.

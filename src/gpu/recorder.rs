@@ -1,5 +1,7 @@
 //! Walks a plan into a command buffer: barriers, labels, timestamps, commands. Allocates nothing.
 
+use std::ops::Range;
+
 use ash::vk;
 
 use crate::barrier::{Barrier, Change, Tracker, layout};
@@ -72,17 +74,27 @@ impl Recorder {
         self.mode
     }
 
-    /// Records every step of `plan`; how many barriers that took.
+    /// Records steps of `plan`, which come in order; how many barriers all until now took. The frame begins with the first and
+    /// ends with the last.
     ///
     /// # Safety
     /// All handles in `recording` are valid, the pipelines and resources were made for its passes, and host resources
     /// that the plan names have been handed over and are in the states that they declare.
-    pub unsafe fn record(&mut self, plan: &Plan, recording: &mut Recording, timing: &mut Timing) -> Result<u32> {
+    pub unsafe fn record(
+        &mut self,
+        plan: &Plan,
+        steps: Range<usize>,
+        recording: &mut Recording,
+        timing: &mut Timing,
+    ) -> Result<u32> {
         // SAFETY: the caller's, for all of it. Barriers reach over the ends of command buffers.
         unsafe {
-            self.open(plan, recording);
+            if steps.start == 0 {
+                self.open(plan, recording);
+            }
             let Recording { host, stream, passes, pipelines, resources } = recording;
-            for (index, step) in plan.steps.iter().enumerate() {
+            for index in steps.clone() {
+                let step = &plan.steps[index];
                 let pass = &passes[usize::from(step.pass.0)];
                 let commands = stream.next(pass.name)?;
                 let derived = self.tracker.before(plan, index, passes);
@@ -94,6 +106,9 @@ impl Recorder {
                 walk.step(step, pass, &pipelines.passes[usize::from(step.pass.0)]);
                 timing.end_scope(host, commands);
                 debug::end_label(host, commands);
+            }
+            if steps.end < plan.steps.len() {
+                return Ok(self.tracker.count());
             }
             for (pass, reason) in &plan.skipped {
                 timing.skip(passes[usize::from(pass.0)].name, reason);

@@ -122,7 +122,7 @@ impl Kind for SmokeKind {
         resources.set_host_buffer(layout::HOST_EDGES, edges);
     }
 
-    fn recorded(&mut self, _: &Desc, _: &Frame, state: State) {
+    fn recorded(&mut self, _: &Desc, state: State) {
         self.state = state;
     }
 

@@ -192,7 +192,7 @@ impl Bench {
             let mut commands = commands;
             let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
             // SAFETY: everything was made for these passes, and what the plan names has been handed over.
-            unsafe { recorder.record(plan, &mut recording, &mut Timing::None) }.map(drop)
+            unsafe { recorder.record(plan, 0..plan.steps.len(), &mut recording, &mut Timing::None) }.map(drop)
         })
     }
 }

@@ -21,7 +21,7 @@ fn commands<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) -> (usize, u32) {
     for frame in frames {
         plan.clear();
         let recorded = kind.plan(desc, frame, &mut plan).expect("a frame");
-        kind.recorded(desc, frame, recorded);
+        kind.recorded(desc, recorded);
     }
     let buffers = description.buffers.len() + K::Layout::HOST_BUFFERS;
     let images = description.images.len() + K::Layout::HOST_IMAGES;

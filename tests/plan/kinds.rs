@@ -68,7 +68,7 @@ fn check<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) {
         let before = allocated();
         let recorded = kind.plan(desc, frame, &mut plan).expect("a frame");
         assert_eq!(allocated() - before, 0, "planning allocates: {desc:?}");
-        kind.recorded(desc, frame, recorded);
+        kind.recorded(desc, recorded);
         assert!(plan.skipped.iter().all(|(_, reason)| !reason.is_empty()));
         declared(&plan, &description);
         plan.steps.iter().for_each(|step| fits(step, &description));

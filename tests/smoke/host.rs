@@ -212,6 +212,64 @@ fn a_dropped_frame_leaves_no_trace() {
     unsafe { fresh.destroy(&host, allocator) };
 }
 
+/// Steps go to two command buffers in turn, and the host fills a buffer of its own between them.
+#[test]
+fn a_prepared_frame_is_recorded_in_parts() {
+    let Some(mut device) = device() else { return };
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: the handles are the device's own.
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, effect()) }.expect("an effect");
+    // SAFETY: nothing is prepared, and nothing recorded.
+    let early = unsafe { smoke.record_steps(&host, vk::CommandBuffer::null(), 1, &mut Timing::None) };
+    assert_eq!(early.expect_err("there is none").to_string(), "frame: none is prepared");
+    let mut own = host::sink(&mut device, 1024);
+    let mut parts = Vec::new();
+    for i in 0..3 {
+        let mut slot = Slot::new(&mut device, SIZE);
+        let frame = slot.frame(i);
+        let before = allocated();
+        let steps = smoke.prepare(&frame).expect("a frame").steps.len();
+        assert!(i < 2 || allocated() == before, "preparing allocates");
+        let commands = [device.begin().expect("commands"), device.begin().expect("commands")];
+        let mut left = steps;
+        for (turn, many) in [3, 1, 0, 5, usize::MAX].into_iter().enumerate() {
+            // The first buffer has the first two parts, and is submitted before the second.
+            let place = usize::from(turn > 1);
+            let raw = commands[place].raw();
+            let host = device.host();
+            // SAFETY: everything is the test's own; frames are submitted in order.
+            unsafe {
+                left = smoke.record_steps(&host, raw, many, &mut Timing::None).expect("steps");
+                host.device.cmd_fill_buffer(raw, own.handle, 4 * turn as u64, 4, turn as u32);
+            }
+        }
+        assert_eq!(left, 0, "of {steps}");
+        // SAFETY: as above.
+        unsafe { slot.show(&device.host(), commands[1].raw()) };
+        let started = commands.map(|commands| device.start(commands, "frame").expect("it starts"));
+        started.into_iter().for_each(|submission| device.wait(submission).expect("it ends"));
+        parts.push(slot.pixels());
+        slot.destroy(&mut device);
+    }
+    let Some(whole) = sequence(1, 3) else { return };
+    assert!(parts == whole);
+    assert_eq!(host::values::<u32>(&own, 5), [0, 1, 2, 3, 4]);
+    // What is left half recorded is dropped.
+    let mut slot = Slot::new(&mut device, SIZE);
+    let commands = device.begin().expect("commands");
+    smoke.prepare(&slot.frame(3)).expect("a frame");
+    // SAFETY: it is not submitted.
+    unsafe { smoke.record_steps(&device.host(), commands.raw(), 2, &mut Timing::None) }.expect("steps");
+    device.discard(commands);
+    let refused = smoke.prepare(&slot.frame(4)).expect_err("it went on").to_string();
+    assert!(refused.starts_with("frame.sequence = Advance"), "{refused}");
+    slot.destroy(&mut device);
+    host::destroy(&mut device, [&mut own], []);
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe { smoke.retire().destroy(&host, allocator) };
+}
+
 /// Sizes and settings change from frame to frame while frames are on their way. Each picture is that of an effect that had
 /// them from the start, so particles and their history have gone on.
 #[test]

@@ -112,7 +112,7 @@ impl Kind for VignetteKind {
         resources.set_host_image(TARGET, Some(*target));
     }
 
-    fn recorded(&mut self, _: &Desc, _: &HostImage, (): ()) {}
+    fn recorded(&mut self, _: &Desc, (): ()) {}
 
     fn forget(&mut self) {}
 
