@@ -42,21 +42,43 @@ pub struct ImageState {
     pub layout: vk::ImageLayout,
 }
 
-/// An image of the host: one mip level, one layer, exclusive to the queue family that celfx records for.
+/// A layer of a mip level of an image of the host, exclusive to the queue family that celfx records for. Others of the same image
+/// are not touched, and may be in any state.
 #[derive(Clone, Copy, Debug)]
 pub struct HostImage {
     /// The image; it stays the host's.
     pub image: vk::Image,
-    /// A 2-D view of all of it; it stays the host's.
+    /// A 2-D view of that layer of that level; it stays the host's.
     pub view: vk::ImageView,
     /// Format of the view.
     pub format: vk::Format,
-    /// Width and height in pixels, both at least 1.
+    /// Samples a pixel: `TYPE_1`. Resolve images that have more.
+    pub samples: vk::SampleCountFlags,
+    /// Width and height of the level in pixels, both at least 1.
     pub extent: [u32; 2],
+    /// The mip level.
+    pub base_mip: u32,
+    /// The layer.
+    pub base_layer: u32,
     /// Its state when the recorded commands begin; layout `UNDEFINED` where its contents do not matter.
     pub state_in: ImageState,
     /// The state that celfx leaves it in; not `UNDEFINED`.
     pub state_out: ImageState,
+}
+
+impl HostImage {
+    /// The only layer of the only level of an image with one sample a pixel.
+    pub fn new(
+        image: vk::Image,
+        view: vk::ImageView,
+        format: vk::Format,
+        extent: [u32; 2],
+        state_in: ImageState,
+        state_out: ImageState,
+    ) -> HostImage {
+        let samples = vk::SampleCountFlags::TYPE_1;
+        HostImage { image, view, format, samples, extent, base_mip: 0, base_layer: 0, state_in, state_out }
+    }
 }
 
 /// A range of a buffer of the host, exclusive to the queue family that celfx records for.

@@ -22,7 +22,7 @@ const REVERSED: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reve
 
 fn image(format: vk::Format) -> HostImage {
     let state = state(vk::ImageLayout::GENERAL);
-    HostImage { image: handle(), view: handle(), format, extent: SIZE, state_in: state, state_out: state }
+    HostImage::new(handle(), handle(), format, SIZE, state, state)
 }
 
 fn state(layout: vk::ImageLayout) -> ImageState {

@@ -214,14 +214,8 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
             camera: Camera::default(),
             light: Light::default(),
             volume: Some(slot.volume(n)),
-            target: Some(HostImage {
-                image: slot.target.handle,
-                view: slot.target.view,
-                format: FORMAT,
-                extent: SIZE,
-                state_in: DRAWN,  // stage, access and layout that the host leaves it in
-                state_out: SHOWN, // and wants it back in
-            }),
+            // DRAWN and SHOWN: stage, access and layout that the host leaves the target in, and wants it back in.
+            target: Some(HostImage::new(slot.target.handle, slot.target.view, FORMAT, SIZE, DRAWN, SHOWN)),
             background: Background::Keep, // smoke goes over what the host has drawn
             depth: None,
             edges: None,

@@ -287,14 +287,14 @@ impl Effect {
 
     fn frame(&self) -> Frame {
         let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
-        let target = HostImage {
-            image: vk::Image::null(),
-            view: vk::ImageView::null(),
-            format: self.desc.target_format,
-            extent: self.desc.size,
-            state_in: state,
-            state_out: state,
-        };
+        let target = HostImage::new(
+            vk::Image::null(),
+            vk::ImageView::null(),
+            self.desc.target_format,
+            self.desc.size,
+            state,
+            state,
+        );
         Frame {
             sequence: Sequence::Restart,
             dt: 0.04,

@@ -28,5 +28,7 @@ mod sequence;
 mod shadow;
 #[path = "smoke/spheres.rs"]
 mod spheres;
+#[path = "smoke/subresources.rs"]
+mod subresources;
 #[path = "smoke/tone.rs"]
 mod tone;

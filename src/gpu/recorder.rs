@@ -11,8 +11,8 @@ use crate::gpu::kernels::push_range;
 use crate::gpu::pipelines::{Bound, Pipelines};
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::raster::{area, viewport};
-use crate::gpu::resources::{BufferSlot, ImageSlot, Resources};
-use crate::host::{Host, HostImage, ImageState, aspect_of};
+use crate::gpu::resources::{BufferSlot, ImageSlot, Resources, range_of};
+use crate::host::{Host, HostImage, ImageState};
 use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Step, Usage};
 
 /// Records plans of one effect.
@@ -145,7 +145,7 @@ impl Recorder {
             if let ImageSlot::Own(image) = slot
                 && !std::mem::replace(&mut image.initialised, true)
             {
-                self.changing.push(change(image.handle, image.aspect, before, all));
+                self.changing.push(change(image.handle, range_of(image), before, all));
             }
         }
         if !self.changing.is_empty() {
@@ -157,11 +157,10 @@ impl Recorder {
     /// A barrier, and the changes of images that come with it; nothing if it is empty.
     unsafe fn barrier(&mut self, host: &Host, commands: vk::CommandBuffer, resources: &Resources, barrier: &Barrier) {
         for Change { image, from, to } in self.tracker.changes() {
-            let (handle, aspect) = match &resources.images[usize::from(image.0)] {
-                ImageSlot::Own(own) => (own.handle, own.aspect),
-                ImageSlot::Host(Some(host)) => (host.image, aspect_of(host.format)),
-                ImageSlot::Host(None) => continue,
-            };
+            let (handle, range) = (resources.image(*image), resources.range(*image));
+            if handle == vk::Image::null() {
+                continue;
+            }
             let from = ImageState {
                 stage: from.stage | barrier.src_stage,
                 access: from.access | barrier.src_access,
@@ -172,7 +171,7 @@ impl Recorder {
                 access: to.access | barrier.dst_access,
                 layout: to.layout,
             };
-            self.changing.push(change(handle, aspect, from, to));
+            self.changing.push(change(handle, range, from, to));
         }
         if !barrier.is_empty() || !self.changing.is_empty() {
             // SAFETY: the caller's.
@@ -216,7 +215,7 @@ fn host_images(resources: &Resources) -> impl Iterator<Item = (ImageId, &HostIma
 /// An image from one state into another.
 fn change(
     image: vk::Image,
-    aspect: vk::ImageAspectFlags,
+    range: vk::ImageSubresourceRange,
     from: ImageState,
     to: ImageState,
 ) -> vk::ImageMemoryBarrier2<'static> {
@@ -230,17 +229,7 @@ fn change(
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .image(image)
-        .subresource_range(whole(aspect))
-}
-
-fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
-    vk::ImageSubresourceRange {
-        aspect_mask: aspect,
-        base_mip_level: 0,
-        level_count: vk::REMAINING_MIP_LEVELS,
-        base_array_layer: 0,
-        layer_count: vk::REMAINING_ARRAY_LAYERS,
-    }
+        .subresource_range(range)
 }
 
 /// Refuses a plan that does not fit the resources: copies of more than there is.
@@ -374,6 +363,12 @@ impl Walk<'_> {
         layout(is_host, usage)
     }
 
+    /// The layer of an image that is copied.
+    fn layer(&self, id: ImageId, aspect_mask: vk::ImageAspectFlags) -> vk::ImageSubresourceLayers {
+        let vk::ImageSubresourceRange { base_mip_level: mip_level, base_array_layer, .. } = self.resources.range(id);
+        vk::ImageSubresourceLayers { aspect_mask, mip_level, base_array_layer, layer_count: 1 }
+    }
+
     unsafe fn copy(&self, from: (BufferId, u64), to: (BufferId, u64), size: u64) {
         let (source, src_offset, _) = self.resources.buffer(from.0);
         let (target, dst_offset, _) = self.resources.buffer(to.0);
@@ -398,38 +393,26 @@ impl Walk<'_> {
                 }
                 Command::Clear { image, value } => {
                     let value = vk::ClearColorValue { uint32: value };
-                    let range = [whole(vk::ImageAspectFlags::COLOR)];
+                    let range = [self.resources.range(image)];
                     let layout = self.layout(image, &Usage::COPY_TARGET);
                     device.cmd_clear_color_image(self.commands, self.resources.image(image), layout, &value, &range);
                 }
                 Command::CopyBuffer { from, to, bytes } => self.copy((from, 0), (to, 0), bytes),
                 Command::CopyRange { from, to, bytes } => self.copy(from, to, bytes),
                 Command::CopyImage { from, to, extent: [width, height] } => {
-                    let layers = vk::ImageSubresourceLayers {
-                        aspect_mask: vk::ImageAspectFlags::COLOR,
-                        mip_level: 0,
-                        base_array_layer: 0,
-                        layer_count: 1,
-                    };
                     let regions = [vk::ImageCopy::default()
-                        .src_subresource(layers)
-                        .dst_subresource(layers)
+                        .src_subresource(self.layer(from, vk::ImageAspectFlags::COLOR))
+                        .dst_subresource(self.layer(to, vk::ImageAspectFlags::COLOR))
                         .extent(vk::Extent3D { width, height, depth: 1 })];
                     let source = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
                     let target = (self.resources.image(to), self.layout(to, &Usage::COPY_TARGET));
                     device.cmd_copy_image(self.commands, source.0, source.1, target.0, target.1, &regions);
                 }
                 Command::CopyDepth { from, to, extent: [width, height] } => {
-                    let layers = vk::ImageSubresourceLayers {
-                        aspect_mask: vk::ImageAspectFlags::DEPTH,
-                        mip_level: 0,
-                        base_array_layer: 0,
-                        layer_count: 1,
-                    };
                     let (to, buffer_offset, _) = self.resources.buffer(to);
                     let regions = [vk::BufferImageCopy::default()
                         .buffer_offset(buffer_offset)
-                        .image_subresource(layers)
+                        .image_subresource(self.layer(from, vk::ImageAspectFlags::DEPTH))
                         .image_extent(vk::Extent3D { width, height, depth: 1 })];
                     let (image, layout) = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
                     device.cmd_copy_image_to_buffer(self.commands, image, layout, to, &regions);

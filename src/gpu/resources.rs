@@ -6,7 +6,7 @@ use gpu_allocator::vulkan::Allocator;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::image::{Image, ImageDesc};
-use crate::host::{Host, HostBuffer, HostImage};
+use crate::host::{Host, HostBuffer, HostImage, aspect_of};
 use crate::plan::{BufferId, ImageId};
 
 /// A buffer as the recorder sees it.
@@ -164,6 +164,21 @@ impl Resources {
         }
     }
 
+    /// The levels and layers of an image that plans touch; none if the host handed none over.
+    pub fn range(&self, id: ImageId) -> vk::ImageSubresourceRange {
+        match &self.images[usize::from(id.0)] {
+            ImageSlot::Own(image) => range_of(image),
+            ImageSlot::Host(Some(image)) => vk::ImageSubresourceRange {
+                aspect_mask: aspect_of(image.format),
+                base_mip_level: image.base_mip,
+                level_count: 1,
+                base_array_layer: image.base_layer,
+                layer_count: 1,
+            },
+            ImageSlot::Host(None) => vk::ImageSubresourceRange::default(),
+        }
+    }
+
     /// The view that a render pass attaches.
     pub fn attachment_view(&self, id: ImageId, layer: u32) -> vk::ImageView {
         match &self.images[usize::from(id.0)] {
@@ -197,5 +212,16 @@ impl Resources {
                 unsafe { image.destroy(host, allocator) };
             }
         }
+    }
+}
+
+/// All of an own image.
+pub(crate) fn range_of(image: &Image) -> vk::ImageSubresourceRange {
+    vk::ImageSubresourceRange {
+        aspect_mask: image.aspect,
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: 0,
+        layer_count: image.desc.layers,
     }
 }

@@ -34,6 +34,9 @@ pub(crate) fn check_image(
             let why = format!("{:?} pixels of {:?}; expected {size:?} of {format:?}", image.extent, image.format);
             refuse(name, why)
         }
+        _ if image.samples != vk::SampleCountFlags::TYPE_1 => {
+            refuse(name, format!("{:?} samples a pixel; resolve it into an image with one", image.samples))
+        }
         _ if image.image.is_null() || image.view.is_null() => refuse(name, "a null handle".to_owned()),
         _ if content == Content::Kept && image.state_in.layout == vk::ImageLayout::UNDEFINED => {
             refuse(name, "state_in has layout UNDEFINED, in which it holds nothing, but its content is used".to_owned())
@@ -75,8 +78,9 @@ pub(crate) fn check_background(background: &Background, size: [u32; 2], format: 
 
 /// Refuses an image that is read and is the target at once.
 pub(crate) fn check_distinct(name: &'static str, image: Option<&HostImage>, target: &HostImage) -> Result<()> {
+    let place = |image: &HostImage| (image.image, image.base_mip, image.base_layer);
     match image {
-        Some(image) if image.image == target.image => refuse(name, "it is the target's image".to_owned()),
+        Some(image) if place(image) == place(target) => refuse(name, "it is the target's image".to_owned()),
         _ => Ok(()),
     }
 }
@@ -180,7 +184,7 @@ mod tests {
     fn image(number: u64) -> HostImage {
         let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
         let (image, view) = (vk::Image::from_raw(number), vk::ImageView::from_raw(number));
-        HostImage { image, view, format: FORMAT, extent: SIZE, state_in: state, state_out: state }
+        HostImage::new(image, view, FORMAT, SIZE, state, state)
     }
 
     fn with_layouts(state_in: vk::ImageLayout, state_out: vk::ImageLayout) -> HostImage {
@@ -203,6 +207,13 @@ mod tests {
     }
 
     #[test]
+    fn samples_are_to_be_resolved() {
+        let many = HostImage { samples: vk::SampleCountFlags::TYPE_4, ..image(1) };
+        let said = said(check_target(&many, &Background::Keep, SIZE, FORMAT));
+        assert_eq!(said, "target: TYPE_4 samples a pixel; resolve it into an image with one");
+    }
+
+    #[test]
     fn no_image_is_left_undefined() {
         for layout in [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED] {
             let left = with_layouts(vk::ImageLayout::GENERAL, layout);
@@ -216,6 +227,7 @@ mod tests {
         let check = |background| said(check_target(&image(1), &Background::Copy(background), SIZE, FORMAT));
         assert_eq!(check(image(1)), "background: it is the target's image");
         assert_eq!(check(image(2)), "");
+        assert_eq!(check(HostImage { base_layer: 1, ..image(1) }), "");
         let missing = HostImage { view: vk::ImageView::null(), ..image(2) };
         assert_eq!(check(missing), "background: a null handle");
     }

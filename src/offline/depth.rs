@@ -57,7 +57,7 @@ impl SharedDepth {
         let (image, view) = (self.image.handle, self.image.view);
         let state_in = if is_first { CLEARED } else { DRAWN };
         let format = FORMAT.format;
-        PlacedDepth(HostImage { image, view, format, extent: self.extent, state_in, state_out: DRAWN })
+        PlacedDepth(HostImage::new(image, view, format, self.extent, state_in, DRAWN))
     }
 
     /// Destroys it.

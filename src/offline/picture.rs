@@ -20,7 +20,7 @@ pub(crate) fn image_desc(name: &'static str, extent: [u32; 2]) -> ImageDesc {
 /// Such an image, as an effect takes it and leaves it: to be copied from.
 pub(crate) fn host_image(image: &Image, extent: [u32; 2], state_in: ImageState) -> HostImage {
     let state_out = crate::gpu::transfer::COPIED_FROM;
-    HostImage { image: image.handle, view: image.view, format: TARGET_FORMAT, extent, state_in, state_out }
+    HostImage::new(image.handle, image.view, TARGET_FORMAT, extent, state_in, state_out)
 }
 
 /// Bytes of a picture.

@@ -69,14 +69,7 @@ fn buffer() -> HostBuffer {
 
 fn image(desc: &Desc) -> HostImage {
     let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
-    HostImage {
-        image: handle(),
-        view: handle(),
-        format: desc.target_format,
-        extent: desc.size,
-        state_in: state,
-        state_out: state,
-    }
+    HostImage::new(handle(), handle(), desc.target_format, desc.size, state, state)
 }
 
 fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'a> {

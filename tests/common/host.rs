@@ -129,7 +129,7 @@ pub fn host_image(
     state_in: ImageState,
     state_out: ImageState,
 ) -> HostImage {
-    HostImage { image: image.handle, view: image.view, format, extent, state_in, state_out }
+    HostImage::new(image.handle, image.view, format, extent, state_in, state_out)
 }
 
 /// A buffer that the host writes and the device copies from.

@@ -203,14 +203,7 @@ fn depth_images_of_any_format_hide_what_a_buffer_does() {
             // SAFETY: everything is the test's own; every submission is waited for.
             let (own, buffer) = unsafe {
                 let depth = DepthImage::new(&mut device, format, case.desc.size, &bytes);
-                let image = HostImage {
-                    image: depth.handle,
-                    view: depth.view,
-                    format,
-                    extent: case.desc.size,
-                    state_in: CLEARED,
-                    state_out: COPIED_FROM,
-                };
+                let image = HostImage::new(depth.handle, depth.view, format, case.desc.size, CLEARED, COPIED_FROM);
                 let scene = SceneDepth::Image(HostDepth { image, terms });
                 let made = SceneFormat::Image(DepthFormat { format, reversed });
                 let own = over_sky(&mut device, &case, made, scene, Some(&depth));

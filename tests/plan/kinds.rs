@@ -29,7 +29,7 @@ pub fn buffer() -> HostBuffer {
 pub fn image(format: vk::Format) -> HostImage {
     let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
     let (image, view) = (handle(), handle());
-    HostImage { image, view, format, extent: SIZE, state_in: state, state_out: state }
+    HostImage::new(image, view, format, SIZE, state, state)
 }
 
 fn depth() -> HostDepth {
