@@ -210,6 +210,29 @@ fn refuses<K: Kind>(device: &mut TestDevice, desc: &K::Desc, expected: &str) {
     assert!(said.starts_with(expected), "{}: {expected}: {said}", K::NAME);
 }
 
+/// What is said before anything exists is what is taken, but for alignment, whatever the target's format.
+#[test]
+fn memory_is_known_before() {
+    let Some(mut device) = device() else { return };
+    let size = [640, 360];
+    for target_format in [FORMAT, vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_SFLOAT] {
+        takes::<smoke::SmokeKind>(&mut device, &smoke::Desc { size, target_format, ..smoke_desc() });
+        takes::<flame::FlameKind>(&mut device, &flame::Desc { size, target_format, ..flame_desc() });
+        takes::<blur::BlurKind>(&mut device, &blur::Desc { size, target_format, outer: true, ..blur_desc() });
+    }
+}
+
+fn takes<K: Kind>(device: &mut TestDevice, desc: &K::Desc) {
+    let said = Effect::<K>::memory(desc, &device.traits()).expect("a size").total();
+    let effect = make::<K>(device, desc).expect("an effect");
+    let report = device.parts().1.generate_report();
+    let prefix = format!("{} ", K::NAME);
+    let taken: u64 = report.allocations.iter().filter(|a| a.name.starts_with(&prefix)).map(|a| a.size).sum();
+    destroy(device, effect);
+    // Images are padded to whole tiles and rows.
+    assert!(said <= taken && taken - said <= taken / 100, "{}: {said} bytes said, {taken} taken", K::NAME);
+}
+
 /// Effects are made by one thread and recorded by another; what is shared is only read.
 #[test]
 fn effects_go_between_threads() {

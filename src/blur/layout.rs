@@ -432,13 +432,7 @@ impl Inventory for Layout {
     fn memory(&self, desc: &Desc) -> Memory {
         let mut memory = self.sizes.memory(&KEPT);
         for image in self.images(desc) {
-            // The host's format may take up to 16 bytes.
-            let texel = match image.format {
-                format if format == desc.target_format => 16,
-                GHOST_FORMAT => 8,
-                _ => 4,
-            };
-            memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;
+            memory.scratch += image.bytes();
         }
         memory
     }

@@ -250,8 +250,7 @@ impl Inventory for Layout {
         let kept = [POSITIONS, IDS, COLOURS, MASK, SUMS, TILE_REPETITIONS, SCENE];
         let mut memory = self.sizes.memory(&kept);
         for image in self.images(desc) {
-            let texel = if image.format == vk::Format::R32G32_UINT { 8 } else { 4 };
-            memory.history += u64::from(image.extent[0]) * u64::from(image.extent[1]) * texel;
+            memory.history += image.bytes();
         }
         memory
     }

@@ -25,6 +25,32 @@ pub struct ImageDesc {
     pub usage: vk::ImageUsageFlags,
 }
 
+impl ImageDesc {
+    /// Its bytes, before alignment.
+    pub fn bytes(&self) -> u64 {
+        let [width, height] = self.extent.map(u64::from);
+        width * height * u64::from(self.layers) * texel_bytes(self.format)
+    }
+}
+
+/// Bytes of a texel of an uncompressed format; 0 for others.
+pub fn texel_bytes(format: vk::Format) -> u64 {
+    // The order of Vulkan's enumeration: by components, then by their size.
+    match format.as_raw() {
+        1 | 9..=15 | 127 => 1,
+        2..=8 | 16..=22 | 70..=76 | 124 => 2,
+        23..=36 => 3,
+        37..=69 | 77..=83 | 98..=100 | 122 | 123 | 125 | 126 | 128 | 129 => 4,
+        84..=90 => 6,
+        91..=97 | 101..=103 | 110..=112 | 130 => 8,
+        104..=106 => 12,
+        107..=109 | 113..=115 => 16,
+        116..=118 => 24,
+        119..=121 => 32,
+        _ => 0,
+    }
+}
+
 /// An image that celfx made.
 #[derive(Debug)]
 pub struct Image {
@@ -150,6 +176,42 @@ impl Image {
         if let Some(allocation) = self.allocation.take() {
             // Freeing an allocation that the allocator made does not fail.
             let _ = allocator.free(allocation);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_have_the_bytes_of_their_components() {
+        let cases = [
+            (vk::Format::R8_UNORM, 1),
+            (vk::Format::R5G6B5_UNORM_PACK16, 2),
+            (vk::Format::R8G8_SRGB, 2),
+            (vk::Format::R8G8B8_UNORM, 3),
+            (vk::Format::B8G8R8_SRGB, 3),
+            (vk::Format::R8G8B8A8_UNORM, 4),
+            (vk::Format::B8G8R8A8_SRGB, 4),
+            (vk::Format::A2B10G10R10_SINT_PACK32, 4),
+            (vk::Format::R16_UNORM, 2),
+            (vk::Format::R16G16_SFLOAT, 4),
+            (vk::Format::R16G16B16A16_UNORM, 8),
+            (vk::Format::R16G16B16A16_SFLOAT, 8),
+            (vk::Format::R32_UINT, 4),
+            (vk::Format::R32G32_UINT, 8),
+            (vk::Format::R32G32B32A32_SFLOAT, 16),
+            (vk::Format::R64G64B64A64_SFLOAT, 32),
+            (vk::Format::B10G11R11_UFLOAT_PACK32, 4),
+            (vk::Format::D16_UNORM, 2),
+            (vk::Format::D32_SFLOAT, 4),
+            (vk::Format::D32_SFLOAT_S8_UINT, 8),
+            (vk::Format::BC1_RGB_UNORM_BLOCK, 0),
+            (vk::Format::UNDEFINED, 0),
+        ];
+        for (format, bytes) in cases {
+            assert_eq!(texel_bytes(format), bytes, "{format:?}");
         }
     }
 }

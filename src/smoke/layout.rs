@@ -346,7 +346,7 @@ impl Inventory for Layout {
     fn memory(&self, desc: &Desc) -> Memory {
         let mut memory = self.sizes.memory(&KEPT);
         for image in self.images(desc) {
-            memory.scratch += u64::from(image.extent[0]) * u64::from(image.extent[1]) * u64::from(image.layers) * 4;
+            memory.scratch += image.bytes();
         }
         memory
     }

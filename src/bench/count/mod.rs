@@ -13,6 +13,7 @@ use ash::vk;
 
 use super::report::Work;
 use crate::gpu::buffer::BufferDesc;
+use crate::gpu::image::texel_bytes;
 use crate::gpu::resources::{ImageSlot, Resources};
 use crate::plan::{Access, Binding, BufferId, Command, DescriptorKind, Kernel, Pass, Plan, Resource, Shader};
 use instrument::{COUNTS, Entry, FIRST_ID, SECTOR, instrument};
@@ -49,7 +50,7 @@ impl Counter {
                 ImageSlot::Host(Some(image)) => (image.format, image.extent, 1),
                 ImageSlot::Host(None) => (vk::Format::UNDEFINED, [0; 2], 0),
             };
-            let texel = texel_bytes(format);
+            let texel = texel_bytes(format) as u32;
             let strides = [texel, texel * width, texel * width * height];
             (Resource::Image(crate::plan::ImageId(id)), u64::from(strides[2]) * u64::from(layers), strides)
         });
@@ -163,15 +164,6 @@ impl Counter {
             let bit = base as usize + sector as usize;
             words[bit / 32] |= 1 << (bit % 32);
         }
-    }
-}
-
-fn texel_bytes(format: vk::Format) -> u32 {
-    match format {
-        vk::Format::UNDEFINED => 0,
-        vk::Format::R32G32B32A32_SFLOAT => 16,
-        vk::Format::R16G16B16A16_SFLOAT | vk::Format::R32G32_UINT => 8,
-        _ => 4,
     }
 }
 
