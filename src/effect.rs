@@ -26,15 +26,15 @@ use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 pub use crate::gpu::capabilities::DeviceTraits;
 use crate::gpu::debug;
-pub use crate::gpu::executor::Retired;
 use crate::gpu::executor::{Description, Executor};
+pub use crate::gpu::executor::{Retired, StepParts};
 use crate::gpu::image::ImageDesc;
 pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::{Kept, Resources};
 use crate::host::{Host, Memory, NamedFormat, check_formats};
-use crate::plan::{BufferId, Pass, Plan};
+use crate::plan::{BufferId, ImageId, Pass, Plan};
 
 /// How much of a frame's work is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -126,6 +126,10 @@ pub trait Inventory {
 
     /// The memory of both, before alignment.
     fn memory(&self, desc: &Self::Desc) -> Memory;
+}
+
+fn not_prepared() -> Error {
+    Error::HostResource { name: "frame", why: "none is prepared".to_owned() }
 }
 
 /// Passes of a kind, and what they name.
@@ -375,7 +379,7 @@ impl<K: Kind> Effect<K> {
     ) -> Result<usize> {
         let Effect { desc, kind, executor, prepared, .. } = self;
         let Some(Prepared { restarts, next, .. }) = prepared else {
-            return Err(Error::HostResource { name: "frame", why: "none is prepared".to_owned() });
+            return Err(not_prepared());
         };
         let all = executor.plan().steps.len();
         let range = *next..next.saturating_add(steps).min(all);
@@ -406,6 +410,40 @@ impl<K: Kind> Effect<K> {
         self.kind.forget();
         self.executor.forget();
         self.prepared = None;
+    }
+
+    /// A step of the prepared plan as Vulkan has it, for hosts that record plans themselves (see [`Self::recorded`]); none beyond
+    /// the last. What the step uses stands in its pass.
+    pub fn step(&self, index: usize) -> Option<StepParts<'_>> {
+        self.executor.step(index)
+    }
+
+    /// An image that plans name, and the levels and layers of it that they touch. The effect's own are in layout `GENERAL` in
+    /// every step, and begin in `UNDEFINED` where [`Self::is_new`] says so.
+    pub fn image(&self, id: ImageId) -> (vk::Image, vk::ImageSubresourceRange) {
+        self.executor.image(id)
+    }
+
+    /// The view of an image that a render pass attaches: of one layer.
+    pub fn attachment(&self, id: ImageId, layer: u32) -> vk::ImageView {
+        self.executor.attachment(id, layer)
+    }
+
+    /// Whether an own image has not been used yet, or holds nothing any more.
+    pub fn is_new(&self, id: ImageId) -> bool {
+        self.executor.is_new(id)
+    }
+
+    /// Says that the host has recorded all steps of the prepared frame by itself, in their order: own images are in layout
+    /// `GENERAL` afterwards, and the sequence goes on.
+    ///
+    /// # Errors
+    /// No frame is prepared.
+    pub fn recorded(&mut self) -> Result<()> {
+        let Some(Prepared { recorded, .. }) = self.prepared.take() else { return Err(not_prepared()) };
+        self.executor.keep_images();
+        self.kind.recorded(&self.desc, recorded);
+        Ok(())
     }
 
     /// The effect's parts on the device.

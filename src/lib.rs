@@ -4,6 +4,63 @@
 //! A host makes an [`effect::Effect`] from a `Desc` and records a `Frame` of it: [`smoke`], [`flame`], [`blur`]. What it
 //! must have is said in [`host`], what cameras and lights are in [`view`], what passes cost in [`profile`].
 //!
+//! # A host's guide
+//!
+//! ```no_run
+//! use celfx::ash::vk;
+//! use celfx::effect::Kernels;
+//! use celfx::error::Result;
+//! use celfx::gpu_allocator::vulkan::Allocator;
+//! use celfx::host::Host;
+//! use celfx::profile::Timing;
+//! use celfx::smoke::{Desc, Frame, Smoke};
+//!
+//! /// # Safety
+//! /// All handles are of one device that has what `celfx::host::requirements` names enabled.
+//! unsafe fn a_frame(
+//!     host: &Host, kernels: &Kernels, allocator: &mut Allocator, desc: Desc, frame: &Frame, commands: vk::CommandBuffer,
+//! ) -> Result<Smoke> {
+//!     unsafe {
+//!         let mut smoke = Smoke::new(host, kernels, allocator, desc)?;
+//!         smoke.record(host, commands, frame, &mut Timing::None)?;
+//!         Ok(smoke)
+//!     }
+//! }
+//! ```
+//!
+//! - **Create.** [`effect::Kernels`] holds the pipelines of a device; make one and keep it. `Effect::compile` makes the
+//!   pipelines of a `Desc` on any thread. `Effect::new` then makes none; it takes buffers and images, as many bytes as
+//!   `Effect::memory` says.
+//! - **Record.** `Effect::record` checks the frame and records it. It submits nothing, waits for nothing, and allocates nothing.
+//!   Or `prepare` the frame and `record_steps` of it, with your own commands between. Images and buffers are in the states that
+//!   the frame declares ([`host::ImageState`], [`host::HostBuffer`]), and images are left in the state that it asks for.
+//! - **Change and resize.** `Effect::change` takes another `Desc` between any two frames, `resize` another size. What is replaced is
+//!   handed back ([`effect::Retired`]); nothing waits.
+//! - **Destroy.** `Effect::retire`, and [`effect::Retired::destroy`] when the GPU is done with all recorded frames; then
+//!   `Kernels::destroy`. Only what celfx has made is destroyed.
+//! - **Time.** [`profile::Timing`] takes a [`profile::Profiler`] or your own queries, two a step.
+//! - **Errors.** [`error::Error`] names the setting, image, buffer or Vulkan call, and what is allowed. A refused frame has recorded
+//!   nothing and changed nothing. A frame that was recorded and never submitted: `Effect::frame_dropped`.
+//! - **Threads.** All types are `Send`; what takes `&self` is `Sync`. Several threads may make effects with one `Kernels`. An effect is
+//!   recorded by one thread at a time, and its frames are submitted in order to one queue.
+//! - **Targets** hold linear light with premultiplied alpha. UNORM targets hold it as numbers from 0 to 1, sRGB formats encode it;
+//!   float targets hold what is brighter, too.
+//!
+//! A frame's images and buffers, and what each must be usable as:
+//!
+//! | resource | usage | before | after |
+//! |---|---|---|---|
+//! | target | `COLOR_ATTACHMENT`; for a background, and for [`blur`], `TRANSFER_DST` | `state_in`; `UNDEFINED` if a background covers it | `state_out` |
+//! | [`host::Background::Copy`] | `TRANSFER_SRC` | `state_in` | `state_out` |
+//! | depth of [`smoke`] and [`blur`]: tested and written | `DEPTH_STENCIL_ATTACHMENT` | `state_in` | `state_out` |
+//! | depth of [`flame`]: read | `TRANSFER_SRC` | `state_in` | `state_out` |
+//! | images of a [`blur`]'s frames: read | `TRANSFER_SRC` | `state_in` | `state_out` |
+//! | all buffers | `TRANSFER_SRC` | `stage` and `access` of the last write | read at `ALL_TRANSFER` |
+//!
+//! The first frame of each: [`smoke::Frame`] has `Sequence::Restart` and a volume; [`flame::Frame`] has particles; [`blur::Frame`]
+//! has the mesh, and poses as its interval needs them. A blur's first output has no frame before it, so nothing moves in it: its
+//! interval is `None`, and it shows frame i + 1 as it is.
+//!
 //! # From a setting to a barrier
 //!
 //! 1. A setting is a line of a table: `sigma` in `smoke/settings.rs`. Range, default, the shot's key and the message
@@ -18,6 +75,9 @@
 //! All effects are divided alike; [`effect`] has the table. The program `celfx` is a host of its own: `offline` drives
 //! effects, and `program` has the line that makes one known to shots, layers, profiles and benchmarks.
 #![deny(missing_docs, unsafe_op_in_unsafe_fn)]
+
+// Their types are in celfx's interface.
+pub use {ash, glam, gpu_allocator};
 
 // What hosts use.
 pub mod blur;

@@ -12,6 +12,8 @@ mod extremes;
 mod frame;
 #[path = "smoke/gaussian.rs"]
 mod gaussian;
+#[path = "smoke/graph.rs"]
+mod graph;
 #[path = "smoke/groups.rs"]
 mod groups;
 #[path = "smoke/host.rs"]

@@ -8,13 +8,13 @@ use gpu_allocator::vulkan::Allocator;
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::gpu::kernels::{Kernels, Key};
+use crate::gpu::kernels::{Kernels, Key, push_range};
 use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream, check};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Kept, Resources};
 use crate::host::{Host, Memory};
-use crate::plan::{BufferId, ImageId, Pass, Plan};
+use crate::plan::{BufferId, ImageId, Pass, Plan, Step};
 
 /// Passes, and what they run with on the device.
 #[derive(Debug)]
@@ -245,6 +245,40 @@ impl Executor {
         unsafe { recorder.record(plan, 0..plan.steps.len(), &mut recording, &mut Timing::None) }.map(drop)
     }
 
+    /// A step of the plan.
+    pub(crate) fn step(&self, index: usize) -> Option<StepParts<'_>> {
+        let step = self.plan.steps.get(index)?;
+        let (pass, bound) = (&self.passes[usize::from(step.pass.0)], self.pipelines.passes[usize::from(step.pass.0)]);
+        let (push_stages, size) = push_range(pass);
+        let push_constants = &step.constants[..size as usize];
+        let (pipeline, layout) = (bound.pipeline.handle, bound.pipeline.layout);
+        Some(StepParts { pass, step, pipeline, layout, set: bound.set, push_stages, push_constants })
+    }
+
+    /// An image: handle, and what of it plans touch.
+    pub(crate) fn image(&self, id: ImageId) -> (vk::Image, vk::ImageSubresourceRange) {
+        (self.resources.image(id), self.resources.range(id))
+    }
+
+    /// A view of a layer.
+    pub(crate) fn attachment(&self, id: ImageId, layer: u32) -> vk::ImageView {
+        self.resources.attachment_view(id, layer)
+    }
+
+    /// Whether an own image is in layout UNDEFINED.
+    pub(crate) fn is_new(&self, id: ImageId) -> bool {
+        matches!(&self.resources.images[usize::from(id.0)], ImageSlot::Own(image) if !image.initialised)
+    }
+
+    /// Own images have left layout UNDEFINED.
+    pub(crate) fn keep_images(&mut self) {
+        for slot in &mut self.resources.images {
+            if let ImageSlot::Own(image) = slot {
+                image.initialised = true;
+            }
+        }
+    }
+
     /// A buffer: handle, offset and size in bytes.
     pub fn buffer(&self, id: BufferId) -> (vk::Buffer, u64, u64) {
         self.resources.buffer(id)
@@ -262,6 +296,26 @@ impl Executor {
             self.resources.destroy(host, allocator);
         }
     }
+}
+
+/// A step as Vulkan has it.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct StepParts<'a> {
+    /// Its pass, with name, bindings, attachments and uses.
+    pub pass: &'a Pass,
+    /// Its command and push constants.
+    pub step: &'a Step,
+    /// The pipeline; null for transfers, as the layout and the set.
+    pub pipeline: vk::Pipeline,
+    /// Its layout.
+    pub layout: vk::PipelineLayout,
+    /// Descriptor set 0.
+    pub set: vk::DescriptorSet,
+    /// Stages that see the push constants; none if there are none.
+    pub push_stages: vk::ShaderStageFlags,
+    /// The push constants.
+    pub push_constants: &'a [u8],
 }
 
 /// Objects that no new frame uses. Frames recorded before may: they are destroyed when the GPU is done with those.
