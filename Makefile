@@ -30,11 +30,13 @@ test: setup
 	cargo clippy --locked --no-default-features -- -D warnings
 	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked
 
-# The tests that take minutes, too: memory over 500 frames of each effect, each Vulkan call failing in turn, and, where
+# The documentation without a warning, and the tests that take minutes, too: memory over 500 frames of each effect, each Vulkan call failing in turn, and, where
 # SwiftShader is installed, every pipeline compiled by it, prefix sums, and the fire in every shape of its kernels.
 SWIFTSHADER = $(wildcard /usr/lib/chromium/vk_swiftshader_icd.json)
 
 test-all: test
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --no-default-features
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked -- --ignored
 	$(if $(SWIFTSHADER),export VK_DRIVER_FILES=$(SWIFTSHADER) VK_ICD_FILENAMES=$(SWIFTSHADER) && \
 	  cargo test --locked --test kernels -- --ignored --nocapture && \

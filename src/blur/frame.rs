@@ -143,7 +143,7 @@ impl Counts {
     }
 }
 
-/// How frames are drawn that the host has no images of, with [`Settings::toon`].
+/// How frames are drawn that the host has no images of, with [`Desc::toon`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToonInput {
     /// Frame i + 1, as the interval has it if there is one.

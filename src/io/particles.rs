@@ -18,8 +18,8 @@ const TEMPERATURES: &str = "[n] of numbers, in kelvin, n as in `position`";
 const IDS: &str = "[n] of integers, 0 to 4294967295, n as in `position`";
 const FILE: &str = "an .npz file with `position` [n, 3], `temperature` [n] and maybe `id` [n]";
 
-/// Reads particles from an `.npz` file: `position` [n, 3] in metres, `temperature` [n] in kelvin (both of any float or
-/// integer type, which become f32) and optionally `id` [n] (integers, 0 to 4294967295). At most [`MAX_PARTICLES`]; none is
+/// Reads particles from an `.npz` file: `position` (n x 3) in metres, `temperature` (n) in kelvin (both of any float or
+/// integer type, which become f32) and optionally `id` (n integers, 0 to 4294967295). At most [`MAX_PARTICLES`]; none is
 /// allowed. A position beyond [`FARTHEST`] or a temperature that is not above 0 and at most [`HOTTEST`] is an error that
 /// names the row, counted from 0.
 pub fn read(path: &Path) -> Result<Particles, ReadError> {

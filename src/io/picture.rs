@@ -95,7 +95,7 @@ pub fn write(
     }
 }
 
-/// The text that [`write`] was given, if the file at `path` holds one.
+/// The text that [`write()`] was given, if the file at `path` holds one.
 pub fn note(path: &Path) -> Option<String> {
     match Format::of(path)? {
         Format::Png => png_note(path),

@@ -172,7 +172,7 @@ impl AnimatedMesh {
 
     /// Reads a file: glTF 2.0 (`.glb` or `.gltf`, with its buffers within or beside it), or an `.npz` cache:
     /// `position` [frames, vertices, 3] of floats, `triangle` [m, 3] of integers, and optionally `colour` [vertices, 3]
-    /// (linear RGB) and `object` [vertices] (integers). `choice` as in [`AnimatedMesh::open`]; caches leave none. A glTF
+    /// (linear RGB) and `object` (an integer a vertex). `choice` as in [`AnimatedMesh::open`]; caches leave none. A glTF
     /// file may hold no triangles.
     pub fn read(path: &Path, choice: &Choice, clock: Clock) -> Result<AnimatedMesh, ReadError> {
         let path_kept = path.to_owned();

@@ -29,7 +29,7 @@ pub struct Grids {
 }
 
 /// Reads a volume from an `.npz` file: `density` [nz, ny, nx], optionally `velocity` [nz, ny, nx, 3] in m/s, `voxel_size`
-/// (a number or three, metres, above 0) and optionally `origin` [3] (default 0, 0, 0), all of any float or integer type,
+/// (a number or three, metres, above 0) and optionally `origin` (three numbers, default 0, 0, 0), all of any float or integer type,
 /// which become f32. At most [`MAX_VOXELS`] voxels, at least one. NaN is no smoke, or no motion; an infinite density or a
 /// velocity beyond [`FASTEST`] is an error that names the voxel (x, y, z), counted from 0.
 pub fn read(path: &Path, grids: &Grids) -> Result<Volume, ReadError> {

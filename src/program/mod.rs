@@ -1,4 +1,4 @@
-//! The effects as the program has them: each in a folder of its own, and a line of [`EFFECTS`].
+//! The effects as the program has them: each in a folder of its own, and a line of `EFFECTS`.
 //!
 //! | file | holds |
 //! |---|---|

@@ -64,7 +64,7 @@ pub struct Interval {
     pub hull: Vec<[f32; 2]>,
     /// Points within 3 edges of a seam, ascending; those in no cluster and those with too many neighbours are not here.
     pub seams: Vec<u32>,
-    /// Which side of each triangle is outside: [`FRONT_BITS`] each, [`FRONTS_A_WORD`] of them a word. 1: it is of a closed
+    /// Which side of each triangle is outside: `FRONT_BITS` each, `FRONTS_A_WORD` of them a word. 1: it is of a closed
     /// surface that is seen from outside; then 2: the outside is where its corners follow each other clockwise in frame i, 4: in
     /// frame i + 1.
     pub fronts: Vec<u32>,

@@ -19,7 +19,7 @@ use tone::Tones;
 ///   [`Tones::predict`] says of the other; that side where it says nothing, as of objects whose colours do not follow from
 ///   tones. `Gradient`: [`gradient`].
 /// - Where nothing is known: with `Surface`, [`mix`] of what [`Table::typical`] says of both frames, or the one of which
-///   it says something. All that is left: [`inward`], the mean of the neighbours that have a colour. Samples that this
+///   it says something. All that is left: `inward`, the mean of the neighbours that have a colour. Samples that this
 ///   does not reach have no colour: 0.
 pub fn complete(
     surface: &Surface,

@@ -80,7 +80,7 @@ impl<'a> Frame<'a> {
 
     /// The colour of a place, given by its triangle and its barycentric coordinates there: four bilinear taps, of which
     /// those count that see the same object at the depth that the triangle's plane has at the tap's centre, within
-    /// [`DEPTH_TOLERANCE`]. Of a triangle without area the place's own depth counts. Taps off screen see nothing, and
+    /// `DEPTH_TOLERANCE`. Of a triangle without area the place's own depth counts. Taps off screen see nothing, and
     /// neither does what is nearer than the near plane. A tap has its [surface's colour](Frame::surface).
     pub fn look_up(&self, surface: &Surface, base: u32, weights: [f64; 3]) -> Look {
         let [x, y, w] = interpolate(weights, self.corners[base as usize]);

@@ -71,7 +71,7 @@ fn most_of(frames: [&Frame; 2]) -> f64 {
 }
 
 /// Gives samples of which one side is known their colour: their own of that side, changed by the mean of what changes from
-/// the same side's colour to the finished colour of those neighbours of which both are known. By [`inward`]; samples that
+/// the same side's colour to the finished colour of those neighbours of which both are known. By `inward`; samples that
 /// it does not reach keep the side that is known.
 pub fn fill(size: [u32; 2], frames: [&Frame; 2], shaded: &[Shaded], colours: &mut [Option<Colour>]) {
     let most = most_of(frames);

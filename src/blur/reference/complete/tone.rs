@@ -93,7 +93,7 @@ fn step(light: [f64; 3], normal: [f64; 3], steps: usize) -> usize {
 }
 
 /// The places: of each frame, pixels in the middle of each `stride` x `stride` cells (`stride / 2` from its corner) that
-/// teach ([`lessons`]), see a triangle that moves, and whose place the other frame shows. `stride` is the least that makes
+/// teach (`lessons`), see a triangle that moves, and whose place the other frame shows. `stride` is the least that makes
 /// the pixels of both frames that see what moves no more than [`WANTED_SITES`]. Second: the few with which the search
 /// begins, those whose colour changes clearly ([`CLEAR`]), for these say most, and of the others those in every fourth column
 /// and second row of cells, each for eight. Both are empty where there are more than [`MOST_SITES`].
@@ -335,7 +335,7 @@ impl Tones {
     }
 
     /// The colour in frame i (0) or i + 1 (1), `hidden`, of a place that only the other one shows, in colour `known`: red,
-    /// green and blue, plus [`LEAST_COLOUR`], times the tone at the normal in the one by that at the normal in the other,
+    /// green and blue, plus `LEAST_COLOUR`, times the tone at the normal in the one by that at the normal in the other,
     /// less it; from 0 to the [`scale`] of the images, or `known` if that is brighter. Alpha stays. None where a normal has
     /// no direction or tones do not explain the object's colours.
     pub fn predict(&self, object: u32, hidden: usize, normals: [[f64; 3]; 2], known: Colour) -> Option<Colour> {
