@@ -1,13 +1,16 @@
 //! A host that records plans by itself, with barriers of its own: one that orders everything, before each step.
 
 use ash::vk;
-use celfx::effect::StepParts;
-use celfx::host::{Host, ImageState};
-use celfx::low_level::gpu::transfer::COPIED_FROM;
+use celfx::effect::{Effect, Kind, StepParts};
+use celfx::host::{Host, HostImage, ImageState};
+use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::low_level::plan::{Command, ImageId, Kernel, Plan, Raster};
 use celfx::low_level::smoke::layout::{SEEN, SEEN_DEPTH, SHADOW_MAP, TARGET};
+use celfx::offline::TARGET_FORMAT;
+use celfx::profile::Timing;
+use celfx::program::vignette::{self, VignetteKind};
 use celfx::smoke::settings::Shadow;
-use celfx::smoke::{Desc, Settings, Smoke};
+use celfx::smoke::{Background, Desc, Frame, Settings, Smoke};
 
 use crate::common::device;
 use crate::common::host::{self, ALL, ALL_WRITTEN, DISCARDED};
@@ -17,31 +20,30 @@ use crate::host::{SIZE, Slot, effect};
 const GENERAL: ImageState = ImageState { stage: ALL.0, access: ALL.1, layout: vk::ImageLayout::GENERAL };
 
 /// Walks a plan into a command buffer.
-struct Walker<'a> {
+struct Walker<'a, K: Kind> {
     host: &'a Host<'a>,
     commands: vk::CommandBuffer,
-    smoke: &'a Smoke,
+    effect: &'a Effect<K>,
 }
 
-impl Walker<'_> {
-    unsafe fn walk(&self, plan: &Plan) {
+impl<K: Kind> Walker<'_, K> {
+    /// The steps; the target is in layout GENERAL, and the effect's `own` images are brought there.
+    unsafe fn walk(&self, plan: &Plan, own: &[ImageId]) {
         // SAFETY: the caller's, for all of it.
         unsafe {
-            for image in [SEEN, SEEN_DEPTH, SHADOW_MAP].into_iter().filter(|id| self.smoke.is_new(*id)) {
-                self.change(image, DISCARDED, GENERAL);
+            for image in own.iter().filter(|id| self.effect.is_new(**id)) {
+                self.change(*image, DISCARDED, GENERAL);
             }
-            self.change(TARGET, DISCARDED, GENERAL);
             for index in 0..plan.steps.len() {
                 host::barrier(self.host, self.commands, ALL_WRITTEN, ALL);
-                self.step(plan, self.smoke.step(index).expect("a step"));
+                self.step(plan, self.effect.step(index).expect("a step"));
             }
-            self.change(TARGET, GENERAL, COPIED_FROM);
         }
-        assert!(self.smoke.step(plan.steps.len()).is_none());
+        assert!(self.effect.step(plan.steps.len()).is_none());
     }
 
     unsafe fn change(&self, id: ImageId, from: ImageState, to: ImageState) {
-        let (image, range) = self.smoke.image(id);
+        let (image, range) = self.effect.image(id);
         // SAFETY: the caller's.
         unsafe { host::change(self.host, self.commands, (image, range.aspect_mask), from, to) };
     }
@@ -68,7 +70,7 @@ impl Walker<'_> {
                     device.cmd_dispatch(commands, groups[0], groups[1], groups[2]);
                 }
                 (Kernel::Compute(_), Command::DispatchIndirect { arguments, offset }) => {
-                    let (buffer, start, _) = self.smoke.buffer(arguments);
+                    let (buffer, start, _) = self.effect.buffer(arguments);
                     device.cmd_dispatch_indirect(commands, buffer, start + offset);
                 }
                 (Kernel::Raster(raster), command) => self.draw(raster, command),
@@ -82,7 +84,7 @@ impl Walker<'_> {
         let load = |clears| if clears { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
         let attachment = |image, layer, clears, clear_value| {
             vk::RenderingAttachmentInfo::default()
-                .image_view(self.smoke.attachment(image, layer))
+                .image_view(self.effect.attachment(image, layer))
                 .image_layout(vk::ImageLayout::GENERAL)
                 .load_op(load(clears))
                 .store_op(vk::AttachmentStoreOp::STORE)
@@ -114,7 +116,7 @@ impl Walker<'_> {
             match command {
                 Command::Draw { vertices } => device.cmd_draw(commands, vertices, 1, 0, 0),
                 Command::DrawIndirect { arguments, offset } => {
-                    let (buffer, start, _) = self.smoke.buffer(arguments);
+                    let (buffer, start, _) = self.effect.buffer(arguments);
                     device.cmd_draw_indirect(commands, buffer, start + offset, 1, 16);
                 }
                 other => panic!("{other:?} in a render pass"),
@@ -129,23 +131,24 @@ impl Walker<'_> {
         unsafe {
             match command {
                 Command::Fill { buffer, word } => {
-                    let (buffer, offset, size) = self.smoke.buffer(buffer);
+                    let (buffer, offset, size) = self.effect.buffer(buffer);
                     device.cmd_fill_buffer(commands, buffer, offset, size & !3, word);
                 }
                 Command::Update { buffer, from, bytes } => {
-                    let (buffer, offset, _) = self.smoke.buffer(buffer);
+                    let (buffer, offset, _) = self.effect.buffer(buffer);
                     device.cmd_update_buffer(commands, buffer, offset, &plan.data[from..from + bytes]);
                 }
                 Command::Clear { image, value } => {
-                    let (image, range) = self.smoke.image(image);
+                    let (image, range) = self.effect.image(image);
                     let colour = vk::ClearColorValue { uint32: value };
                     device.cmd_clear_color_image(commands, image, vk::ImageLayout::GENERAL, &colour, &[range]);
                 }
                 Command::CopyBuffer { from, to, bytes: size } => {
-                    let ((from, src_offset, _), (to, dst_offset, _)) = (self.smoke.buffer(from), self.smoke.buffer(to));
+                    let ((from, src_offset, _), (to, dst_offset, _)) =
+                        (self.effect.buffer(from), self.effect.buffer(to));
                     device.cmd_copy_buffer(commands, from, to, &[vk::BufferCopy { src_offset, dst_offset, size }]);
                 }
-                other => panic!("smoke over nothing does not need {other:?}"),
+                other => panic!("the tests' effects do not need {other:?}"),
             }
         }
     }
@@ -169,9 +172,12 @@ fn a_frame_graph_records_the_plan_by_itself() {
             host::run(&mut device, |host, commands| {
                 // SAFETY: everything is the test's own and waited for.
                 unsafe {
-                    Walker { host, commands, smoke: &walked }.walk(walked.plan());
+                    let walker = Walker { host, commands, effect: &walked };
+                    walker.change(TARGET, DISCARDED, GENERAL);
+                    walker.walk(walked.plan(), &[SEEN, SEEN_DEPTH, SHADOW_MAP]);
+                    walker.change(TARGET, GENERAL, COPIED_FROM);
                     ours.show(host, commands);
-                    whole.record(host, commands, &frame, &mut celfx::profile::Timing::None).expect("a frame");
+                    whole.record(host, commands, &frame, &mut Timing::None).expect("a frame");
                     theirs.show(host, commands);
                 }
             });
@@ -182,5 +188,79 @@ fn a_frame_graph_records_the_plan_by_itself() {
         let (host, allocator) = device.parts();
         // SAFETY: every frame has been waited for.
         [walked, whole].into_iter().for_each(|smoke| unsafe { smoke.retire().destroy(&host, allocator) });
+    }
+}
+
+/// A host that draws before and after, and binds again what recording disturbs: its pipeline, its set, viewport and scissor. Its
+/// draws are a vignette, whose picture depends on all of them.
+#[test]
+fn a_host_draws_before_and_after() {
+    let Some(mut device) = device() else { return };
+    let (host, kernels, allocator) = device.making();
+    let dark = vignette::Desc { size: SIZE, target_format: TARGET_FORMAT, strength: 0.7, radius: 0.2 };
+    // SAFETY: the handles are the device's own.
+    let (mut smoke, mut vignette) = unsafe {
+        let smoke = Smoke::new(&host, kernels, allocator, effect()).expect("an effect");
+        (smoke, Effect::<VignetteKind>::new(&host, kernels, allocator, dark).expect("an effect"))
+    };
+    let mut pictures = Vec::new();
+    for is_one_buffer in [true, false] {
+        let mut slot = Slot::new(&mut device, SIZE);
+        let frame = slot.frame(0);
+        let target = frame.target.expect("a target");
+        let between = HostImage { state_in: GENERAL, state_out: GENERAL, ..target };
+        let frame = Frame { target: Some(between), background: Background::Keep, ..frame };
+        vignette.prepare(&between).expect("a frame");
+        let draw = |host: &Host, commands| {
+            // SAFETY: everything is the test's own and waited for.
+            unsafe { Walker { host, commands, effect: &vignette }.walk(vignette.plan(), &[]) };
+        };
+        let before = |host: &Host, commands| {
+            // SAFETY: as above.
+            unsafe {
+                let image = (target.image, vk::ImageAspectFlags::COLOR);
+                host::change(host, commands, image, DISCARDED, CLEARED);
+                let sky = vk::ClearColorValue { float32: [0.2, 0.5, 0.9, 1.0] };
+                let range = [host::whole(vk::ImageAspectFlags::COLOR)];
+                host.device.cmd_clear_color_image(commands, target.image, CLEARED.layout, &sky, &range);
+                host::change(host, commands, image, CLEARED, GENERAL);
+            }
+            draw(host, commands);
+        };
+        let mut record = |host: &Host, commands| {
+            // SAFETY: as above.
+            unsafe { smoke.record(host, commands, &frame, &mut Timing::None) }.expect("a frame");
+        };
+        let after = |host: &Host, commands| {
+            draw(host, commands);
+            // SAFETY: as above.
+            unsafe {
+                host::change(host, commands, (target.image, vk::ImageAspectFlags::COLOR), GENERAL, COPIED_FROM);
+                slot.show(host, commands);
+            }
+        };
+        match is_one_buffer {
+            true => host::run(&mut device, |host, commands| {
+                before(host, commands);
+                record(host, commands);
+                after(host, commands);
+            }),
+            false => {
+                host::run(&mut device, before);
+                host::run(&mut device, &mut record);
+                host::run(&mut device, after);
+            }
+        }
+        pictures.push(slot.pixels());
+        slot.destroy(&mut device);
+    }
+    assert!(pictures[0] == pictures[1]);
+    let corners = [pictures[0][0], pictures[0][(SIZE[0] * SIZE[1] / 2 + SIZE[0] / 2) as usize]];
+    assert!(corners[0] != corners[1], "no vignette");
+    let (host, allocator) = device.parts();
+    // SAFETY: every frame has been waited for.
+    unsafe {
+        smoke.retire().destroy(&host, allocator);
+        vignette.retire().destroy(&host, allocator);
     }
 }
