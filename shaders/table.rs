@@ -6,7 +6,7 @@ pub mod bench {
 /// `glsl/bench/arithmetic.comp`.
 pub mod arithmetic {
 use crate::plan::*;
-static WORDS: [u32; 771] = bytemuck::must_cast(*include_bytes!("bench/arithmetic.comp.spv"));
+static WORDS: [u32; include_bytes!("bench/arithmetic.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("bench/arithmetic.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "bench/arithmetic.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -20,7 +20,7 @@ name: "Results", number: 0, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/bench/copy.comp`.
 pub mod copy {
 use crate::plan::*;
-static WORDS: [u32; 246] = bytemuck::must_cast(*include_bytes!("bench/copy.comp.spv"));
+static WORDS: [u32; include_bytes!("bench/copy.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("bench/copy.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "bench/copy.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -42,7 +42,7 @@ pub mod blur {
 /// `glsl/blur/background.frag`.
 pub mod background_fragment {
 use crate::plan::*;
-static WORDS: [u32; 285] = bytemuck::must_cast(*include_bytes!("blur/background.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/background.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/background.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/background.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -61,7 +61,7 @@ name: "background_image", number: 2, kind: DescriptorKind::SampledImage, access:
 /// `glsl/blur/begin.comp`.
 pub mod begin {
 use crate::plan::*;
-static WORDS: [u32; 1342] = bytemuck::must_cast(*include_bytes!("blur/begin.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/begin.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/begin.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/begin.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -90,7 +90,7 @@ name: "Fronts", number: 5, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/blur/bench_extent.comp`.
 pub mod bench_extent {
 use crate::plan::*;
-static WORDS: [u32; 1490] = bytemuck::must_cast(*include_bytes!("blur/bench_extent.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/bench_extent.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/bench_extent.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/bench_extent.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -121,7 +121,7 @@ name: "BruteExtents", number: 6, kind: DescriptorKind::StorageBuffer, access: Ac
 /// `glsl/blur/border.comp`.
 pub mod border {
 use crate::plan::*;
-static WORDS: [u32; 1438] = bytemuck::must_cast(*include_bytes!("blur/border.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/border.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/border.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/border.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -149,7 +149,7 @@ name: "Completing", number: 5, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/blur/compose.comp`.
 pub mod compose {
 use crate::plan::*;
-static WORDS: [u32; 6597] = bytemuck::must_cast(*include_bytes!("blur/compose.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/compose.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/compose.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/compose.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -240,7 +240,7 @@ name: "Surface", number: 26, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/blur/composite.frag`.
 pub mod composite_fragment {
 use crate::plan::*;
-static WORDS: [u32; 712] = bytemuck::must_cast(*include_bytes!("blur/composite.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/composite.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/composite.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/composite.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -259,7 +259,7 @@ name: "Tiles", number: 3, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/blur/composite.vert`.
 pub mod composite_vertex {
 use crate::plan::*;
-static WORDS: [u32; 204] = bytemuck::must_cast(*include_bytes!("blur/composite.vert.spv"));
+static WORDS: [u32; include_bytes!("blur/composite.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/composite.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/composite.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -269,7 +269,7 @@ push_size: 0, bindings: &[
 /// `glsl/blur/composite_depth.frag`.
 pub mod composite_depth_fragment {
 use crate::plan::*;
-static WORDS: [u32; 898] = bytemuck::must_cast(*include_bytes!("blur/composite_depth.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/composite_depth.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/composite_depth.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/composite_depth.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -291,7 +291,7 @@ name: "Tiles", number: 3, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/blur/count.comp`.
 pub mod count {
 use crate::plan::*;
-static WORDS: [u32; 14106] = bytemuck::must_cast(*include_bytes!("blur/count.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/count.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/count.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/count.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -325,7 +325,7 @@ name: "PartSums", number: 7, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/blur/cover.comp`.
 pub mod cover {
 use crate::plan::*;
-static WORDS: [u32; 4010] = bytemuck::must_cast(*include_bytes!("blur/cover.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/cover.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/cover.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/cover.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -371,7 +371,7 @@ name: "Clip", number: 11, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/blur/depth.frag`.
 pub mod depth_fragment {
 use crate::plan::*;
-static WORDS: [u32; 673] = bytemuck::must_cast(*include_bytes!("blur/depth.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/depth.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/depth.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/depth.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -387,7 +387,7 @@ name: "Surface", number: 1, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/blur/distort.vert`.
 pub mod distort_vertex {
 use crate::plan::*;
-static WORDS: [u32; 899] = bytemuck::must_cast(*include_bytes!("blur/distort.vert.spv"));
+static WORDS: [u32; include_bytes!("blur/distort.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/distort.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/distort.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -406,7 +406,7 @@ name: "Vertices", number: 2, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/blur/emit.comp`.
 pub mod emit {
 use crate::plan::*;
-static WORDS: [u32; 12665] = bytemuck::must_cast(*include_bytes!("blur/emit.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/emit.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/emit.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/emit.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -452,7 +452,7 @@ name: "ControlBuffer", number: 11, kind: DescriptorKind::StorageBuffer, access: 
 /// `glsl/blur/extent.comp`.
 pub mod extent {
 use crate::plan::*;
-static WORDS: [u32; 6070] = bytemuck::must_cast(*include_bytes!("blur/extent.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/extent.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/extent.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/extent.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -483,7 +483,7 @@ name: "Smooth", number: 6, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/blur/fill.comp`.
 pub mod fill {
 use crate::plan::*;
-static WORDS: [u32; 2889] = bytemuck::must_cast(*include_bytes!("blur/fill.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/fill.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/fill.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/fill.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -502,7 +502,7 @@ name: "Tables", number: 2, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/blur/ghosts.frag`.
 pub mod ghosts_fragment {
 use crate::plan::*;
-static WORDS: [u32; 1233] = bytemuck::must_cast(*include_bytes!("blur/ghosts.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/ghosts.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/ghosts.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/ghosts.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -530,7 +530,7 @@ name: "frame_next", number: 9, kind: DescriptorKind::SampledImage, access: Acces
 /// `glsl/blur/ghosts.vert`.
 pub mod ghosts_vertex {
 use crate::plan::*;
-static WORDS: [u32; 2568] = bytemuck::must_cast(*include_bytes!("blur/ghosts.vert.spv"));
+static WORDS: [u32; include_bytes!("blur/ghosts.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/ghosts.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/ghosts.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -558,7 +558,7 @@ name: "Splines", number: 5, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/blur/ghosts_blend.frag`.
 pub mod ghosts_blend_fragment {
 use crate::plan::*;
-static WORDS: [u32; 841] = bytemuck::must_cast(*include_bytes!("blur/ghosts_blend.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/ghosts_blend.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/ghosts_blend.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/ghosts_blend.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -592,7 +592,7 @@ name: "ghost_depth", number: 7, kind: DescriptorKind::SampledImage, access: Acce
 /// `glsl/blur/inward.comp`.
 pub mod inward {
 use crate::plan::*;
-static WORDS: [u32; 4217] = bytemuck::must_cast(*include_bytes!("blur/inward.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/inward.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/inward.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/inward.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -620,7 +620,7 @@ name: "Completing", number: 5, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/blur/layers.comp`.
 pub mod layers {
 use crate::plan::*;
-static WORDS: [u32; 773] = bytemuck::must_cast(*include_bytes!("blur/layers.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/layers.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/layers.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/layers.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -651,7 +651,7 @@ name: "DistortedNames", number: 6, kind: DescriptorKind::StorageBuffer, access: 
 /// `glsl/blur/learn.comp`.
 pub mod learn {
 use crate::plan::*;
-static WORDS: [u32; 4596] = bytemuck::must_cast(*include_bytes!("blur/learn.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/learn.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/learn.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/learn.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -721,7 +721,7 @@ name: "Completing", number: 21, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/blur/light.comp`.
 pub mod light {
 use crate::plan::*;
-static WORDS: [u32; 5769] = bytemuck::must_cast(*include_bytes!("blur/light.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/light.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/light.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/light.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -743,7 +743,7 @@ name: "Completing", number: 3, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/blur/lines.frag`.
 pub mod lines_fragment {
 use crate::plan::*;
-static WORDS: [u32; 952] = bytemuck::must_cast(*include_bytes!("blur/lines.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/lines.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/lines.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/lines.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -771,7 +771,7 @@ name: "Triangles", number: 5, kind: DescriptorKind::StorageBuffer, access: Acces
 /// `glsl/blur/lines.vert`.
 pub mod lines_vertex {
 use crate::plan::*;
-static WORDS: [u32; 3260] = bytemuck::must_cast(*include_bytes!("blur/lines.vert.spv"));
+static WORDS: [u32; include_bytes!("blur/lines.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/lines.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/lines.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -793,7 +793,7 @@ name: "Trailing", number: 7, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/blur/lines_choose.comp`.
 pub mod lines_choose {
 use crate::plan::*;
-static WORDS: [u32; 960] = bytemuck::must_cast(*include_bytes!("blur/lines_choose.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/lines_choose.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/lines_choose.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/lines_choose.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -812,7 +812,7 @@ name: "Trailing", number: 2, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/blur/name.frag`.
 pub mod name_fragment {
 use crate::plan::*;
-static WORDS: [u32; 78] = bytemuck::must_cast(*include_bytes!("blur/name.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/name.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/name.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/name.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -822,7 +822,7 @@ push_size: 0, bindings: &[
 /// `glsl/blur/normals.comp`.
 pub mod normals {
 use crate::plan::*;
-static WORDS: [u32; 1854] = bytemuck::must_cast(*include_bytes!("blur/normals.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/normals.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/normals.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/normals.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -853,7 +853,7 @@ name: "LargeGroups", number: 6, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/blur/normals_large.comp`.
 pub mod normals_large {
 use crate::plan::*;
-static WORDS: [u32; 2327] = bytemuck::must_cast(*include_bytes!("blur/normals_large.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/normals_large.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/normals_large.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/normals_large.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -884,7 +884,7 @@ name: "LargeGroups", number: 6, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/blur/pairs.comp`.
 pub mod pairs {
 use crate::plan::*;
-static WORDS: [u32; 6359] = bytemuck::must_cast(*include_bytes!("blur/pairs.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/pairs.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/pairs.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/pairs.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -954,7 +954,7 @@ name: "Sites", number: 21, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/blur/project.comp`.
 pub mod project {
 use crate::plan::*;
-static WORDS: [u32; 2487] = bytemuck::must_cast(*include_bytes!("blur/project.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/project.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/project.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/project.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -973,7 +973,7 @@ name: "Clip", number: 2, kind: DescriptorKind::StorageBuffer, access: Access::Wr
 /// `glsl/blur/seams.comp`.
 pub mod seams {
 use crate::plan::*;
-static WORDS: [u32; 913] = bytemuck::must_cast(*include_bytes!("blur/seams.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/seams.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/seams.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/seams.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -1001,7 +1001,7 @@ name: "Smooth", number: 5, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/blur/settle.comp`.
 pub mod settle {
 use crate::plan::*;
-static WORDS: [u32; 1968] = bytemuck::must_cast(*include_bytes!("blur/settle.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/settle.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/settle.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/settle.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -1029,7 +1029,7 @@ name: "Hull", number: 5, kind: DescriptorKind::StorageBuffer, access: Access::Re
 /// `glsl/blur/shade.comp`.
 pub mod shade {
 use crate::plan::*;
-static WORDS: [u32; 10418] = bytemuck::must_cast(*include_bytes!("blur/shade.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/shade.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/shade.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/shade.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -1117,7 +1117,7 @@ name: "SampleSides", number: 25, kind: DescriptorKind::StorageBuffer, access: Ac
 /// `glsl/blur/shade_drawn.comp`.
 pub mod shade_drawn {
 use crate::plan::*;
-static WORDS: [u32; 11908] = bytemuck::must_cast(*include_bytes!("blur/shade_drawn.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/shade_drawn.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/shade_drawn.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/shade_drawn.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -1205,7 +1205,7 @@ name: "ToonBuffer", number: 29, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/blur/sides.comp`.
 pub mod sides {
 use crate::plan::*;
-static WORDS: [u32; 4138] = bytemuck::must_cast(*include_bytes!("blur/sides.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/sides.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/sides.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/sides.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -1284,7 +1284,7 @@ name: "MaskLayer", number: 22, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/blur/surface.comp`.
 pub mod surface {
 use crate::plan::*;
-static WORDS: [u32; 1749] = bytemuck::must_cast(*include_bytes!("blur/surface.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/surface.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/surface.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/surface.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -1312,7 +1312,7 @@ name: "Surface", number: 26, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/blur/tiles.comp`.
 pub mod tiles {
 use crate::plan::*;
-static WORDS: [u32; 1324] = bytemuck::must_cast(*include_bytes!("blur/tiles.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/tiles.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/tiles.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/tiles.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -1337,7 +1337,7 @@ name: "Tiles", number: 4, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/blur/tone.comp`.
 pub mod tone {
 use crate::plan::*;
-static WORDS: [u32; 4224] = bytemuck::must_cast(*include_bytes!("blur/tone.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/tone.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/tone.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/tone.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -1362,7 +1362,7 @@ name: "Tables", number: 4, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/blur/toon.frag`.
 pub mod toon_fragment {
 use crate::plan::*;
-static WORDS: [u32; 9548] = bytemuck::must_cast(*include_bytes!("blur/toon.frag.spv"));
+static WORDS: [u32; include_bytes!("blur/toon.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/toon.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/toon.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -1399,7 +1399,7 @@ name: "ToonBuffer", number: 29, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/blur/toon_lines.comp`.
 pub mod toon_lines {
 use crate::plan::*;
-static WORDS: [u32; 1452] = bytemuck::must_cast(*include_bytes!("blur/toon_lines.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/toon_lines.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/toon_lines.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/toon_lines.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -1427,7 +1427,7 @@ name: "ToonBuffer", number: 29, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/blur/trajectory.comp`.
 pub mod trajectory {
 use crate::plan::*;
-static WORDS: [u32; 5768] = bytemuck::must_cast(*include_bytes!("blur/trajectory.comp.spv"));
+static WORDS: [u32; include_bytes!("blur/trajectory.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/trajectory.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/trajectory.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -1452,7 +1452,7 @@ name: "Splines", number: 4, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/blur/visibility.vert`.
 pub mod visibility_vertex {
 use crate::plan::*;
-static WORDS: [u32; 753] = bytemuck::must_cast(*include_bytes!("blur/visibility.vert.spv"));
+static WORDS: [u32; include_bytes!("blur/visibility.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("blur/visibility.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "blur/visibility.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -2290,7 +2290,7 @@ pub mod flame {
 /// `glsl/flame/accumulate.comp`.
 pub mod accumulate {
 use crate::plan::*;
-static WORDS: [u32; 10517] = bytemuck::must_cast(*include_bytes!("flame/accumulate.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/accumulate.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/accumulate.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/accumulate.comp", stage: Stage::Compute, local_size: [32, 1, 1],
@@ -2330,7 +2330,7 @@ name: "levels", number: 9, kind: DescriptorKind::StorageImage, access: Access::R
 /// `glsl/flame/adapt.comp`.
 pub mod adapt {
 use crate::plan::*;
-static WORDS: [u32; 2419] = bytemuck::must_cast(*include_bytes!("flame/adapt.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/adapt.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/adapt.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/adapt.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2364,7 +2364,7 @@ name: "TileSums", number: 7, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/flame/adapt_sum.comp`.
 pub mod adapt_sum {
 use crate::plan::*;
-static WORDS: [u32; 895] = bytemuck::must_cast(*include_bytes!("flame/adapt_sum.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/adapt_sum.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/adapt_sum.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/adapt_sum.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2392,7 +2392,7 @@ name: "TileSums", number: 5, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/flame/add.comp`.
 pub mod add {
 use crate::plan::*;
-static WORDS: [u32; 1351] = bytemuck::must_cast(*include_bytes!("flame/add.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/add.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/add.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/add.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2415,7 +2415,7 @@ name: "drawn", number: 3, kind: DescriptorKind::SampledImage, access: Access::Re
 /// `glsl/flame/bench_far.comp`.
 pub mod bench_far {
 use crate::plan::*;
-static WORDS: [u32; 1184] = bytemuck::must_cast(*include_bytes!("flame/bench_far.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/bench_far.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/bench_far.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/bench_far.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2438,7 +2438,7 @@ name: "FarTable", number: 3, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/flame/bench_moments_4.comp`.
 pub mod bench_moments_4 {
 use crate::plan::*;
-static WORDS: [u32; 5421] = bytemuck::must_cast(*include_bytes!("flame/bench_moments_4.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/bench_moments_4.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/bench_moments_4.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/bench_moments_4.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2473,7 +2473,7 @@ name: "Blended", number: 7, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/bench_moments_6.comp`.
 pub mod bench_moments_6 {
 use crate::plan::*;
-static WORDS: [u32; 6134] = bytemuck::must_cast(*include_bytes!("flame/bench_moments_6.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/bench_moments_6.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/bench_moments_6.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/bench_moments_6.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2508,7 +2508,7 @@ name: "Blended", number: 7, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/bench_rank.comp`.
 pub mod bench_rank {
 use crate::plan::*;
-static WORDS: [u32; 1075] = bytemuck::must_cast(*include_bytes!("flame/bench_rank.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/bench_rank.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/bench_rank.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/bench_rank.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2531,7 +2531,7 @@ name: "Order", number: 3, kind: DescriptorKind::StorageBuffer, access: Access::W
 /// `glsl/flame/bench_sorted.comp`.
 pub mod bench_sorted {
 use crate::plan::*;
-static WORDS: [u32; 3765] = bytemuck::must_cast(*include_bytes!("flame/bench_sorted.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/bench_sorted.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/bench_sorted.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/bench_sorted.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2572,7 +2572,7 @@ name: "Order", number: 9, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/flame/bench_wavelets.comp`.
 pub mod bench_wavelets {
 use crate::plan::*;
-static WORDS: [u32; 5838] = bytemuck::must_cast(*include_bytes!("flame/bench_wavelets.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/bench_wavelets.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/bench_wavelets.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/bench_wavelets.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2607,7 +2607,7 @@ name: "Blended", number: 7, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/bench_weighted.comp`.
 pub mod bench_weighted {
 use crate::plan::*;
-static WORDS: [u32; 3950] = bytemuck::must_cast(*include_bytes!("flame/bench_weighted.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/bench_weighted.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/bench_weighted.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/bench_weighted.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2641,7 +2641,7 @@ name: "Blended", number: 7, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/composite.frag`.
 pub mod composite_fragment {
 use crate::plan::*;
-static WORDS: [u32; 594] = bytemuck::must_cast(*include_bytes!("flame/composite.frag.spv"));
+static WORDS: [u32; include_bytes!("flame/composite.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/composite.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/composite.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -2657,7 +2657,7 @@ name: "Picture", number: 2, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/composite.vert`.
 pub mod composite_vertex {
 use crate::plan::*;
-static WORDS: [u32; 717] = bytemuck::must_cast(*include_bytes!("flame/composite.vert.spv"));
+static WORDS: [u32; include_bytes!("flame/composite.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/composite.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/composite.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -2673,7 +2673,7 @@ name: "OccupiedTiles", number: 1, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/flame/converge.comp`.
 pub mod converge {
 use crate::plan::*;
-static WORDS: [u32; 1550] = bytemuck::must_cast(*include_bytes!("flame/converge.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/converge.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/converge.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/converge.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2701,7 +2701,7 @@ name: "TileOpen", number: 5, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/flame/count.comp`.
 pub mod count {
 use crate::plan::*;
-static WORDS: [u32; 4177] = bytemuck::must_cast(*include_bytes!("flame/count.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/count.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/count.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/count.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2726,7 +2726,7 @@ name: "levels", number: 4, kind: DescriptorKind::StorageImage, access: Access::R
 /// `glsl/flame/expected.comp`.
 pub mod expected {
 use crate::plan::*;
-static WORDS: [u32; 10828] = bytemuck::must_cast(*include_bytes!("flame/expected.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/expected.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/expected.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/expected.comp", stage: Stage::Compute, local_size: [32, 1, 1],
@@ -2769,7 +2769,7 @@ name: "Unlaid", number: 10, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/fill.comp`.
 pub mod fill {
 use crate::plan::*;
-static WORDS: [u32; 2319] = bytemuck::must_cast(*include_bytes!("flame/fill.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/fill.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/fill.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/fill.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2794,7 +2794,7 @@ name: "Entries", number: 4, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/kernel.comp`.
 pub mod kernel {
 use crate::plan::*;
-static WORDS: [u32; 4464] = bytemuck::must_cast(*include_bytes!("flame/kernel.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/kernel.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/kernel.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/kernel.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2816,7 +2816,7 @@ name: "kernel", number: 3, kind: DescriptorKind::StorageImage, access: Access::W
 /// `glsl/flame/light.comp`.
 pub mod light {
 use crate::plan::*;
-static WORDS: [u32; 1638] = bytemuck::must_cast(*include_bytes!("flame/light.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/light.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/light.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/light.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -2838,7 +2838,7 @@ name: "ControlBuffer", number: 3, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/flame/light.frag`.
 pub mod light_fragment {
 use crate::plan::*;
-static WORDS: [u32; 922] = bytemuck::must_cast(*include_bytes!("flame/light.frag.spv"));
+static WORDS: [u32; include_bytes!("flame/light.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/light.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/light.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -2857,7 +2857,7 @@ name: "LampBuffer", number: 2, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/flame/light.vert`.
 pub mod light_vertex {
 use crate::plan::*;
-static WORDS: [u32; 204] = bytemuck::must_cast(*include_bytes!("flame/light.vert.spv"));
+static WORDS: [u32; include_bytes!("flame/light.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/light.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/light.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -2867,7 +2867,7 @@ push_size: 0, bindings: &[
 /// `glsl/flame/mask.comp`.
 pub mod mask {
 use crate::plan::*;
-static WORDS: [u32; 3601] = bytemuck::must_cast(*include_bytes!("flame/mask.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/mask.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/mask.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/mask.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2886,7 +2886,7 @@ name: "levels", number: 2, kind: DescriptorKind::StorageImage, access: Access::W
 /// `glsl/flame/mips.comp`.
 pub mod mips {
 use crate::plan::*;
-static WORDS: [u32; 1888] = bytemuck::must_cast(*include_bytes!("flame/mips.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/mips.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/mips.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/mips.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2902,7 +2902,7 @@ name: "levels", number: 1, kind: DescriptorKind::StorageImage, access: Access::R
 /// `glsl/flame/prepare.comp`.
 pub mod prepare {
 use crate::plan::*;
-static WORDS: [u32; 5613] = bytemuck::must_cast(*include_bytes!("flame/prepare.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/prepare.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/prepare.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/prepare.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2930,7 +2930,7 @@ name: "ControlBuffer", number: 5, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/flame/range.comp`.
 pub mod range {
 use crate::plan::*;
-static WORDS: [u32; 1425] = bytemuck::must_cast(*include_bytes!("flame/range.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/range.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/range.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/range.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -2949,7 +2949,7 @@ name: "ControlBuffer", number: 2, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/flame/raster.frag`.
 pub mod raster_fragment {
 use crate::plan::*;
-static WORDS: [u32; 1683] = bytemuck::must_cast(*include_bytes!("flame/raster.frag.spv"));
+static WORDS: [u32; include_bytes!("flame/raster.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/raster.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/raster.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -2971,7 +2971,7 @@ name: "Scene", number: 5, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/flame/raster.vert`.
 pub mod raster_vertex {
 use crate::plan::*;
-static WORDS: [u32; 4184] = bytemuck::must_cast(*include_bytes!("flame/raster.vert.spv"));
+static WORDS: [u32; include_bytes!("flame/raster.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/raster.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/raster.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -2993,7 +2993,7 @@ name: "SpriteList", number: 3, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/flame/rebuild.comp`.
 pub mod rebuild {
 use crate::plan::*;
-static WORDS: [u32; 1170] = bytemuck::must_cast(*include_bytes!("flame/rebuild.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/rebuild.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/rebuild.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/rebuild.comp", stage: Stage::Compute, local_size: [1, 1, 1],
@@ -3012,7 +3012,7 @@ name: "KernelState", number: 2, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/flame/resolve.comp`.
 pub mod resolve {
 use crate::plan::*;
-static WORDS: [u32; 2895] = bytemuck::must_cast(*include_bytes!("flame/resolve.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/resolve.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/resolve.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/resolve.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -3049,7 +3049,7 @@ name: "Nearest", number: 8, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/flame/scene.comp`.
 pub mod scene {
 use crate::plan::*;
-static WORDS: [u32; 940] = bytemuck::must_cast(*include_bytes!("flame/scene.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/scene.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/scene.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/scene.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -3068,7 +3068,7 @@ name: "Scene", number: 2, kind: DescriptorKind::StorageBuffer, access: Access::W
 /// `glsl/flame/shares.comp`.
 pub mod shares {
 use crate::plan::*;
-static WORDS: [u32; 1208] = bytemuck::must_cast(*include_bytes!("flame/shares.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/shares.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/shares.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/shares.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -3090,7 +3090,7 @@ name: "Shares", number: 3, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/flame/sprites.comp`.
 pub mod sprites {
 use crate::plan::*;
-static WORDS: [u32; 1741] = bytemuck::must_cast(*include_bytes!("flame/sprites.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/sprites.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/sprites.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/sprites.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -3115,7 +3115,7 @@ name: "SpriteSums", number: 4, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/flame/sprites_sum.comp`.
 pub mod sprites_sum {
 use crate::plan::*;
-static WORDS: [u32; 1021] = bytemuck::must_cast(*include_bytes!("flame/sprites_sum.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/sprites_sum.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/sprites_sum.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/sprites_sum.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -3134,7 +3134,7 @@ name: "SpriteSums", number: 2, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/flame/tiles.comp`.
 pub mod tiles {
 use crate::plan::*;
-static WORDS: [u32; 2982] = bytemuck::must_cast(*include_bytes!("flame/tiles.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/tiles.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/tiles.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/tiles.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -3168,7 +3168,7 @@ name: "TileSums", number: 7, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/flame/tiles_sum.comp`.
 pub mod tiles_sum {
 use crate::plan::*;
-static WORDS: [u32; 1420] = bytemuck::must_cast(*include_bytes!("flame/tiles_sum.comp.spv"));
+static WORDS: [u32; include_bytes!("flame/tiles_sum.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("flame/tiles_sum.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "flame/tiles_sum.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -3755,7 +3755,7 @@ pub mod scan {
 /// `glsl/scan/add.comp`.
 pub mod add {
 use crate::plan::*;
-static WORDS: [u32; 1385] = bytemuck::must_cast(*include_bytes!("scan/add.comp.spv"));
+static WORDS: [u32; include_bytes!("scan/add.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("scan/add.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "scan/add.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -3771,7 +3771,7 @@ name: "BlockSums", number: 1, kind: DescriptorKind::StorageBuffer, access: Acces
 /// `glsl/scan/sums.comp`.
 pub mod sums {
 use crate::plan::*;
-static WORDS: [u32; 877] = bytemuck::must_cast(*include_bytes!("scan/sums.comp.spv"));
+static WORDS: [u32; include_bytes!("scan/sums.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("scan/sums.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "scan/sums.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -3814,7 +3814,7 @@ pub mod smoke {
 /// `glsl/smoke/advect.comp`.
 pub mod advect {
 use crate::plan::*;
-static WORDS: [u32; 14178] = bytemuck::must_cast(*include_bytes!("smoke/advect.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/advect.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/advect.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/advect.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -3852,7 +3852,7 @@ name: "Groups", number: 9, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/smoke/bench_direct.comp`.
 pub mod bench_direct {
 use crate::plan::*;
-static WORDS: [u32; 1290] = bytemuck::must_cast(*include_bytes!("smoke/bench_direct.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/bench_direct.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/bench_direct.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/bench_direct.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -3875,7 +3875,7 @@ name: "Smooth", number: 3, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/smoke/bench_image_columns.comp`.
 pub mod bench_image_columns {
 use crate::plan::*;
-static WORDS: [u32; 1963] = bytemuck::must_cast(*include_bytes!("smoke/bench_image_columns.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/bench_image_columns.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/bench_image_columns.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/bench_image_columns.comp", stage: Stage::Compute, local_size: [8, 16, 1],
@@ -3904,7 +3904,7 @@ name: "Smooth", number: 5, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/smoke/bench_image_rows.comp`.
 pub mod bench_image_rows {
 use crate::plan::*;
-static WORDS: [u32; 1830] = bytemuck::must_cast(*include_bytes!("smoke/bench_image_rows.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/bench_image_rows.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/bench_image_rows.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/bench_image_rows.comp", stage: Stage::Compute, local_size: [8, 16, 1],
@@ -3930,7 +3930,7 @@ name: "RowSums", number: 4, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/smoke/bench_naive_columns.comp`.
 pub mod bench_naive_columns {
 use crate::plan::*;
-static WORDS: [u32; 1203] = bytemuck::must_cast(*include_bytes!("smoke/bench_naive_columns.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/bench_naive_columns.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/bench_naive_columns.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/bench_naive_columns.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -3956,7 +3956,7 @@ name: "Smooth", number: 4, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/smoke/bench_naive_rows.comp`.
 pub mod bench_naive_rows {
 use crate::plan::*;
-static WORDS: [u32; 1133] = bytemuck::must_cast(*include_bytes!("smoke/bench_naive_rows.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/bench_naive_rows.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/bench_naive_rows.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/bench_naive_rows.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -3979,7 +3979,7 @@ name: "RowSums", number: 3, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/smoke/bench_plain_columns.comp`.
 pub mod bench_plain_columns {
 use crate::plan::*;
-static WORDS: [u32; 1545] = bytemuck::must_cast(*include_bytes!("smoke/bench_plain_columns.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/bench_plain_columns.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/bench_plain_columns.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/bench_plain_columns.comp", stage: Stage::Compute, local_size: [8, 16, 1],
@@ -4005,7 +4005,7 @@ name: "Smooth", number: 4, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/smoke/bench_plain_rows.comp`.
 pub mod bench_plain_rows {
 use crate::plan::*;
-static WORDS: [u32; 1515] = bytemuck::must_cast(*include_bytes!("smoke/bench_plain_rows.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/bench_plain_rows.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/bench_plain_rows.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/bench_plain_rows.comp", stage: Stage::Compute, local_size: [8, 16, 1],
@@ -4030,7 +4030,7 @@ name: "PlainRows", number: 4, kind: DescriptorKind::StorageBuffer, access: Acces
 /// `glsl/smoke/columns.comp`.
 pub mod columns {
 use crate::plan::*;
-static WORDS: [u32; 2370] = bytemuck::must_cast(*include_bytes!("smoke/columns.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/columns.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/columns.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/columns.comp", stage: Stage::Compute, local_size: [8, 16, 1],
@@ -4067,7 +4067,7 @@ name: "Smooth", number: 8, kind: DescriptorKind::StorageBuffer, access: Access::
 /// `glsl/smoke/composite.frag`.
 pub mod composite_fragment {
 use crate::plan::*;
-static WORDS: [u32; 716] = bytemuck::must_cast(*include_bytes!("smoke/composite.frag.spv"));
+static WORDS: [u32; include_bytes!("smoke/composite.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/composite.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/composite.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -4083,7 +4083,7 @@ name: "Picture", number: 2, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/smoke/composite.vert`.
 pub mod composite_vertex {
 use crate::plan::*;
-static WORDS: [u32; 839] = bytemuck::must_cast(*include_bytes!("smoke/composite.vert.spv"));
+static WORDS: [u32; include_bytes!("smoke/composite.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/composite.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/composite.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -4099,7 +4099,7 @@ name: "OccupiedTiles", number: 1, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/smoke/composite_depth.frag`.
 pub mod composite_depth_fragment {
 use crate::plan::*;
-static WORDS: [u32; 1088] = bytemuck::must_cast(*include_bytes!("smoke/composite_depth.frag.spv"));
+static WORDS: [u32; include_bytes!("smoke/composite_depth.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/composite_depth.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/composite_depth.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -4121,7 +4121,7 @@ name: "Edges", number: 4, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/smoke/count.comp`.
 pub mod count {
 use crate::plan::*;
-static WORDS: [u32; 4166] = bytemuck::must_cast(*include_bytes!("smoke/count.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/count.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/count.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/count.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4146,7 +4146,7 @@ name: "ViewSpheres", number: 4, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/smoke/dilate.comp`.
 pub mod dilate {
 use crate::plan::*;
-static WORDS: [u32; 1031] = bytemuck::must_cast(*include_bytes!("smoke/dilate.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/dilate.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/dilate.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/dilate.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4165,7 +4165,7 @@ name: "Reached", number: 2, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/smoke/field_columns.comp`.
 pub mod field_columns {
 use crate::plan::*;
-static WORDS: [u32; 1304] = bytemuck::must_cast(*include_bytes!("smoke/field_columns.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/field_columns.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/field_columns.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/field_columns.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4184,7 +4184,7 @@ name: "FieldColumns", number: 2, kind: DescriptorKind::StorageBuffer, access: Ac
 /// `glsl/smoke/field_rows.comp`.
 pub mod field_rows {
 use crate::plan::*;
-static WORDS: [u32; 1477] = bytemuck::must_cast(*include_bytes!("smoke/field_rows.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/field_rows.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/field_rows.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/field_rows.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4203,7 +4203,7 @@ name: "Field", number: 2, kind: DescriptorKind::StorageBuffer, access: Access::W
 /// `glsl/smoke/field_slices.comp`.
 pub mod field_slices {
 use crate::plan::*;
-static WORDS: [u32; 1318] = bytemuck::must_cast(*include_bytes!("smoke/field_slices.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/field_slices.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/field_slices.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/field_slices.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4222,7 +4222,7 @@ name: "Field", number: 2, kind: DescriptorKind::StorageBuffer, access: Access::W
 /// `glsl/smoke/grow_field.comp`.
 pub mod grow_field {
 use crate::plan::*;
-static WORDS: [u32; 3658] = bytemuck::must_cast(*include_bytes!("smoke/grow_field.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/grow_field.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/grow_field.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/grow_field.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4244,7 +4244,7 @@ name: "Field", number: 3, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/smoke/grow_growth.comp`.
 pub mod grow_growth {
 use crate::plan::*;
-static WORDS: [u32; 6383] = bytemuck::must_cast(*include_bytes!("smoke/grow_growth.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/grow_growth.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/grow_growth.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/grow_growth.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4272,7 +4272,7 @@ name: "Continuations", number: 5, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/smoke/grow_pyramid.comp`.
 pub mod grow_pyramid {
 use crate::plan::*;
-static WORDS: [u32; 6537] = bytemuck::must_cast(*include_bytes!("smoke/grow_pyramid.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/grow_pyramid.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/grow_pyramid.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/grow_pyramid.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4300,7 +4300,7 @@ name: "Continuations", number: 5, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/smoke/items.comp`.
 pub mod items {
 use crate::plan::*;
-static WORDS: [u32; 2198] = bytemuck::must_cast(*include_bytes!("smoke/items.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/items.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/items.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/items.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -4331,7 +4331,7 @@ name: "ItemSums", number: 6, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/smoke/items_sum.comp`.
 pub mod items_sum {
 use crate::plan::*;
-static WORDS: [u32; 1398] = bytemuck::must_cast(*include_bytes!("smoke/items_sum.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/items_sum.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/items_sum.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/items_sum.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -4350,7 +4350,7 @@ name: "ItemSums", number: 2, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/smoke/list.comp`.
 pub mod list {
 use crate::plan::*;
-static WORDS: [u32; 3461] = bytemuck::must_cast(*include_bytes!("smoke/list.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/list.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/list.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/list.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4387,7 +4387,7 @@ name: "ControlBuffer", number: 8, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/smoke/luminance.comp`.
 pub mod luminance {
 use crate::plan::*;
-static WORDS: [u32; 1884] = bytemuck::must_cast(*include_bytes!("smoke/luminance.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/luminance.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/luminance.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/luminance.comp", stage: Stage::Compute, local_size: [32, 8, 1],
@@ -4421,7 +4421,7 @@ name: "ViewSpheres", number: 9, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/smoke/luminance_exact.comp`.
 pub mod luminance_exact {
 use crate::plan::*;
-static WORDS: [u32; 4858] = bytemuck::must_cast(*include_bytes!("smoke/luminance_exact.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/luminance_exact.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/luminance_exact.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/luminance_exact.comp", stage: Stage::Compute, local_size: [32, 8, 1],
@@ -4461,7 +4461,7 @@ name: "ViewSpheres", number: 9, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/smoke/luminance_map.comp`.
 pub mod luminance_map {
 use crate::plan::*;
-static WORDS: [u32; 5092] = bytemuck::must_cast(*include_bytes!("smoke/luminance_map.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/luminance_map.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/luminance_map.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/luminance_map.comp", stage: Stage::Compute, local_size: [32, 8, 1],
@@ -4501,7 +4501,7 @@ name: "ViewSpheres", number: 9, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/smoke/occluders.comp`.
 pub mod occluders {
 use crate::plan::*;
-static WORDS: [u32; 2448] = bytemuck::must_cast(*include_bytes!("smoke/occluders.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/occluders.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/occluders.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/occluders.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4526,7 +4526,7 @@ name: "Occlusion", number: 4, kind: DescriptorKind::StorageBuffer, access: Acces
 /// `glsl/smoke/occupancy.comp`.
 pub mod occupancy {
 use crate::plan::*;
-static WORDS: [u32; 1496] = bytemuck::must_cast(*include_bytes!("smoke/occupancy.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/occupancy.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/occupancy.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/occupancy.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -4548,7 +4548,7 @@ name: "BirthCounts", number: 3, kind: DescriptorKind::StorageBuffer, access: Acc
 /// `glsl/smoke/occupied.comp`.
 pub mod occupied {
 use crate::plan::*;
-static WORDS: [u32; 2125] = bytemuck::must_cast(*include_bytes!("smoke/occupied.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/occupied.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/occupied.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/occupied.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -4576,7 +4576,7 @@ name: "TileSums", number: 5, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/smoke/occupied_sum.comp`.
 pub mod occupied_sum {
 use crate::plan::*;
-static WORDS: [u32; 1554] = bytemuck::must_cast(*include_bytes!("smoke/occupied_sum.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/occupied_sum.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/occupied_sum.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/occupied_sum.comp", stage: Stage::Compute, local_size: [256, 1, 1],
@@ -4601,7 +4601,7 @@ name: "TileSums", number: 4, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/smoke/outline.comp`.
 pub mod outline {
 use crate::plan::*;
-static WORDS: [u32; 1599] = bytemuck::must_cast(*include_bytes!("smoke/outline.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/outline.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/outline.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/outline.comp", stage: Stage::Compute, local_size: [32, 8, 1],
@@ -4623,7 +4623,7 @@ name: "Lines", number: 3, kind: DescriptorKind::StorageBuffer, access: Access::W
 /// `glsl/smoke/pyramid.comp`.
 pub mod pyramid {
 use crate::plan::*;
-static WORDS: [u32; 1622] = bytemuck::must_cast(*include_bytes!("smoke/pyramid.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/pyramid.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/pyramid.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/pyramid.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4639,7 +4639,7 @@ name: "Occupancy", number: 1, kind: DescriptorKind::StorageBuffer, access: Acces
 /// `glsl/smoke/quads.comp`.
 pub mod quads {
 use crate::plan::*;
-static WORDS: [u32; 1931] = bytemuck::must_cast(*include_bytes!("smoke/quads.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/quads.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/quads.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/quads.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4667,7 +4667,7 @@ name: "Quads", number: 5, kind: DescriptorKind::StorageBuffer, access: Access::W
 /// `glsl/smoke/rows.comp`.
 pub mod rows {
 use crate::plan::*;
-static WORDS: [u32; 2145] = bytemuck::must_cast(*include_bytes!("smoke/rows.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/rows.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/rows.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/rows.comp", stage: Stage::Compute, local_size: [8, 16, 1],
@@ -4698,7 +4698,7 @@ name: "RowSums", number: 6, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/smoke/shadow.frag`.
 pub mod shadow_fragment {
 use crate::plan::*;
-static WORDS: [u32; 969] = bytemuck::must_cast(*include_bytes!("smoke/shadow.frag.spv"));
+static WORDS: [u32; include_bytes!("smoke/shadow.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/shadow.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/shadow.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -4711,7 +4711,7 @@ name: "SmokeParams", number: 0, kind: DescriptorKind::UniformBuffer, access: Acc
 /// `glsl/smoke/shadow.vert`.
 pub mod shadow_vertex {
 use crate::plan::*;
-static WORDS: [u32; 2310] = bytemuck::must_cast(*include_bytes!("smoke/shadow.vert.spv"));
+static WORDS: [u32; include_bytes!("smoke/shadow.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/shadow.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/shadow.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -4733,7 +4733,7 @@ name: "ControlBuffer", number: 3, kind: DescriptorKind::StorageBuffer, access: A
 /// `glsl/smoke/shadow_count.comp`.
 pub mod shadow_count {
 use crate::plan::*;
-static WORDS: [u32; 2741] = bytemuck::must_cast(*include_bytes!("smoke/shadow_count.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/shadow_count.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/shadow_count.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/shadow_count.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4758,7 +4758,7 @@ name: "Cells", number: 4, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/smoke/shadow_fill.comp`.
 pub mod shadow_fill {
 use crate::plan::*;
-static WORDS: [u32; 2789] = bytemuck::must_cast(*include_bytes!("smoke/shadow_fill.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/shadow_fill.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/shadow_fill.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/shadow_fill.comp", stage: Stage::Compute, local_size: [64, 1, 1],
@@ -4786,7 +4786,7 @@ name: "Casters", number: 5, kind: DescriptorKind::StorageBuffer, access: Access:
 /// `glsl/smoke/spheres.frag`.
 pub mod spheres_fragment {
 use crate::plan::*;
-static WORDS: [u32; 1007] = bytemuck::must_cast(*include_bytes!("smoke/spheres.frag.spv"));
+static WORDS: [u32; include_bytes!("smoke/spheres.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/spheres.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/spheres.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -4799,7 +4799,7 @@ name: "SmokeParams", number: 0, kind: DescriptorKind::UniformBuffer, access: Acc
 /// `glsl/smoke/spheres.vert`.
 pub mod spheres_vertex {
 use crate::plan::*;
-static WORDS: [u32; 1029] = bytemuck::must_cast(*include_bytes!("smoke/spheres.vert.spv"));
+static WORDS: [u32; include_bytes!("smoke/spheres.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/spheres.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/spheres.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -4824,7 +4824,7 @@ name: "Quads", number: 4, kind: DescriptorKind::StorageBuffer, access: Access::R
 /// `glsl/smoke/tiles.comp`.
 pub mod tiles {
 use crate::plan::*;
-static WORDS: [u32; 1350] = bytemuck::must_cast(*include_bytes!("smoke/tiles.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/tiles.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/tiles.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/tiles.comp", stage: Stage::Compute, local_size: [8, 16, 1],
@@ -4846,7 +4846,7 @@ name: "TileGroups", number: 3, kind: DescriptorKind::StorageBuffer, access: Acce
 /// `glsl/smoke/tone.comp`.
 pub mod tone {
 use crate::plan::*;
-static WORDS: [u32; 3632] = bytemuck::must_cast(*include_bytes!("smoke/tone.comp.spv"));
+static WORDS: [u32; include_bytes!("smoke/tone.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("smoke/tone.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "smoke/tone.comp", stage: Stage::Compute, local_size: [32, 8, 1],
@@ -5467,7 +5467,7 @@ pub mod vignette {
 /// `glsl/vignette/composite.frag`.
 pub mod composite_fragment {
 use crate::plan::*;
-static WORDS: [u32; 251] = bytemuck::must_cast(*include_bytes!("vignette/composite.frag.spv"));
+static WORDS: [u32; include_bytes!("vignette/composite.frag.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("vignette/composite.frag.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "vignette/composite.frag", stage: Stage::Fragment, local_size: [1, 1, 1],
@@ -5484,7 +5484,7 @@ name: "Darkness", number: 1, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/vignette/composite.vert`.
 pub mod composite_vertex {
 use crate::plan::*;
-static WORDS: [u32; 204] = bytemuck::must_cast(*include_bytes!("vignette/composite.vert.spv"));
+static WORDS: [u32; include_bytes!("vignette/composite.vert.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("vignette/composite.vert.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "vignette/composite.vert", stage: Stage::Vertex, local_size: [1, 1, 1],
@@ -5495,7 +5495,7 @@ push_size: 0, bindings: &[
 /// `glsl/vignette/darkness.comp`.
 pub mod darkness {
 use crate::plan::*;
-static WORDS: [u32; 392] = bytemuck::must_cast(*include_bytes!("vignette/darkness.comp.spv"));
+static WORDS: [u32; include_bytes!("vignette/darkness.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("vignette/darkness.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "vignette/darkness.comp", stage: Stage::Compute, local_size: [8, 8, 1],
@@ -5512,7 +5512,7 @@ name: "Darkness", number: 1, kind: DescriptorKind::StorageBuffer, access: Access
 /// `glsl/vignette/planted.comp`.
 pub mod planted {
 use crate::plan::*;
-static WORDS: [u32; 335] = bytemuck::must_cast(*include_bytes!("vignette/planted.comp.spv"));
+static WORDS: [u32; include_bytes!("vignette/planted.comp.spv").len() / 4] = bytemuck::must_cast(*include_bytes!("vignette/planted.comp.spv"));
 /// SPIR-V and what it binds.
 pub static SHADER: Shader = Shader {
 file: "vignette/planted.comp", stage: Stage::Compute, local_size: [64, 1, 1],
