@@ -30,8 +30,8 @@ test: setup
 	cargo clippy --locked --no-default-features -- -D warnings
 	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked
 
-# The documentation without a warning, and the tests that take minutes, too: memory over 500 frames of each effect, each Vulkan call failing in turn, and, where
-# SwiftShader is installed, every pipeline compiled by it, prefix sums, and the fire in every shape of its kernels.
+# The documentation without a warning, and the tests that take minutes, too: memory over 500 frames of each effect, each
+# Vulkan call failing in turn, and, where SwiftShader is installed, every pipeline compiled by it, prefix sums, and the fire in every shape of its kernels.
 SWIFTSHADER = $(wildcard /usr/lib/chromium/vk_swiftshader_icd.json)
 
 test-all: test

@@ -260,6 +260,7 @@ impl<K: Kind> Effect<K> {
     ) -> Result<Retired> {
         // SAFETY: the caller's.
         let (mut kind, description) = unsafe { Self::describe(host, kernels, &desc, self.effort)? };
+        self.drop_parts();
         // SAFETY: the caller's.
         let (retired, kept) = unsafe { self.executor.change_to(host, kernels, allocator, description)? };
         kind.go_on(&self.kind, [&self.desc, &desc], &kept);
@@ -336,9 +337,7 @@ impl<K: Kind> Effect<K> {
     /// # Errors
     /// The frame does not fit what the effect was made for; the effect is as it was, and its plan is empty.
     pub fn prepare(&mut self, frame: &K::Frame<'_>) -> Result<&Plan> {
-        if self.prepared.as_ref().is_some_and(|prepared| prepared.next > 0) {
-            self.frame_dropped();
-        }
+        self.drop_parts();
         let Effect { desc, kind, executor, prepared, .. } = self;
         *prepared = None;
         executor.plan_mut().clear();
@@ -347,6 +346,13 @@ impl<K: Kind> Effect<K> {
         executor.check().inspect_err(|_| executor.plan_mut().clear())?;
         *prepared = Some(Prepared { recorded, restarts: K::restarts(frame), next: 0 });
         Ok(executor.plan())
+    }
+
+    /// A frame that is recorded in part does not come to its end.
+    fn drop_parts(&mut self) {
+        if self.prepared.as_ref().is_some_and(|prepared| prepared.next > 0) {
+            self.frame_dropped();
+        }
     }
 
     /// Records the next steps of the prepared frame, at most so many; how many are left. The host's own commands may stand

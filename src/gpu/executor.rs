@@ -118,8 +118,7 @@ impl Executor {
                 })?,
             }
         };
-        let recorder = std::mem::replace(&mut self.recorder, Recorder::new(&resources));
-        self.recorder.set_mode(recorder.mode());
+        self.recorder = self.recorder.following(&resources);
         self.plan = Plan::for_passes(&description.passes);
         (self.passes, self.memory) = (description.passes, description.memory);
         let pipelines = std::mem::replace(&mut self.pipelines, pipelines);

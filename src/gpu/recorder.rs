@@ -20,6 +20,8 @@ use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Step, 
 pub struct Recorder {
     tracker: Tracker,
     mode: Mode,
+    /// Whether the next frame comes after ones of other passes, whose stages these may not have.
+    follows_others: bool,
     /// Images that change with the barrier to come.
     changing: Vec<vk::ImageMemoryBarrier2<'static>>,
 }
@@ -61,7 +63,12 @@ impl Recorder {
     /// A recorder for an effect with so many buffers and images.
     pub fn new(resources: &Resources) -> Recorder {
         let tracker = Tracker::new(resources.buffers.len(), resources.images.len());
-        Recorder { tracker, mode: Mode::Overlapping, changing: Vec::with_capacity(resources.images.len()) }
+        Recorder {
+            tracker,
+            mode: Mode::Overlapping,
+            follows_others: false,
+            changing: Vec::with_capacity(resources.images.len()),
+        }
     }
 
     /// Whether steps may overlap on the device, or a full barrier isolates each (for comparing kernels).
@@ -69,9 +76,9 @@ impl Recorder {
         self.mode = mode;
     }
 
-    /// How steps are recorded.
-    pub(crate) fn mode(&self) -> Mode {
-        self.mode
+    /// A recorder for other resources and passes of the same effect, whose frames come after those of this one.
+    pub(crate) fn following(&self, resources: &Resources) -> Recorder {
+        Recorder { mode: self.mode, follows_others: true, ..Recorder::new(resources) }
     }
 
     /// Records steps of `plan`, which come in order; how many barriers all until now took. The frame begins with the first and
@@ -130,6 +137,9 @@ impl Recorder {
             }
         }
         host_images(resources).for_each(|(id, image)| self.tracker.take_image(id, image.state_in));
+        if std::mem::take(&mut self.follows_others) {
+            self.tracker.take_buffer(vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::MEMORY_WRITE);
+        }
         // Frames that were recorded before a dropped one may still run.
         let before = ImageState {
             stage: vk::PipelineStageFlags2::ALL_COMMANDS,

@@ -73,6 +73,21 @@ pub unsafe fn change(
     from: ImageState,
     to: ImageState,
 ) {
+    // SAFETY: the caller's.
+    unsafe { change_range(host, commands, (image, whole(aspect)), from, to) };
+}
+
+/// The same of some levels and layers.
+///
+/// # Safety
+/// As for [`change`].
+pub unsafe fn change_range(
+    host: &Host,
+    commands: vk::CommandBuffer,
+    (image, range): (vk::Image, vk::ImageSubresourceRange),
+    from: ImageState,
+    to: ImageState,
+) {
     let barriers = [vk::ImageMemoryBarrier2::default()
         .src_stage_mask(from.stage)
         .src_access_mask(from.access)
@@ -81,7 +96,7 @@ pub unsafe fn change(
         .old_layout(from.layout)
         .new_layout(to.layout)
         .image(image)
-        .subresource_range(whole(aspect))];
+        .subresource_range(range)];
     let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
     // SAFETY: the caller's.
     unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };

@@ -82,18 +82,8 @@ impl Array {
     unsafe fn fill(&self, host: &Host, commands: vk::CommandBuffer, value: f32) {
         let all = Array::range(self.aspect, 0..LEVELS, 0..LAYERS);
         let state = |from: ImageState, to: ImageState, range| {
-            let barriers = [vk::ImageMemoryBarrier2::default()
-                .src_stage_mask(from.stage)
-                .src_access_mask(from.access)
-                .dst_stage_mask(to.stage)
-                .dst_access_mask(to.access)
-                .old_layout(from.layout)
-                .new_layout(to.layout)
-                .image(self.image)
-                .subresource_range(range)];
-            let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
             // SAFETY: the caller's.
-            unsafe { host.device.cmd_pipeline_barrier2(commands, &dependency) };
+            unsafe { host::change_range(host, commands, (self.image, range), from, to) };
         };
         state(ImageState::default(), CLEARED, all);
         // SAFETY: the caller's.
