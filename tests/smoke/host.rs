@@ -263,6 +263,18 @@ fn a_prepared_frame_is_recorded_in_parts() {
     device.discard(commands);
     let refused = smoke.prepare(&slot.frame(4)).expect_err("it went on").to_string();
     assert!(refused.starts_with("frame.sequence = Advance"), "{refused}");
+    // So it is if the effect is changed then.
+    smoke.prepare(&slot.frame(0)).expect("a frame");
+    let commands = device.begin().expect("commands");
+    // SAFETY: it is not submitted; nothing is on its way.
+    unsafe {
+        smoke.record_steps(&device.host(), commands.raw(), 2, &mut Timing::None).expect("steps");
+        device.discard(commands);
+        let (host, kernels, allocator) = device.making();
+        smoke.change(&host, kernels, allocator, effect()).expect("a change").destroy(&host, allocator);
+    }
+    let refused = smoke.prepare(&slot.frame(1)).expect_err("it went on").to_string();
+    assert!(refused.starts_with("frame.sequence = Advance"), "{refused}");
     slot.destroy(&mut device);
     host::destroy(&mut device, [&mut own], []);
     let (host, allocator) = device.parts();
@@ -276,7 +288,7 @@ fn a_prepared_frame_is_recorded_in_parts() {
 fn a_sequence_goes_on_through_changes() {
     let Some(mut device) = device() else { return };
     let with = |size, settings| Desc { size, settings, ..effect() };
-    let plain = effect().settings;
+    let plain = Settings { grow: Grow::Growth, ..effect().settings };
     let soft = Settings { sigma: 1.5, tone_softness: 2.0, ..plain.clone() };
     let mapped = Settings {
         shadow: Shadow::Map,
@@ -285,7 +297,7 @@ fn a_sequence_goes_on_through_changes() {
         ..plain.clone()
     };
     // The same radii, searched in what the last volume did not make.
-    let searched = Settings { grow: Grow::Pyramid, ..plain.clone() };
+    let searched = Settings { grow: Grow::Field, ..plain.clone() };
     let looks = [
         with(SIZE, plain.clone()),
         with(SIZE, soft.clone()),
