@@ -118,32 +118,13 @@ impl Background {
     }
 }
 
-/// How the host's depth images hold depth.
+/// How the host's depth images hold depth: as the frame's [`crate::view::View`] projects it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthFormat {
     /// A format that can be a depth attachment.
     pub format: vk::Format,
     /// Whether nearer is larger.
     pub reversed: bool,
-}
-
-/// The depth of what the host has drawn: it occludes effects. Smoke and blur write their own into it, the flame only reads
-/// it.
-#[derive(Clone, Copy, Debug)]
-pub struct HostDepth {
-    /// A depth image of the target's size. Usage: `DEPTH_STENCIL_ATTACHMENT` for smoke and blur, `TRANSFER_SRC` for flame.
-    pub image: HostImage,
-    /// Terms of the stored value at view depth z metres: `terms[0] + terms[1] / z`.
-    pub terms: [f32; 2],
-}
-
-impl HostDepth {
-    /// The terms of a perspective projection with Vulkan's depth range; `far` may be infinite.
-    pub fn perspective(near: f32, far: f32, reversed: bool) -> [f32; 2] {
-        let share = if far.is_finite() { near / (far - near) } else { 0.0 };
-        let scale = near * (1.0 + share);
-        if reversed { [-share, scale] } else { [1.0 + share, -scale] }
-    }
 }
 
 /// Device memory in bytes, known before anything is created.

@@ -25,8 +25,7 @@ use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_readback}
 use crate::host::{Background, HostImage, ImageState};
 use crate::profile::FrameTimes;
 use crate::smoke::Sequence;
-use crate::view::{Camera, Light};
-pub use depth::PlacedDepth;
+use crate::view::{Camera, Light, View};
 use depth::SharedDepth;
 pub use effects::Effects;
 pub use motion::{BlurError, BlurFrame, BlurInput};
@@ -47,6 +46,8 @@ pub struct Scene<'a> {
     pub dt: f32,
     /// The camera.
     pub camera: Camera,
+    /// What it is seen through instead, if it is not a camera's.
+    pub view: Option<View>,
     /// The light.
     pub light: Light,
     /// Its volume; none if it is the last one.
@@ -64,6 +65,13 @@ pub struct Scene<'a> {
     pub rendered: bool,
     /// Number of the frame, in profiles and for the flame's flicker.
     pub number: u32,
+}
+
+impl Scene<'_> {
+    /// What it is seen through in pictures of `size` pixels.
+    pub(crate) fn seen(&self, size: [u32; 2]) -> View {
+        self.view.unwrap_or_else(|| self.camera.view(size))
+    }
 }
 
 /// The input of a blurred frame.

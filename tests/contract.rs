@@ -7,7 +7,7 @@ use ash::vk;
 use celfx::blur::{self, Blur, Mesh, MeshInput};
 use celfx::effect::{Effect, Kernels, Kind};
 use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
-use celfx::host::{Background, DepthFormat, Host, HostBuffer, HostDepth, HostImage, ImageState};
+use celfx::host::{Background, DepthFormat, Host, HostBuffer, HostImage, ImageState};
 use celfx::profile::Timing;
 use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
 use celfx::view::Camera;
@@ -34,8 +34,8 @@ fn buffer(size: u64) -> HostBuffer {
     HostBuffer { buffer: handle(), offset: 0, size, stage, access }
 }
 
-fn depth() -> HostDepth {
-    HostDepth { image: image(REVERSED.format), terms: HostDepth::perspective(0.1, f32::INFINITY, true) }
+fn depth() -> HostImage {
+    image(REVERSED.format)
 }
 
 fn make<K: Kind>(device: &mut TestDevice, desc: &K::Desc) -> celfx::error::Result<Effect<K>> {
@@ -73,7 +73,7 @@ fn smoke_frame() -> smoke::Frame {
     smoke::Frame {
         sequence: Sequence::Restart,
         dt: 0.04,
-        camera: Camera::default(),
+        view: Camera::default().view(SIZE),
         light: direction(-1.0, -1.5, -1.0),
         volume: Some(volume),
         target: Some(image(FORMAT)),
@@ -92,7 +92,7 @@ fn smoke_refuses_before_the_first_command() {
     let target = good.target.expect("a target");
     let lost = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..target };
     let left = HostImage { state_out: state(vk::ImageLayout::UNDEFINED), ..target };
-    let empty = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..depth().image };
+    let empty = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..depth() };
     let cases = [
         ("edges: 16 bytes; 768 expected", smoke::Frame { edges: Some(buffer(16)), ..good }),
         (
@@ -100,17 +100,8 @@ fn smoke_refuses_before_the_first_command() {
             smoke::Frame { target: Some(lost), background: Background::Keep, ..good },
         ),
         ("target: state_out has layout UNDEFINED", smoke::Frame { target: Some(left), ..good }),
-        (
-            "depth: state_in has layout UNDEFINED",
-            smoke::Frame { depth: Some(HostDepth { image: empty, ..depth() }), ..good },
-        ),
-        (
-            "frame.depth.terms",
-            smoke::Frame {
-                depth: Some(HostDepth { terms: HostDepth::perspective(0.1, 9.0, false), ..depth() }),
-                ..good
-            },
-        ),
+        ("depth: state_in has layout UNDEFINED", smoke::Frame { depth: Some(empty), ..good }),
+        ("view.reversed = false: true", smoke::Frame { view: good.view.with_reversed(false), ..good }),
         ("background: it is the target's image", smoke::Frame { background: Background::Copy(target), ..good }),
     ];
     for (expected, frame) in cases {
@@ -141,7 +132,7 @@ fn flame_refuses_before_the_first_command() {
     let position_temperature = buffer(16 * 9);
     let given = ParticleInput { count: 9, hottest: f32::INFINITY, position_temperature, ids: None };
     let good = flame::Frame {
-        camera: Camera::default(),
+        view: Camera::default().view(SIZE),
         particles: Some(given),
         number: 0,
         accumulate: false,
@@ -150,12 +141,11 @@ fn flame_refuses_before_the_first_command() {
         scene: Some(SceneDepth::Image(depth())),
     };
     let lost = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..good.target };
-    let backwards = HostDepth { terms: HostDepth::perspective(0.1, 9.0, false), ..depth() };
     let short = ParticleInput { position_temperature: buffer(16 * 8), ..given };
     let cases = [
         ("target: state_in has layout UNDEFINED", flame::Frame { target: lost, ..good }),
         ("background: it is the target's image", flame::Frame { background: Background::Copy(good.target), ..good }),
-        ("frame.depth.terms", flame::Frame { scene: Some(SceneDepth::Image(backwards)), ..good }),
+        ("view.reversed = false: true", flame::Frame { view: good.view.with_reversed(false), ..good }),
         ("scene: a buffer", flame::Frame { scene: Some(SceneDepth::Buffer(buffer(4 * 48))), ..good }),
         ("particles", flame::Frame { particles: Some(short), ..good }),
         ("particles: the first frame needs some", flame::Frame { particles: None, ..good }),

@@ -211,7 +211,7 @@ fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<S
         let frame = Frame {
             sequence: if n == 0 { Sequence::Restart } else { Sequence::Advance },
             dt: 1.0 / 24.0,
-            camera: Camera::default(),
+            view: Camera::default().view(SIZE),
             light: Light::default(),
             volume: Some(slot.volume(n)),
             // DRAWN and SHOWN: stage, access and layout that the host leaves the target in, and wants it back in.

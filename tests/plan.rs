@@ -298,7 +298,7 @@ impl Effect {
         Frame {
             sequence: Sequence::Restart,
             dt: 0.04,
-            camera: Camera::default(),
+            view: Camera::default().view(self.desc.size),
             light: Light::default(),
             volume: None,
             target: Some(target),

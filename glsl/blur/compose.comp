@@ -71,7 +71,7 @@ Skirt skirt_of(ivec2 pixel, float farthest) {
                 continue;
             }
             float nearness = texelFetch(distorted_depth, other, 0).x;
-            if (!(nearness * STEP > farthest)) {
+            if (!is_before(nearness, farthest, STEP)) {
                 continue;
             }
             uint triangle_id = texelFetch(distorted, other, 0).x;
@@ -100,13 +100,13 @@ void look_beside(uint frame, Skirt skirt, vec2 place, out vec4 colour, out float
     if (!(own.z >= params.near)) {
         return;
     }
-    vec2 at = clamp(own.xy / own.z + (place - skirt.centre) - 0.5, vec2(-2.0), vec2(params.size) + 1.0);
+    vec2 at = clamp(own.xy / widening(own.z) + (place - skirt.centre) - 0.5, vec2(-2.0), vec2(params.size) + 1.0);
     ivec2 corner = ivec2(floor(at));
     vec2 part = at - vec2(corner);
     for (int i = 0; i < 4; ++i) {
         ivec2 tap = corner + ivec2(i & 1, i >> 1);
         // What is as near as the mesh is the mesh, or hides it.
-        if (!is_in_picture(tap) || depth_at(frame, tap) * STEP <= own.z) {
+        if (!is_in_picture(tap) || !is_farther(depth_at(frame, tap), own.z, STEP)) {
             continue;
         }
         vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));
@@ -168,7 +168,7 @@ void main() {
         float nearness = nearness_at(at);
         parts[i] = colour;
         seen[i] = nearness;
-        if (skirt.nearness * STEP > nearness) {
+        if (is_before(skirt.nearness, nearness, STEP)) {
             vec4 beside = around(skirt, 0.5 * (vec2(at) + 0.5));
             float share = outline_share(beside, own);
             parts[i] = share * beside + (1.0 - share * beside.w) * colour;
@@ -189,7 +189,7 @@ void main() {
     picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & ~SIGN_BIT | mark));
     if (DEPTH == 1u) {
         float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
-        vec4 front = vec4(greaterThanEqual(seen, vec4(FRONT * nearest)));
+        vec4 front = front_of(seen, nearest);
         vec4 covered = vec4(greaterThan(seen, vec4(0.0)));
         bool is_own = is_behind && is_next && nearest > 0.0;
         vec4 part = is_own ? dot(front, vec4(1.0)) / dot(covered, vec4(1.0)) * part_of_next(pixel, 0.25 * dot(covered, vec4(1.0)))

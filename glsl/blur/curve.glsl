@@ -86,7 +86,7 @@ State state_at(uint a, uint b, uint where, float time) {
     vec3 start = start_of(a, b, where);
     Offset at = offset_at(a, b, where, time);
     precise float depth = start.z + at.off.z;
-    if (SCREEN == 1u) {
+    if (SCREEN == 1u || params.is_orthographic != 0u) {
         precise vec2 position = start.xy + at.off.xy;
         return State(position, at.slope.xy, depth);
     }

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "picture.glsl"
-#include "host_depth.glsl"
+#include "../common/host_depth.glsl"
 layout(std430, binding = 1) readonly buffer Surface { Covering surface[]; };
 
 void main() {
@@ -11,5 +11,5 @@ void main() {
     if (isinf(own.depth) || isinf(own.behind)) {
         discard;
     }
-    gl_FragDepth = host_depth(constants.terms, own.behind);
+    gl_FragDepth = host_depth(own.behind);
 }

@@ -16,5 +16,5 @@ void main() {
     vec2 drawn = vertices[vertex].drawn;
     float depth = vertices[vertex].drawn_depth;
     // A triangle whose corners are all in one place, behind the near plane, is drawn nowhere.
-    gl_Position = is_hidden ? vec4(0.0, 0.0, 1.0, -1.0) : position_of(vec3(drawn * depth, depth));
+    gl_Position = is_hidden ? vec4(0.0, 0.0, 1.0, -1.0) : position_at(drawn, depth);
 }

@@ -1,4 +1,5 @@
-// Triangles in clip coordinates.
+// Triangles in pixel clip coordinates.
+#include "common/widening.glsl"
 
 float cross2(vec2 a, vec2 b) {
     return a.x * b.y - a.y * b.x;
@@ -7,8 +8,8 @@ float cross2(vec2 a, vec2 b) {
 // Edge functions of a triangle in clip coordinates at a place of the picture: barycentrics in what is seen of
 // its plane there, but for their sum, which is 0 where there is no plane.
 vec3 edges_at(vec3 a, vec3 b, vec3 c, vec2 at) {
-    vec2 p = a.xy - at * a.z;
-    vec2 q = b.xy - at * b.z;
-    vec2 r = c.xy - at * c.z;
+    vec2 p = a.xy - at * widening(a.z);
+    vec2 q = b.xy - at * widening(b.z);
+    vec2 r = c.xy - at * widening(c.z);
     return vec3(cross2(q, r), cross2(r, p), cross2(p, q));
 }

@@ -25,8 +25,8 @@ Fragment fragment_at(uint triangle_id, vec2 at) {
     vec2 p = corners[0].drawn - at;
     vec2 q = corners[1].drawn - at;
     vec2 r = corners[2].drawn - at;
-    vec3 barycentrics = vec3(cross2(q, r) / corners[0].drawn_depth, cross2(r, p) / corners[1].drawn_depth,
-                       cross2(p, q) / corners[2].drawn_depth);
+    vec3 barycentrics = vec3(cross2(q, r) / widening(corners[0].drawn_depth), cross2(r, p) / widening(corners[1].drawn_depth),
+                       cross2(p, q) / widening(corners[2].drawn_depth));
     float sum = barycentrics.x + barycentrics.y + barycentrics.z;
     barycentrics = sum != 0.0 ? barycentrics / sum : vec3(1.0 / 3.0);
     vec2 where = barycentrics.x * places[0] + barycentrics.y * places[1] + barycentrics.z * places[2];

@@ -4,6 +4,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "common/half.glsl"
 #include "params.glsl"
+#include "common/widening.glsl"
 #include "picture.glsl"
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(binding = 6) uniform utexture2D seen_previous;
@@ -18,7 +19,7 @@ layout(location = 0) out vec4 colour;
 
 // The pixel that sees a place; outside of the picture there is none.
 bool find(vec3 place, out ivec2 at) {
-    vec2 pixel = clamp(place.xy / place.z, vec2(-1.0), vec2(params.size) + 1.0);
+    vec2 pixel = clamp(place.xy / widening(place.z), vec2(-1.0), vec2(params.size) + 1.0);
     at = ivec2(floor(pixel));
     return place.z > params.near && is_in_picture(at);
 }

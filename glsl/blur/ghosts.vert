@@ -37,5 +37,5 @@ void main() {
         return;
     }
     State state = state_at(index, index, 0u, moved - constants.back);
-    gl_Position = position_of(vec3(state.position * state.depth, state.depth));
+    gl_Position = position_at(state.position, state.depth);
 }

@@ -40,7 +40,7 @@ void main() {
     aside = corner.y == 0u ? -reach : reach;
     vec2 across = speed > 1e-3 ? vec2(-state.velocity.y, state.velocity.x) / speed : vec2(0.0);
     vec2 at = state.position + aside * across;
-    gl_Position = position_of(vec3(at * state.depth, state.depth));
+    gl_Position = position_at(at, state.depth);
     // Nothing of a line is seen in perspective but its depth.
     gl_Position /= gl_Position.w;
 }

@@ -35,15 +35,16 @@ const uint PIECE_SEGMENTS = 12u;   // of one that is made of poses
 const uint LINE_PARTS = 16u;       // of a speed line
 const uint LINE_VERTICES = 6u * LINE_PARTS; // two triangles a part
 
-// A frame's camera: rows that make X, Y and W of a point, and the eye, each as a sum of two floats.
+// What a frame is seen through: rows that make X, Y and the view depth Z of a point less the eye, and the eye, each as a sum of two
+// floats. X / Z and Y / Z are pixels; orthographic: X and Y.
 struct View {
-    vec4 across;      // row of X; w of all: unused
-    vec4 down;        // row of Y
-    vec4 along;       // row of W
+    vec4 across;      // row of X; w: what is added, if it is orthographic
+    vec4 down;        // row of Y; w: as well
+    vec4 along;       // row of Z; w: unused
     vec4 across_low;
     vec4 down_low;
     vec4 along_low;
-    vec4 eye;         // metres
+    vec4 eye;         // metres; w: pixels of a slope of 1, seen from a `depth_unit` if it is orthographic
     vec4 eye_low;
 };
 
@@ -78,6 +79,12 @@ layout(binding = 0) uniform BlurParams {
     float tolerance;           // pixels
     float edge;                // the longest one with `refine = "length"`, in pixels
     float near;                // near plane in metres
+    float far;                 // far plane; only what is orthographic ends there
+    float depth_unit;          // what shares of a depth are shares of in orthographic views, metres
+    float winding;             // -1 if views mirror: what runs counter-clockwise is seen clockwise; else 1
+    vec2 jitter_change;        // how much farther frame i + 1 is moved than frame i, in pixels
+    vec2 depth_terms;          // of the host's depth images
+    uint is_orthographic;
     float skirt;               // pixels
     float hull_margin;         // how far apart products on a hull may be that rounding could have swapped
     uint outer_images;         // bits: 1: there is an image of frame i - 1, 2: of frame i + 2
@@ -89,7 +96,7 @@ layout(binding = 0) uniform BlurParams {
 
 // A knot of the trajectories: a frame of the window.
 struct Knot {
-    vec4 across;           // row of X; w: what the camera's way from frame i's adds to it
+    vec4 across;           // row of X; w: what the eye's way from frame i's adds to it
     vec4 down;
     vec4 along;
     vec4 across_low;       // what these lost in rounding
@@ -103,7 +110,7 @@ struct Knot {
     vec4 along_turn_low;
     vec4 weights[PIECE_SEGMENTS]; // share of its offset in each row of the pieces, four a segment
     uint pose_place;       // where its pose is among those on the device
-    uint has_other_camera; // its camera is not frame i's
+    uint has_other_view;   // it is seen through another view than frame i
     uvec2 unused;
 };
 
@@ -117,8 +124,9 @@ struct Cluster {
 };
 
 // A piece of a point's trajectory: y(u) = y(0) + u D + ((1 - u)^3 - (1 - u)) / 6 M0 + (u^3 - u) / 6 M1, where u is 0 to 1
-// from the segment's begin to its end. Components x, y, w; the fourth is 0. In homogeneous space these are pixel clip
-// coordinates: x / w and y / w are pixels, y down, and w is the view depth in metres. In screen space x and y are pixels.
+// from the segment's begin to its end. Components x, y, z; the fourth is 0. In homogeneous space these are pixel clip
+// coordinates: x / z and y / z are pixels, y down, and z is the view depth in metres. In screen space, and where views are orthographic, x
+// and y are pixels.
 struct Piece {
     vec4 origin;      // y(0): of the segment from 0 as it is, of all others less what it is in frame i
     vec4 step;        // D

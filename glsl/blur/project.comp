@@ -21,7 +21,7 @@ void main() {
     vec2 z = two_sum(at.z, -view.eye.z);
     vec3 q = vec3(x.x, y.x, z.x);
     vec3 q_low = vec3(x.y, y.y, z.y) - view.eye_low.xyz;
-    clip[index * params.points + point] = vec4(along_row(view.across.xyz, view.across_low.xyz, q, q_low),
-                                                 along_row(view.down.xyz, view.down_low.xyz, q, q_low),
+    clip[index * params.points + point] = vec4(along_row(view.across.xyz, view.across_low.xyz, q, q_low) + view.across.w,
+                                                 along_row(view.down.xyz, view.down_low.xyz, q, q_low) + view.down.w,
                                                  along_row(view.along.xyz, view.along_low.xyz, q, q_low), 0.0);
 }

@@ -16,7 +16,7 @@ layout(std430, binding = 13) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 14) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 15) readonly buffer Tiles { uint tiles[]; };
 #include "tiles.glsl"
-#include "common/bits.glsl"
+#include "depths.glsl"
 
 const float SAME_DEPTH = 0.003;   // share of its depth by which a surface may be off and still be the same
 const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
@@ -34,14 +34,14 @@ uint seen_at(uint frame, ivec2 at) {
 
 // View depth; infinite where nothing is seen.
 float depth_at(uint frame, ivec2 at) {
-    float depth;
+    float nearness;
     switch (frame) {
-        case 0u: depth = texelFetch(depth_before, at, 0).x; break;
-        case 1u: depth = texelFetch(depth_previous, at, 0).x; break;
-        case 2u: depth = texelFetch(depth_next, at, 0).x; break;
-        default: depth = texelFetch(depth_after, at, 0).x; break;
+        case 0u: nearness = texelFetch(depth_before, at, 0).x; break;
+        case 1u: nearness = texelFetch(depth_previous, at, 0).x; break;
+        case 2u: nearness = texelFetch(depth_next, at, 0).x; break;
+        default: nearness = texelFetch(depth_after, at, 0).x; break;
     }
-    return depth > 0.0 ? params.near / depth : INFINITY;
+    return depth_of(nearness);
 }
 
 vec4 colour_at(uint frame, ivec2 at) {
@@ -84,6 +84,20 @@ vec4 surface_at(uint frame, ivec2 at, uint object) {
     return is_border ? colour * (opacity / colour.w) : colour;
 }
 
+// Whether a triangle's plane is as far away as something at a place of the picture. `depths`: of its corners; `own`: where it is seen on
+// edge.
+bool is_same_depth(vec3 edges, vec3 depths, float own, float other) {
+    float sum = edges.x + edges.y + edges.z;
+    float volume = dot(edges, depths);
+    if (params.is_orthographic != 0u) {
+        float there = sum != 0.0 ? volume / sum : own;
+        return abs(there - other) <= SAME_DEPTH * params.depth_unit;
+    }
+    float there = volume != 0.0 ? sum / volume : 1.0 / own;
+    float depth = 1.0 / other;
+    return abs(there - depth) <= SAME_DEPTH * depth;
+}
+
 // The colour that a frame shows of a place of a base triangle, and the weight of the taps that see it.
 void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out float weight) {
     vec3 a = corner_of(frame, triangle.x);
@@ -96,7 +110,7 @@ void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out fl
         return;
     }
     // A place far outside of the picture has no taps, and no whole numbers either.
-    vec2 at = clamp(own.xy / own.z - 0.5, vec2(-2.0), vec2(params.size) + 1.0);
+    vec2 at = clamp(own.xy / widening(own.z) - 0.5, vec2(-2.0), vec2(params.size) + 1.0);
     ivec2 corner = ivec2(floor(at));
     vec2 part = at - vec2(corner);
     for (int i = 0; i < 4; ++i) {
@@ -111,10 +125,7 @@ void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out fl
         // The triangle's plane goes on beyond it, which is the surface's slope. The same as depths that differ by a share
         // of the plane's.
         vec3 edges = edges_at(a, b, c, vec2(tap) + 0.5);
-        float volume = dot(edges, vec3(a.z, b.z, c.z));
-        float there = volume != 0.0 ? (edges.x + edges.y + edges.z) / volume : 1.0 / own.z;
-        float depth = 1.0 / depth_at(frame, tap);
-        if (!(abs(there - depth) <= SAME_DEPTH * depth)) {
+        if (!is_same_depth(edges, vec3(a.z, b.z, c.z), own.z, depth_at(frame, tap))) {
             continue;
         }
         vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));

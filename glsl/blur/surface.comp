@@ -35,7 +35,7 @@ void main() {
     }
     float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
     float covered = dot(vec4(greaterThan(seen, vec4(0.0))), vec4(0.25));
-    float front = dot(vec4(greaterThanEqual(seen, vec4(FRONT * nearest))), vec4(0.25));
+    float front = dot(front_of(seen, nearest), vec4(0.25));
     vec4 colour = nearest > 0.0 ? front / covered * part_of_next(pixel, covered) : vec4(0.0);
     uint index = index_of(pixel);
     covers(index, colour, nearest, depth_of(min(min(seen.x, seen.y), min(seen.z, seen.w))));

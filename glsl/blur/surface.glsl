@@ -1,18 +1,23 @@
 // What the mesh covers a pixel with, for those that draw something behind it. The host shares it between effects.
 #include "common/half.glsl"
-#include "common/bits.glsl"
+#include "depths.glsl"
 #include "picture.glsl"
 layout(std430, binding = 26) writeonly buffer Surface { Covering surface[]; };
 
-const float FRONT = 0.98;  // share of the nearness of what is nearest that what belongs to it has at least
+const float FRONT = 0.98;  // share of its depth that what is nearest has at least of that of what belongs to it
 
 // Where other things than the mesh are seen of an image, if that can be told.
 bool is_beside(ivec2 pixel);
 vec4 next_at(ivec2 pixel);
 float nearness_at(ivec2 at);
 
-float depth_of(float nearness) {
-    return nearness > 0.0 ? params.near / nearness : INFINITY;
+// Which of a pixel's samples belong to the nearest.
+vec4 front_of(vec4 seen, float nearest) {
+    vec4 front;
+    for (int i = 0; i < 4; ++i) {
+        front[i] = is_before(nearest, seen[i], FRONT) ? 0.0 : 1.0;
+    }
+    return front;
 }
 
 void covers(uint index, vec4 colour, float nearest, float behind) {

@@ -43,7 +43,7 @@ vec3 tone_of(uint index, vec2 at) {
     float length_of = length(normal);
     normal = length_of > 0.0 ? normal / length_of : vec3(0.0);
     // The side that is seen.
-    normal = sum > 0.0 ? -normal : normal;
+    normal = sum * params.winding > 0.0 ? -normal : normal;
     return toned(constants.frame, index, triangle, barycentrics, normal);
 }
 

@@ -7,7 +7,7 @@ struct ToonParams {
     vec4 ink_colour;     // linear RGB; w: unused
     float ink_strength;
     float ink_width;     // samples
-    float sample_extent; // metres that a sample spans at a depth of 1 metre
+    float sample_extent; // metres that a sample spans at a depth of 1 metre; orthographic: at any depth
     float ambient;       // luminance without the light
     uint tone_count;
     uint groups;         // normal groups

@@ -5,6 +5,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "params.glsl"
 #include "picture.glsl"
+#include "depths.glsl"
 #include "toon.glsl"
 layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(binding = 1) uniform utexture2D sampled;
@@ -18,7 +19,7 @@ ivec2 inside(ivec2 at) {
 }
 
 float depth_at(ivec2 at) {
-    return params.near / texelFetch(sampled_depth, at, 0).x;
+    return depth_of(texelFetch(sampled_depth, at, 0).x);
 }
 
 float line_at(ivec2 at) {
@@ -36,7 +37,7 @@ float line_at(ivec2 at) {
         }
         beside[i] = depth_at(there);
     }
-    float per_unit = 1.0 / (8.0 * toon.sample_extent * centre);
+    float per_unit = 1.0 / (8.0 * toon.sample_extent * widening(centre));
     return ink_at(centre, beside, per_unit, toon.ink_strength);
 }
 

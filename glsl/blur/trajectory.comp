@@ -13,6 +13,7 @@ layout(constant_id = 0) const uint SEGMENTS = 1;
 layout(constant_id = 1) const uint SCREEN = 0;  // 1: of pixels and not of clip coordinates
 
 #include "poses.glsl"
+#include "common/widening.glsl"
 
 // How far a coordinate is off from frame i's: by the point's own way, and by the camera's. The camera's turn and its way
 // take away most of each other where it goes around something.
@@ -39,7 +40,10 @@ void main() {
     vec3 q = vec3(x.x, y.x, z.x);
     vec3 q_low = vec3(x.y, y.y, z.y) - view.eye_low.xyz;
     vec3 start = clip[params.points + point].xyz;
-    vec2 pixel = start.xy / start.z;
+    // Trajectories are of frame i + 1's picture.
+    start.xy += params.jitter_change * widening(start.z);
+    bool is_parallel = params.is_orthographic != 0u;
+    vec2 pixel = start.xy / widening(start.z);
     precise vec3 sums[4u * SEGMENTS];
     for (uint r = 0u; r < 4u * SEGMENTS; ++r) {
         sums[r] = vec3(0.0);
@@ -47,12 +51,12 @@ void main() {
     for (uint k = 0u; k < params.knots; ++k) {
         vec3 way = pose(knots[k].pose_place, point) - at;
         Knot knot = knots[k];
-        bool is_other = knot.has_other_camera != 0u;
+        bool is_other = knot.has_other_view != 0u;
         precise vec3 off = vec3(
             off_by(knot.across, knot.across_low, knot.across_turn, knot.across_turn_low, way, q, q_low, is_other),
             off_by(knot.down, knot.down_low, knot.down_turn, knot.down_turn_low, way, q, q_low, is_other),
             off_by(knot.along, knot.along_low, knot.along_turn, knot.along_turn_low, way, q, q_low, is_other));
-        if (SCREEN == 1u) {
+        if (SCREEN == 1u && !is_parallel) {
             precise float depth = start.z + off.z;
             off.xy = (off.xy - pixel * off.z) / depth;
         }

@@ -164,7 +164,7 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity)
     Source source = Source(place.xy, place.z, has_slope ? slope.xy : vec2(0.0), has_slope ? vec2(0.0) : slope.xy);
     Sprite sprite = make_sprite(optics, source, pcg(t + draw.z), repetition);
     // Rounding: a thousandth of a pixel is more than it can be.
-    float reach = abs(slope.z) * optics.half_mask / sprite.scale + 1e-3;
+    vec2 reach = abs(slope.z) * optics.half_mask / (sprite.scale * vec2(1.0, optics.squash)) + 1e-3;
     vec4 bounds = vec4(sprite.at - reach, sprite.at + reach);
     uint depth = floatBitsToUint(sprite.z);
     uint limits[BLOCKS];
@@ -185,7 +185,7 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity)
 }
 
 // Tests sprites, 32 from `first` on, against a column: those that `left` has a bit for. `centre`: of the column's pixel in the block's first row.
-void test_sprites(uint left, uint first, Column column, vec2 centre, uint level, float half_mask, float threshold) {
+void test_sprites(uint left, uint first, Column column, vec2 centre, uint level, float half_mask, float squash, float threshold) {
     do {
         bool is_one = left != 0u;
         uint i = first + (uint(findLSB(left)) & 31u);
@@ -194,10 +194,11 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
         uvec4 sprite = sprite_draw[i];
         uint depth = floatBitsToUint(place.z);
         float alpha = uintBitsToFloat(sprite.w);
-        vec2 t = (centre - place.xy) * place.w + half_mask;
+        vec2 scale = place.w * vec2(1.0, squash);
+        vec2 t = (centre - place.xy) * scale + half_mask;
         Look look = begin_look(t.x, sprite.z, level);
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            float value = mask_value(look, t.y + float(column.row + y) * place.w);
+            float value = mask_value(look, t.y + float(column.row + y) * scale.y);
             bool passes = is_one && value > 0.0 && alpha * value >= threshold;
             bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
             bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first_of_equals);
@@ -363,7 +364,7 @@ void main() {
                 [[unroll]] for (uint word = 0u; word < WORDS; ++word) {
                     uint touching_block = touching(column.block, word, parity);
                     if (WORDS == 1u || touching_block != 0u) {
-                        test_sprites(touching_block, 32u * word, column, centre, level, optics.half_mask, threshold);
+                        test_sprites(touching_block, 32u * word, column, centre, level, optics.half_mask, optics.squash, threshold);
                     }
                 }
                 parity = ROWS == int(BLOCK) ? 0u : 1u - parity;

@@ -84,7 +84,7 @@ float absorbance(uint row, vec2 ray) {
     vec3 view = from_eye(vec3(particles[row].view, particles[row].depth));
     int class_index = int(particles[row].class_index);
     float reach = kernel_reach();
-    float narrow = min(reach / max(NARROW * params.pixel_slope * view.z, 1e-30), 1.0) / reach;
+    float narrow = min(reach / max(NARROW * params.pixel_footprint * widening(view.z), 1e-30), 1.0) / reach;
     vec2 offset = view.z * ray - view.xy;
     vec2 place = (vec2(offset.x, -offset.y) * narrow * 0.5 + 0.5) * LAST_PLACE;
     bool inside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThanEqual(place, vec2(LAST_PLACE)));

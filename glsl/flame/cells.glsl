@@ -3,11 +3,16 @@
 #include "../common/sphere.glsl"
 #include "../common/bits.glsl"
 
-// Half a sprite in metres at a view depth.
-float half_sprite(float z) {
+// Half a sprite in metres at a view depth, across and down.
+vec2 half_sprite(float z) {
     float side = 0.5 * params.sprite_size;
     // No sprite is narrower than a pixel.
-    return max(params.is_in_pixels != 0u ? side * params.pixel_slope * z : side, 0.5 * params.pixel_slope * z);
+    return params.is_in_pixels != 0u ? max(side, 0.5) * params.pixel_slope * widening(z) : vec2(max(side, 0.5 * params.pixel_footprint * widening(z)));
+}
+
+// Slopes between which what is so far around a place is seen along an axis.
+vec2 slope_range(float x, float z, float r) {
+    return params.is_orthographic != 0u ? vec2(x - r, x + r) : tangent_range(x, z, r);
 }
 
 // Bounds of a particle's sprites in pixels (low x, low y, high x, high y), of which the share `reach` matters.
@@ -17,16 +22,16 @@ vec4 pixel_bounds(vec3 view, float reach) {
     if (near > far) {
         return vec4(1.0, 1.0, 0.0, 0.0);
     }
-    float r = params.bounding_radius + reach * half_sprite(view.z + params.bounding_radius);
+    vec2 r = params.bounding_radius + reach * half_sprite(view.z + params.bounding_radius);
     // Depth alone does not bound what is around the camera.
-    if (view.z <= 1.001 * r) {
+    if (params.is_orthographic == 0u && view.z <= 1.001 * max(r.x, r.y)) {
         return vec4(0.0, 0.0, vec2(params.size));
     }
-    vec2 across = tangent_range(view.x, view.z, r);
-    vec2 down = tangent_range(-view.y, view.z, r);
+    vec2 across = slope_range(view.x, view.z, r.x);
+    vec2 down = slope_range(-view.y, view.z, r.y);
+    vec4 pixels = params.focal_length.xyxy * vec4(across.x, down.x, across.y, down.y);
     // Rounding: a thousandth of a pixel is more than it can be.
-    return params.principal_point.xyxy + params.focal_length * vec4(across.x, down.x, across.y, down.y) + vec4(-1e-3, -1e-3, 1e-3, 1e-3)
-        + 1e-5 * abs(params.focal_length * vec4(across.x, down.x, across.y, down.y)) * vec4(-1.0, -1.0, 1.0, 1.0);
+    return params.principal_point.xyxy + pixels + vec4(-1e-3, -1e-3, 1e-3, 1e-3) + 1e-5 * abs(pixels) * vec4(-1.0, -1.0, 1.0, 1.0);
 }
 
 // Whether such bounds hold the centre of a pixel.

@@ -190,7 +190,7 @@ float narrow_rise(vec2 centre, vec2 zeta, float near, float pixel, float chance)
 
 // Where a pixel's ray meets a particle. Depths are those from the frame's base, but for `z`: from the eye.
 struct Meeting {
-    vec2 slope;
+    vec2 slope;   // how far it goes across with each metre of depth
     vec2 centre;  // from the particle to the ray, at the particle's depth
     vec2 zeta;    // where a bin, as far as the scene lets one see, begins and ends; metres behind the particle
 };
@@ -199,7 +199,7 @@ Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, int row, i
     vec2 slope = vec2(ray.x, ray.y - float(row + y) * step_down);
     float end = min(bin.y, scene_depth[y]);
     vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.bounding_radius, params.bounding_radius);
-    return Meeting(slope, z * slope - view.xy, zeta);
+    return Meeting(params.is_orthographic != 0u ? vec2(0.0) : slope, widening(z) * slope - view.xy, zeta);
 }
 
 // Adds a particle's share of a bin to a column of pixels. `ray`: slope of the one in the block's first row; each further row is `step_down` below.
@@ -207,7 +207,7 @@ void add_particle(bool is_one, uint row, Column column, vec2 bin, vec2 ray, floa
     vec3 view = vec3(particles[row].view, particles[row].depth);
     int class_index = int(particles[row].class_index);
     float z = from_eye(view).z;
-    float pixel = params.pixel_slope * z;
+    float pixel = params.pixel_footprint * widening(z);
     bool narrow = is_narrow(pixel);
     float near = params.near - depth_base() - view.z;
     // What decides for all rows is asked once, and not in each.
@@ -419,7 +419,7 @@ void main() {
             uint i = 0u;
             do {
                 bool is_one = i < length;
-                add_particle(is_one, is_one ? queue[column.block][i] : 0u, column, depths, ray, params.pixel_slope, brightest);
+                add_particle(is_one, is_one ? queue[column.block][i] : 0u, column, depths, ray, params.pixel_slope.y, brightest);
                 ++i;
             } while (i < length);
             barrier();

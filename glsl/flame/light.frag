@@ -11,6 +11,6 @@ void main() {
     if (!(depth < uintBitsToFloat(INFINITY_BITS))) {
         discard;
     }
-    vec3 away = vec3(depth * ray_at(gl_FragCoord.xy), depth - lamp.base) - vec3(lamp.middle, lamp.depth);
+    vec3 away = vec3(widening(depth) * ray_at(gl_FragCoord.xy), depth - lamp.base) - vec3(lamp.middle, lamp.depth);
     brighter = vec4(vec3(lamp.colour[0], lamp.colour[1], lamp.colour[2]) / (1.0 + dot(away, away) / lamp.squared_width), 0.0);
 }

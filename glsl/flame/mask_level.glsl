@@ -1,6 +1,6 @@
 // The mask's level of this frame: the coarsest whose texels are not larger than a pixel at the nearest particle.
 uint mask_level() {
-    float pixels = params.is_in_pixels != 0u ? params.sprite_size : params.sprite_size * params.focal_length / uintBitsToFloat(control.nearest);
+    float pixels = params.is_in_pixels != 0u ? params.sprite_size : params.sprite_size * max(params.focal_length.x, params.focal_length.y) / widening(uintBitsToFloat(control.nearest));
     uint level = 0u;
     while (level < MASK_LEVELS - 1u && pixels <= float(MASK_SIDE >> (level + 1u))) {
         ++level;

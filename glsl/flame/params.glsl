@@ -57,9 +57,14 @@ layout(binding = 0) uniform FlameParams {
     CameraRows camera;
     float near;               // view depths that are seen, in metres
     float far;
-    float focal_length;       // pixels of a slope of 1
-    float pixel_slope;        // 1 / focal_length
-    vec2 principal_point;     // the picture's centre in pixels
+    vec2 focal_length;        // pixels of a slope of 1 to the right and up; orthographic: of a metre
+    vec2 pixel_slope;         // 1 / focal_length
+    vec2 principal_point;     // where a slope of 0 is seen, in pixels
+    vec2 depth_terms;         // of the host's depth images
+    uint is_orthographic;
+    float pixel_footprint;    // the wider side of a pixel at a depth of 1, in metres; orthographic: at any depth
+    float squash;             // pixels of a sprite across over those down
+    uint unused;
     uvec2 size;               // of the picture in pixels
     uvec2 tiles;              // across and down
     uint cell_count;          // cells of all levels
@@ -137,7 +142,7 @@ struct Particle {
     float mean_count;     // mean number of render particles
     vec2 pixel;           // centre in pixels: whole ones
     vec2 pixel_fraction;  // and the rest
-    vec2 slope;           // x / z and y / z of the centre; 0 if it is near the camera
+    vec2 slope;           // x / z and y / z of the centre; 0 if it is near the camera, or rays are parallel
     float reach;          // share of its sprites' half side that can pass
     uint flags;           // NEAR_CAMERA, LISTED
     vec4 colour;          // linear RGB; alpha where the mask is 1
@@ -172,7 +177,9 @@ uint pixel_index(uvec2 pixel) {
     return pixel.y * params.size.x + pixel.x;
 }
 
-// x / z and y / z of what is seen at a place of the picture, in pixels.
+#include "common/widening.glsl"
+
+// Slope of what is seen at a place of the picture, in pixels.
 vec2 ray_at(vec2 place) {
     vec2 slope = (place - params.principal_point) * params.pixel_slope;
     return vec2(slope.x, -slope.y);

@@ -82,9 +82,11 @@ void main() {
         bool kept = params.is_skipping != 0u ? seen : valid && count > 0u && on_screen(bounds);
         count = kept ? count : 0u;
         atomicMax(most, count);
-        bool near_camera = view.z <= 1.001 * (params.bounding_radius + params.near);
-        vec2 slope = near_camera ? vec2(0.0) : view.xy / view.z;
-        vec2 centre = params.principal_point + params.focal_length * vec2(slope.x, -slope.y);
+        bool is_parallel = params.is_orthographic != 0u;
+        bool near_camera = !is_parallel && view.z <= 1.001 * (params.bounding_radius + params.near);
+        vec2 seen_at = near_camera ? vec2(0.0) : view.xy / widening(view.z);
+        vec2 slope = is_parallel ? vec2(0.0) : seen_at;
+        vec2 centre = params.principal_point + params.focal_length * vec2(seen_at.x, -seen_at.y);
         vec2 whole = floor(centre);
         particles[row] = Particle(view.xy, view.z, mean_count, whole, centre - whole, slope, 1.0, near_camera ? NEAR_CAMERA : 0u,
             vec4(colour, alpha), pcg(id + pcg(params.seed)), id, count, 0u, uvec2(0u), view_and_rest.w, 0.0);

@@ -15,7 +15,7 @@ layout(location = 0) out uvec2 winner;
 
 void main() {
     uint level = sprite.w;
-    vec2 t = (gl_FragCoord.xy - place.xy) * place.w + 0.5 * float(MASK_SIDE >> level);
+    vec2 t = (gl_FragCoord.xy - place.xy) * place.w * vec2(1.0, params.squash) + 0.5 * float(MASK_SIDE >> level);
     float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {

@@ -25,6 +25,6 @@ void main() {
     float nearness = depth_base() > 0.0 ? (ends.y - ends.x) / (ends.y - ends.x + s.z) : params.near / s.z;
     sprite = uvec4(entry.x + 1u, s.texel, floatBitsToUint(particle.colour.a), level);
     float half_side = s.exists ? 0.5 * float(MASK_SIDE >> level) / s.scale : 0.0;
-    vec2 corner = s.at + half_side * (2.0 * vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) - 1.0);
+    vec2 corner = s.at + half_side / vec2(1.0, params.squash) * (2.0 * vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) - 1.0);
     gl_Position = vec4(2.0 * corner / vec2(params.size) - 1.0, s.exists ? nearness : 0.0, 1.0);
 }

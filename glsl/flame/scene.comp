@@ -7,8 +7,7 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer SceneWords { uint scene_words[]; };
 layout(std430, binding = 2) writeonly buffer Scene { float scene[]; };
 layout(push_constant) uniform SceneConstants {
-    vec2 terms;  // the host's depth: x + y / view depth
-    uint kind;   // UNORM_16, UNORM_24 or FLOATS
+    uint kind;  // UNORM_16, UNORM_24 or FLOATS
 } constants;
 
 void main() {
@@ -20,7 +19,7 @@ void main() {
     uint half_word = (pixel & 1u) == 0u ? word & 0xffffu : word >> 16u;
     float depth = constants.kind == UNORM_16 ? float(half_word) / 65535.0
         : constants.kind == UNORM_24 ? float(word & 0xffffffu) / 16777215.0 : uintBitsToFloat(word);
-    float z = view_depth(constants.terms, depth);
+    float z = view_depth(depth);
     // Nothing is there where the depth is beyond the projection's end.
     scene[pixel] = is_finite(z) && z > 0.0 ? z : uintBitsToFloat(INFINITY_BITS);
 }

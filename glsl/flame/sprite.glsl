@@ -5,7 +5,7 @@
 struct Sprite {
     vec2 at;       // centre in pixels
     float z;       // view depth, less the frame's base
-    float scale;   // texels of the mask's level a pixel
+    float scale;   // texels of the mask's level a pixel across; down it is `params.squash` times as many
     uint texel;    // variant << 16 | place within each texel's sorted alphas
     bool exists;   // ahead of near, before far, and not lost below a pixel
 };
@@ -19,7 +19,9 @@ struct Optics {
     float base;       // the view depth that those of particles are less
     float near;       // from there, as `far` is
     float far;
-    float focal;      // pixels of a slope of 1
+    vec2 focal;       // pixels of a slope of 1
+    bool is_parallel; // orthographic: pixels of a metre
+    float squash;     // pixels of a sprite across over those down
     float half_side;  // half a sprite, in metres or pixels
     bool in_pixels;
     uint variants;
@@ -30,6 +32,7 @@ struct Optics {
 Optics optics_of_frame(uint level) {
     return Optics(params.camera.right.xyz, params.camera.up.xyz, params.camera.forward.xyz, params.spread, depth_base(),
         params.near - depth_base(), params.far - depth_base(), params.focal_length,
+        params.is_orthographic != 0u, params.squash,
         0.5 * params.sprite_size, params.is_in_pixels != 0u, params.variants, 0.5 * float(MASK_SIDE >> level), float(1u << (2u * level)));
 }
 
@@ -37,7 +40,7 @@ Optics optics_of_frame(uint level) {
 struct Source {
     vec2 at;     // its centre in pixels
     float z;     // its view depth, less the frame's base
-    vec2 slope;  // x / z and y / z
+    vec2 slope;  // x / z and y / z; 0 where rays are parallel
     vec2 from;   // near the camera there is no slope: x and y, and `at` is the middle of the picture
 };
 
@@ -54,11 +57,12 @@ Sprite make_sprite(Optics optics, Source source, uint particle_word, uint repeti
     vec3 in_view = vec3(dot(optics.right, offset), dot(optics.up, offset), dot(optics.forward, offset));
     vec2 from = in_view.xy + source.from;
     float z = source.z + in_view.z;
-    float per_metre = optics.focal / (max(z, optics.near) + optics.base);
+    vec2 per_metre = optics.focal / (optics.is_parallel ? 1.0 : max(z, optics.near) + optics.base);
     vec2 across = vec2(from.x - source.slope.x * in_view.z, source.slope.y * in_view.z - from.y);
-    float half_side = optics.half_side * (optics.in_pixels ? 1.0 : per_metre);
-    // A sprite below a pixel is a pixel that passes as often as it would have covered the centre.
-    float side = min(2.0 * half_side, 1.0);
+    float half_side = optics.half_side * (optics.in_pixels ? 1.0 : per_metre.x);
+    // A sprite below a pixel is as large as one that passes as often as it would have covered the centre.
+    float least = max(optics.squash, 1.0);
+    float side = min(2.0 * half_side / least, 1.0);
     float fill = side * side;
     uint mask_word = pcg(word + 3u);
     uint variant = ((mask_word >> 16u) * optics.variants) >> 16u;
@@ -67,7 +71,7 @@ Sprite make_sprite(Optics optics, Source source, uint particle_word, uint repeti
     Sprite sprite;
     sprite.at = source.at + per_metre * across;
     sprite.z = z;
-    sprite.scale = optics.half_mask / max(half_side, 0.5);
+    sprite.scale = optics.half_mask / max(half_side, 0.5 * least);
     sprite.texel = variant << 16u | place;
     sprite.exists = z >= optics.near && z <= optics.far && share < fill;
     return sprite;

@@ -17,7 +17,7 @@ void weigh(uint row) {
     float threshold = alpha > 0.0 ? params.threshold / alpha : params.threshold > 0.0 ? 2.0 : 0.0;
     uint class_index = uint(class_place(threshold) + 0.5);
     float weight = float(particles[row].count) * passing(threshold) / max(passing(class_threshold(class_index)), 1.0);
-    float pixel = params.pixel_slope * (particles[row].depth + uintBitsToFloat(control.base));
+    float pixel = params.pixel_footprint * widening(particles[row].depth + uintBitsToFloat(control.base));
     // What is narrower than a pixel needs no table: how often one of its sprites, which fills a part of its pixel, passes there.
     float all = float(params.variants * MASK_SIDE * MASK_SIDE);
     float side = min(params.sprite_size / max(pixel, 1e-30), 1.0);

@@ -14,7 +14,6 @@ struct Edge {
 };
 
 layout(push_constant) uniform CompositeConstants {
-    vec2 terms;  // of the host's depth
     uint has_edges;
 } constants;
 layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
@@ -33,5 +32,5 @@ void main() {
         vec4 before = vec4(unpackHalf2x16(edges[index].colour.x), unpackHalf2x16(edges[index].colour.y));
         colour = before + (1.0 - before.a) * colour;
     }
-    gl_FragDepth = host_depth(constants.terms, depth[index]);
+    gl_FragDepth = host_depth(depth[index]);
 }

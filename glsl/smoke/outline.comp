@@ -5,6 +5,7 @@
 #include "params.glsl"
 #include "tile.glsl"
 #include "toon/ink.glsl"
+#include "common/widening.glsl"
 layout(std430, binding = 2) readonly buffer Depth { float depth[]; };
 layout(std430, binding = 3) writeonly buffer Lines { float lines[]; };
 
@@ -24,7 +25,7 @@ float line_at(ivec2 at) {
     if (a == INFINITY || b == INFINITY || c == INFINITY || d == INFINITY) {
         return 1.0;
     }
-    float per_unit = 1.0 / max(params.smallest_side, 8.0 * params.pixel_footprint * centre);
+    float per_unit = 1.0 / max(params.smallest_side, 8.0 * params.pixel_footprint * widening(centre));
     return ink_at(centre, vec4(a, b, c, d), per_unit, params.outline_strength);
 }
 

@@ -27,11 +27,16 @@ struct PyramidLevel {
 
 layout(binding = 0) uniform SmokeParams {
     CameraRows camera;
-    vec2 half_extent;  // of the picture at depth 1, along x and y
+    vec2 half_extent;  // of the picture at depth 1, along x and y; orthographic: at any depth
+    vec2 off_axis;     // slope of what is seen in the middle, to the right and up; orthographic: metres
+    vec2 depth_terms;  // of the host's depth images
     float near;        // nearest depth that is seen, metres
     float far;         // farthest
     uvec2 size;        // of the picture in pixels
     uvec2 tiles;       // across and down
+    uvec2 occlusion_blocks;  // of the occlusion test, across and down
+    uint is_orthographic;
+    uint range_before;       // where the depth range of the frame before stands
 
     vec4 voxel_size;      // sides in metres; w: unused
     vec4 origin;          // corner of voxel (0, 0, 0) in metres; w: unused
@@ -84,11 +89,9 @@ layout(binding = 0) uniform SmokeParams {
     vec4 outline_colour;    // linear RGB; w: unused
     float outline_strength;
     float outline_width;    // pixels
-    float pixel_footprint;  // metres at depth 1
+    float pixel_footprint;  // metres at depth 1; orthographic: at any depth
     uint occlusion_side;    // of a block of the occlusion test, pixels
     PyramidLevel levels[MAX_LEVELS];
-    uvec2 occlusion_blocks;  // across and down
-    uint range_before;       // where the depth range of the frame before stands
 } params;
 
 // What the device decides during a frame; the host resets it at the frame's start.

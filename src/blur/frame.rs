@@ -4,13 +4,13 @@ use crate::blur::desc::Desc;
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
 use crate::blur::mesh::{Lists, Mesh};
 use crate::blur::motion::{Cluster, Interval, Segment};
-pub use crate::blur::motion::{Knot, View};
+pub use crate::blur::motion::{FrameView, Knot};
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
-use crate::host::{Background, Content, HostBuffer, HostDepth, HostImage};
+use crate::host::{Background, Content, HostBuffer, HostImage};
 use crate::host::{check_background, check_buffer as holds, check_depth, check_distinct, check_image};
 use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
-use crate::view::{Camera, Light};
+use crate::view::Light;
 
 /// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +94,7 @@ pub struct IntervalInput<'a> {
     /// [`Interval::segments`].
     pub segments: &'a [Segment],
     /// Frames i - 1, i, i + 1, i + 2; where there is no such frame, the nearest of the others.
-    pub views: [View; 4],
+    pub views: [FrameView; 4],
     /// Where trajectories come from.
     pub trajectories: Trajectories<'a>,
     /// [`Interval::motion`].
@@ -147,7 +147,7 @@ impl Counts {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToonInput {
     /// Frame i + 1, as the interval has it if there is one.
-    pub view: View,
+    pub view: FrameView,
     /// Their light.
     pub light: Light,
 }
@@ -155,7 +155,7 @@ pub struct ToonInput {
 /// A frame that has been drawn, and all that it was drawn from that can change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drawn {
-    view: View,
+    view: FrameView,
     light: Light,
 }
 
@@ -170,9 +170,9 @@ impl Drawn {
         self.view.frame
     }
 
-    /// Its camera.
-    pub(super) fn camera(&self) -> &Camera {
-        &self.view.camera
+    /// It, and what it is seen through.
+    pub(super) fn view(&self) -> &FrameView {
+        &self.view
     }
 }
 
@@ -185,10 +185,10 @@ impl Drawn {
 /// Speed lines and after-images hide nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthInput {
-    /// The depth.
-    pub host: HostDepth,
+    /// The image, as the view projects it. Usage: `DEPTH_STENCIL_ATTACHMENT`.
+    pub host: HostImage,
     /// Frame i + 1, as the interval has it if there is one.
-    pub view: View,
+    pub view: FrameView,
 }
 
 /// One output, i + 1.
@@ -271,7 +271,7 @@ impl IntervalInput<'_> {
             return refuse("the interval", "a hull that is not finite".to_owned());
         }
         self.validate_segments(desc)?;
-        self.views.iter().try_for_each(|view| view.camera.validate())?;
+        self.views.iter().try_for_each(|view| view.view.validate())?;
         holds("the interval's motion", &self.motion, 16 * points)?;
         holds("the interval's labels", &self.labels, 4 * points)?;
         holds("the interval's clusters", &self.clusters, size_of::<Cluster>() as u64 * u64::from(clusters))?;
@@ -282,7 +282,7 @@ impl IntervalInput<'_> {
             holds("the interval's seams", &self.seams, 4 * u64::from(seams))?;
         }
         match self.trajectories {
-            Trajectories::Poses(knots) => knots.iter().try_for_each(|knot| knot.view.camera.validate()),
+            Trajectories::Poses(knots) => knots.iter().try_for_each(|knot| knot.view.view.validate()),
             Trajectories::Pieces(pieces) => {
                 holds("the interval's pieces", &pieces, 64 * points * self.segments.len() as u64)
             }
@@ -376,9 +376,10 @@ impl Frame<'_> {
     }
 
     fn validate_depth(&self, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
-        check_depth("depth", self.depth.as_ref().map(|depth| &depth.host), desc.size, desc.depth)?;
+        let depth = self.depth.as_ref().map(|DepthInput { host, view }| (host, &view.view));
+        check_depth("depth", depth, desc.size, desc.depth)?;
         let Some(DepthInput { view, .. }) = &self.depth else { return Ok(()) };
-        view.camera.validate()?;
+        view.view.validate()?;
         self.needs(view.frame, desc, resident)?;
         let others = self.interval.as_ref().map(|interval| &interval.views[2]);
         match others.into_iter().chain(self.toon.as_ref().map(|toon| &toon.view)).find(|other| *other != view) {
@@ -397,7 +398,7 @@ impl Frame<'_> {
             return refuse("images", "none; the effect was not made to draw frames".to_owned());
         }
         toon.light.validate()?;
-        toon.view.camera.validate()?;
+        toon.view.view.validate()?;
         self.needs(toon.view.frame, desc, resident)?;
         let Some(interval) = &self.interval else { return Ok(()) };
         let [_, previous, next, _] = &interval.views;

@@ -21,10 +21,11 @@ use std::ops::Range;
 
 use ash::vk;
 
-pub use crate::host::{Background, DepthFormat, HostDepth};
+pub use crate::host::{Background, DepthFormat};
 pub use desc::{Desc, MOST_TRIANGLES};
 pub use frame::{
-    Counts, DepthInput, Frame, GroupInput, IntervalInput, Knot, PoseInput, ToonInput, TopologyInput, Trajectories, View,
+    Counts, DepthInput, Frame, FrameView, GroupInput, IntervalInput, Knot, PoseInput, ToonInput, TopologyInput,
+    Trajectories,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -134,7 +135,7 @@ impl Kind for BlurKind {
         for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
             resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
-        resources.set_host_image(layout::HOST_DEPTH, frame.depth.map(|depth| depth.host.image));
+        resources.set_host_image(layout::HOST_DEPTH, frame.depth.map(|depth| depth.host));
         resources.set_host_image(layout::HOST_BACKGROUND, frame.background.image());
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
             resources.set_host_image(id, image);

@@ -1,17 +1,18 @@
 //! Parameters of the kernels of `glsl/blur`. The structures and constants are the shaders' own (build.rs).
 
 use bytemuck::Zeroable;
-use glam::{DMat3, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::blur::desc::Desc;
-use crate::blur::frame::{self, Frame, IntervalInput};
+use crate::blur::frame::{self, Frame, FrameView, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
+use crate::blur::motion::clip_rows;
 use crate::blur::settings::{Settings, Toon};
 use crate::host::Background;
 use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
-use crate::view::{Camera, Light, LightSource};
+use crate::view::{Light, LightSource, Projection};
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.
@@ -66,15 +67,6 @@ pub fn inward_dispatch(gradient: usize) -> usize {
     INWARD_DISPATCHES as usize + 4 * gradient
 }
 
-/// Rows that make the pixel clip coordinates X, Y and W of a point less the eye.
-pub fn clip_rows(camera: &Camera, size: [u32; 2]) -> [DVec3; 3] {
-    let rotation: DMat3 = camera.rotation();
-    let (right, up, forward) = (rotation.row(0), rotation.row(1), rotation.row(2));
-    let [width, height] = size.map(f64::from);
-    let focal = height / 2.0 / camera.half_extent(size).y;
-    [right * focal + forward * (width / 2.0), forward * (height / 2.0) - up * focal, forward]
-}
-
 fn row(v: DVec3, w: f64) -> [f32; 4] {
     v.extend(w).as_vec4().to_array()
 }
@@ -89,35 +81,33 @@ fn split(v: DVec3) -> [[f32; 4]; 2] {
 }
 
 impl View {
-    fn new(view: &frame::View, desc: &Desc) -> View {
-        let [across, down, along] = clip_rows(&view.camera, desc.size).map(split);
-        let [eye, eye_low] = split(view.camera.eye);
-        View {
-            across: across[0],
-            down: down[0],
-            along: along[0],
-            across_low: across[1],
-            down_low: down[1],
-            along_low: along[1],
-            eye,
-            eye_low,
-        }
+    fn new(projection: &Projection, size: [u32; 2]) -> View {
+        let (rows, constant) = clip_rows(projection);
+        let part = |row_of: DVec3, w: f64| [row(row_of, w), low(row_of, w)];
+        let [across, across_low] = part(rows[0], constant.x);
+        let [down, down_low] = part(rows[1], constant.y);
+        let [along, along_low] = split(rows[2]);
+        let focal = projection.focal.x * if projection.is_orthographic { depth_unit(projection, size) } else { 1.0 };
+        let [eye, eye_low] = part(projection.eye, focal);
+        View { across, down, along, across_low, down_low, along_low, eye, eye_low }
     }
 }
 
 /// Where a frame's pose is among those on the device.
-fn pose_place(view: &frame::View, desc: &Desc) -> u32 {
+fn pose_place(view: &FrameView, desc: &Desc) -> u32 {
     view.frame % desc.frames_resident
 }
 
 impl Knot {
-    /// `current`: the camera of frame i.
-    pub fn new(knot: &frame::Knot, current: &Camera, desc: &Desc) -> Knot {
-        let rows = clip_rows(&knot.view.camera, desc.size);
-        let current_rows = clip_rows(current, desc.size);
-        let way = knot.view.camera.eye - current.eye;
+    /// `current`: frame i.
+    pub fn new(knot: &frame::Knot, current: &FrameView, desc: &Desc) -> Knot {
+        // Trajectories are those of the one picture.
+        let [own, current] = [&knot.view, current].map(|of| Projection::of_valid(&of.view.without_jitter(), desc.size));
+        let ((rows, constant), (current_rows, current_constant)) = (clip_rows(&own), clip_rows(&current));
+        let way = own.eye - current.eye;
+        let added = (constant - current_constant).extend(0.0);
         let part = |i: usize| {
-            let moved = -rows[i].dot(way);
+            let moved = added[i] - rows[i].dot(way);
             let own = [row(rows[i], moved), low(rows[i], moved)];
             let turn = rows[i] - current_rows[i];
             (own, [row(turn, 0.0), low(turn, 0.0)])
@@ -125,7 +115,6 @@ impl Knot {
         let ([across, across_low], [across_turn, across_turn_low]) = part(0);
         let ([down, down_low], [down_turn, down_turn_low]) = part(1);
         let ([along, along_low], [along_turn, along_turn_low]) = part(2);
-        let has_other_camera = knot.view.camera != *current;
         Knot {
             across,
             down,
@@ -141,7 +130,7 @@ impl Knot {
             along_turn_low,
             weights: knot.weights,
             pose_place: pose_place(&knot.view, desc),
-            has_other_camera: has_other_camera.into(),
+            has_other_view: (own != current).into(),
             unused: [0; 2],
         }
     }
@@ -191,16 +180,25 @@ impl BlurParams {
     }
 
     /// Parameters of a frame that stands still, as the kernels read them.
-    pub fn of_views(desc: &Desc, views: &[frame::View; 4], background: Background) -> BlurParams {
+    pub fn of_views(desc: &Desc, views: &[FrameView; 4], background: Background) -> BlurParams {
+        let seen = views.map(|view| Projection::of_valid(&view.view, desc.size));
+        let [_, previous, next, _] = &seen;
+        let [from, to] = [views[1], views[2]].map(|of| DVec2::from_array(of.view.jitter));
         let mut params = BlurParams {
-            views: views.map(|view| View::new(&view, desc)),
+            views: seen.map(|projection| View::new(&projection, desc.size)),
             pose_places: views.map(|view| pose_place(&view, desc)),
             size: desc.size,
             tiles: desc.size.map(|side| side.div_ceil(TILE)),
             seed: desc.seed,
             points: desc.points,
             triangles: desc.triangles,
-            near: views[1].camera.near as f32,
+            near: previous.near as f32,
+            far: previous.far as f32,
+            is_orthographic: previous.is_orthographic.into(),
+            depth_terms: next.terms(),
+            depth_unit: depth_unit(previous, desc.size) as f32,
+            winding: if previous.is_mirrored() { -1.0 } else { 1.0 },
+            jitter_change: (to - from).as_vec2().to_array(),
             ..BlurParams::zeroed()
         };
         match background {
@@ -210,6 +208,11 @@ impl BlurParams {
         }
         params
     }
+}
+
+/// The depth whose shares count as those of any depth of an orthographic view: from there, 40 degrees have all of the picture.
+fn depth_unit(projection: &Projection, size: [u32; 2]) -> f64 {
+    0.5 * f64::from(size[1]) / projection.focal.y / 20.0_f64.to_radians().tan()
 }
 
 /// Width of the ink in samples, of which a pixel has two a side.
@@ -224,10 +227,10 @@ pub fn ink_reach(toon: &Toon) -> u32 {
 
 impl ToonParams {
     /// Parameters of the kernels that draw a frame.
-    pub fn new(desc: &Desc, camera: &Camera, light: &Light) -> ToonParams {
+    pub fn new(desc: &Desc, view: &FrameView, light: &Light) -> ToonParams {
         let toon = &desc.settings.toon;
         let [r, g, b] = toon.outline.colour;
-        let span = camera.half_extent(desc.size).y / f64::from(desc.size[1]);
+        let span = 0.5 / Projection::of_valid(&view.view, desc.size).focal.y;
         let mut params = ToonParams {
             light: match light.source {
                 LightSource::Direction(way) => row(-way.normalize(), 0.0),

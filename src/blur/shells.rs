@@ -3,7 +3,7 @@
 //! Which way the corners of a file's triangles go around says nothing: exporters differ, and mirrors turn all of them over.
 
 use crate::shaders::blur::constants::NONE;
-use crate::view::Camera;
+use crate::view::Projection;
 
 /// Share of the largest coordinate by which rounding a position to f32 can move it, with room for sums over triangles.
 const ROUNDING: f64 = 1.0 / 2_097_152.0;
@@ -125,11 +125,12 @@ impl Solid {
 
     /// Whether its inside may be seen in pictures of `size` pixels: what is at least as near to the eye as the corners of the
     /// near plane is in its box.
-    pub fn may_hold(&self, camera: &Camera, size: [u32; 2]) -> bool {
-        let [width, height] = size.map(f64::from);
-        let up = (camera.vertical_fov.to_radians() / 2.0).tan();
-        let reach = camera.near * (1.0 + up * (1.0 + width / height));
-        let eye = camera.eye.to_array();
+    pub fn may_hold(&self, projection: &Projection, size: [u32; 2]) -> bool {
+        let farther = |slopes: [f64; 2]| slopes[0].abs().max(slopes[1].abs());
+        let [low, high] = projection.borders(size);
+        let across = farther([low.x, high.x]) + farther([low.y, high.y]);
+        let reach = projection.near + projection.widening(projection.near) * across;
+        let eye = projection.eye.to_array();
         (0..3).all(|axis| {
             f64::from(self.low[axis]) - reach <= eye[axis] && eye[axis] <= f64::from(self.high[axis]) + reach
         })
@@ -177,6 +178,7 @@ fn links(triangles: &[[u32; 3]]) -> (Vec<[Option<Link>; 3]>, Vec<bool>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::Camera;
     use glam::DVec3;
 
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
@@ -266,7 +268,8 @@ mod tests {
         let (shells, _) = Shells::find(&TETRAHEDRON);
         let solid = shells.solids(&TETRAHEDRON, &CORNERS)[0];
         let held = |eye: DVec3, near: f64| {
-            solid.may_hold(&Camera { eye, near, vertical_fov: 90.0, ..Camera::default() }, [200, 100])
+            let camera = Camera { eye, near, vertical_fov: 90.0, ..Camera::default() };
+            solid.may_hold(&Projection::of_valid(&camera.view([200, 100]), [200, 100]), [200, 100])
         };
         assert!(held(DVec3::splat(0.5), 0.01));
         assert!(!held(DVec3::new(0.5, 0.5, 1.2), 0.01));

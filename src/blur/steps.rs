@@ -9,9 +9,9 @@ use crate::blur::desc::Desc;
 use crate::blur::frame::{DepthInput, Drawn, Frame, IntervalInput, PoseInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BackgroundConstants, BlurParams, ChooseConstants, Control, FRONTS_A_WORD, GhostConstants, HostDepthConstants,
-    Knot, LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, ROUNDS, Round, RoundConstants,
-    SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, FRONTS_A_WORD, GhostConstants, Knot,
+    LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, ROUNDS, Round, RoundConstants, SeamConstants,
+    SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
@@ -219,8 +219,7 @@ impl Steps<'_> {
         if !there.is_composed {
             self.surface(frame, input, there);
         }
-        let constants = HostDepthConstants { terms: input.host.terms };
-        self.plan.step_with(pass, Command::Draw { vertices: 4 }, &constants);
+        self.plan.step(pass, Command::Draw { vertices: 4 });
     }
 
     /// The mesh's coverage of image i + 1.
@@ -342,7 +341,7 @@ impl Steps<'_> {
     fn knots(&mut self, interval: &IntervalInput) {
         match interval.trajectories {
             Trajectories::Poses(knots) => {
-                let current = &interval.views[1].camera;
+                let current = &interval.views[1];
                 let mut rows = [<Knot as bytemuck::Zeroable>::zeroed(); MOST_KNOTS];
                 rows.iter_mut().zip(knots).for_each(|(row, knot)| *row = Knot::new(knot, current, self.desc));
                 self.plan.update_slice(self.passes.knots, KNOTS, &rows[..knots.len()]);
@@ -522,7 +521,7 @@ impl Steps<'_> {
     fn shade(&mut self, frame: &Frame) {
         let drawn = self.shade_drawn(frame).zip(frame.toon.as_ref());
         if let Some((_, input)) = drawn {
-            let params = ToonParams::new(self.desc, &input.view.camera, &input.light);
+            let params = ToonParams::new(self.desc, &input.view, &input.light);
             self.plan.update(self.passes.shade_params, TOON_BUFFER, &params);
         }
         let pass = drawn.map_or(self.passes.shade, |(pass, _)| pass);
@@ -537,11 +536,6 @@ impl Steps<'_> {
         self.inward(0);
         self.plan.step(self.passes.compose, Self::over_tiles(0));
         let draw = Command::Draw { vertices: 4 };
-        match &frame.depth {
-            Some(DepthInput { host, .. }) => {
-                self.plan.step_with(self.passes.composite, draw, &HostDepthConstants { terms: host.terms });
-            }
-            None => self.plan.step(self.passes.composite, draw),
-        }
+        self.plan.step(self.passes.composite, draw);
     }
 }

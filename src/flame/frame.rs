@@ -2,14 +2,14 @@
 
 use crate::error::{Error, Result};
 use crate::flame::desc::{Desc, SceneFormat};
-use crate::host::{Background, HostBuffer, HostDepth, HostImage, check_buffer, check_depth, check_target};
-use crate::view::Camera;
+use crate::host::{Background, HostBuffer, HostImage, check_buffer, check_depth, check_target};
+use crate::view::View;
 
 /// The depth of the scene: what is nearer hides fire.
 #[derive(Clone, Copy, Debug)]
 pub enum SceneDepth {
-    /// A depth image of the target's size. Usage: `TRANSFER_SRC`.
-    Image(HostDepth),
+    /// A depth image of the target's size, drawn through the frame's view. Usage: `TRANSFER_SRC`.
+    Image(HostImage),
     /// View depth in metres a pixel ([`SceneFormat::Buffer`]). Usage: `TRANSFER_SRC`.
     Buffer(HostBuffer),
 }
@@ -32,15 +32,15 @@ pub struct ParticleInput {
 /// One frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// The camera.
-    pub camera: Camera,
+    /// What it is seen through.
+    pub view: View,
     /// This frame's particles; none if they are those of the last one recorded. The first frame needs some (their number
     /// may be 0).
     pub particles: Option<ParticleInput>,
     /// Number of the frame: with `flicker`, what draws are taken from.
     pub number: u32,
     /// Adds this frame's repetitions to those of the frame before, of which nothing else may have changed: particles,
-    /// camera, scene. Not with `adaptive`.
+    /// view, scene. Not with `adaptive`.
     pub accumulate: bool,
     /// Where it goes. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background.
     pub target: HostImage,
@@ -70,7 +70,7 @@ impl ParticleInput {
 
 impl Frame {
     pub(crate) fn validate(&self, desc: &Desc, first: bool) -> Result<()> {
-        self.camera.validate()?;
+        self.view.validate()?;
         match &self.particles {
             Some(particles) => particles.validate(desc)?,
             None if first => {
@@ -86,7 +86,7 @@ impl Frame {
         match (&self.scene, desc.scene) {
             (None, None) => Ok(()),
             (Some(SceneDepth::Image(depth)), Some(SceneFormat::Image(made))) => {
-                check_depth("scene", Some(depth), desc.size, Some(made))
+                check_depth("scene", Some((depth, &self.view)), desc.size, Some(made))
             }
             (Some(SceneDepth::Buffer(buffer)), Some(SceneFormat::Buffer)) => {
                 check_buffer("scene", buffer, 4 * u64::from(desc.size[0]) * u64::from(desc.size[1]))

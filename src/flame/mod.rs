@@ -20,7 +20,7 @@ pub mod settings;
 mod spacing;
 pub(crate) mod steps;
 
-pub use crate::host::{Background, DepthFormat, HostDepth};
+pub use crate::host::{Background, DepthFormat};
 use crate::host::{NamedFormat, depth_format, target_format};
 pub use desc::{Desc, SceneFormat};
 pub use frame::{Frame, ParticleInput, SceneDepth};
@@ -33,7 +33,7 @@ use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::{Error, Result};
 use crate::gpu::resources::{Kept, Resources};
 use crate::plan::{Pass, Plan};
-use crate::view::Camera;
+use crate::view::View;
 use colour::Table;
 use layout::Layout;
 use mask::Mask;
@@ -61,10 +61,10 @@ pub struct FlameKind {
 /// State kept of the frames recorded so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
-    /// The camera of the last frame; none before the first.
-    camera: Option<Camera>,
-    /// The camera of the last frame that could see fire.
-    lit: Option<Camera>,
+    /// The view of the last frame; none before the first.
+    view: Option<View>,
+    /// The view of the last frame that could see fire.
+    lit: Option<View>,
     /// Whether tables and mask are on the device.
     has_tables: bool,
     given: Given,
@@ -106,7 +106,7 @@ impl Kind for FlameKind {
     }
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
-        frame.validate(desc, self.state.camera.is_none())?;
+        frame.validate(desc, self.state.view.is_none())?;
         let (delta, state) = self.delta(desc, frame)?;
         let FlameKind { traits, layout, passes, table, effort, max_alpha, .. } = self;
         let mut params = FlameParams::new(desc, layout, frame, &delta.given, table, *max_alpha);
@@ -119,7 +119,7 @@ impl Kind for FlameKind {
         let particles = frame.particles.filter(|particles| particles.count > 0);
         let (buffer, image) = match frame.scene {
             Some(SceneDepth::Buffer(buffer)) => (Some(buffer), None),
-            Some(SceneDepth::Image(depth)) => (None, Some(depth.image)),
+            Some(SceneDepth::Image(depth)) => (None, Some(depth)),
             None => (None, None),
         };
         resources.set_host_buffer(layout::HOST_POSITIONS, particles.map(|p| p.position_temperature));
@@ -172,13 +172,13 @@ impl FlameKind {
             self.check_accumulation(frame, state.given.before + repetitions)?;
         }
         state.repetitions = state.given.before + repetitions;
-        state.camera = Some(frame.camera);
+        state.view = Some(frame.view);
         let dark = self.dark(desc, &state);
         // The mask is a layer of frames without fire, too.
         let make_tables = !state.has_tables && (dark.is_none() || desc.layers);
         state.has_tables |= make_tables;
-        state.lit = if dark.is_none() { Some(frame.camera) } else { state.lit };
-        Ok((FrameDelta { given: state.given, camera: self.state.lit, make_tables, dark }, state))
+        state.lit = if dark.is_none() { Some(frame.view) } else { state.lit };
+        Ok((FrameDelta { given: state.given, view: self.state.lit, make_tables, dark }, state))
     }
 
     /// Only what is the same can be added to.
@@ -187,7 +187,7 @@ impl FlameKind {
         match () {
             _ if self.state.repetitions == 0 => refuse("false in the first frame: there is nothing to add to"),
             _ if frame.particles.is_some() => refuse("not with new particles"),
-            _ if self.state.camera != Some(frame.camera) => refuse("not with another camera"),
+            _ if self.state.view != Some(frame.view) => refuse("not with another view"),
             _ if repetitions > MOST_REPETITIONS => refuse("up to 1048576 repetitions in all"),
             _ => Ok(()),
         }

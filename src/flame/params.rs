@@ -9,6 +9,7 @@ use crate::flame::layout::Layout;
 use crate::flame::settings::{MOST_REPETITIONS, Mode, Shape};
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
+use crate::view::Projection;
 
 /// Bits of an index into the Sobol sequence for so many repetitions, 1 to 20.
 pub fn sobol_bits(repetitions: u32) -> u32 {
@@ -47,8 +48,7 @@ impl FlameParams {
     /// Parameters of a frame, as the kernels read them.
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, table: &Table, max_alpha: f32) -> Self {
         let settings = &desc.settings;
-        let [width, height] = desc.size;
-        let focal_length = f64::from(height) / 2.0 / frame.camera.half_extent(desc.size).y;
+        let projection = &Projection::of_valid(&frame.view, desc.size);
         // Draws are renewed as a whole, and the fraction is those particles' whose phases make one more of it.
         let flickered = u64::from(frame.number) * (f64::from(settings.flicker) * 65536.0).round() as u64;
         let (iterations, least) = match settings.mode {
@@ -61,12 +61,17 @@ impl FlameParams {
         let mut cell_levels = [CellLevel::zeroed(); MAX_CELL_LEVELS as usize];
         cell_levels.iter_mut().zip(&layout.levels).for_each(|(to, level)| *to = *level);
         FlameParams {
-            camera: CameraRows::new(&frame.camera),
-            near: frame.camera.near as f32,
-            far: frame.camera.far as f32,
-            focal_length: focal_length as f32,
-            pixel_slope: (1.0 / focal_length) as f32,
-            principal_point: [width as f32 / 2.0, height as f32 / 2.0],
+            camera: CameraRows::new(projection),
+            near: projection.near as f32,
+            far: projection.far as f32,
+            focal_length: projection.focal.as_vec2().to_array(),
+            pixel_slope: projection.focal.recip().as_vec2().to_array(),
+            principal_point: projection.centre.as_vec2().to_array(),
+            depth_terms: projection.terms(),
+            is_orthographic: projection.is_orthographic.into(),
+            pixel_footprint: projection.focal.min_element().recip() as f32,
+            squash: if settings.size_pixels.is_some() { 1.0 } else { (projection.focal.x / projection.focal.y) as f32 },
+            unused: 0,
             size: desc.size,
             tiles: layout.tiles,
             cell_count: layout.cells,

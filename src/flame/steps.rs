@@ -16,19 +16,19 @@ use crate::flame::params::{
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::Shape;
-use crate::host::{Background, HostDepth};
+use crate::host::Background;
 use crate::plan::{Command, PassId, Plan, Shader};
 use crate::scan;
 use crate::shaders::flame as glsl;
-use crate::view::Camera;
+use crate::view::View;
 
 /// The relation of this frame to the ones before.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameDelta {
     /// Its particles.
     pub given: Given,
-    /// The camera of the last frame that saw fire.
-    pub camera: Option<Camera>,
+    /// The view of the last frame that saw fire.
+    pub view: Option<View>,
     /// Tables and mask are not on the device yet, and asked for.
     pub make_tables: bool,
     /// Why no fire can be seen, if it is known before the device has looked.
@@ -136,7 +136,7 @@ impl Steps<'_> {
                 let (from, to, bytes) = (HOST_SCENE, SCENE, 4 * u64::from(pixels));
                 self.plan.step(self.passes.scene_copy, Command::CopyBuffer { from, to, bytes });
             }
-            (Some(SceneDepth::Image(HostDepth { terms, .. })), Some(SceneFormat::Image(made))) => {
+            (Some(SceneDepth::Image(_)), Some(SceneFormat::Image(made))) => {
                 let (from, to, extent) = (HOST_DEPTH, SCENE_WORDS, self.desc.size);
                 self.plan.step(self.passes.scene_copy, Command::CopyDepth { from, to, extent });
                 let kind = match made.format {
@@ -144,7 +144,7 @@ impl Steps<'_> {
                     vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => UNORM_24,
                     _ => FLOATS,
                 };
-                let constants = SceneConstants { terms, kind };
+                let constants = SceneConstants { kind };
                 self.plan.step_with(self.passes.scene, Command::Dispatch { threads: [pixels, 1, 1] }, &constants);
             }
             _ => self.plan.skip(self.passes.scene, "nothing else is in the scene"),
@@ -184,9 +184,9 @@ impl Steps<'_> {
         if !settings.is_expected() {
             return self.plan.skip(self.passes.kernel, "mode is \"stochastic\"");
         }
-        // A cube is seen from another side by another camera.
-        let turned = settings.shape == Shape::Cube && self.delta.camera != Some(frame.camera);
-        let force = u32::from(self.delta.camera.is_none() || turned);
+        // A cube is seen from another side through another view.
+        let turned = settings.shape == Shape::Cube && self.delta.view != Some(frame.view);
+        let force = u32::from(self.delta.view.is_none() || turned);
         let once = one_group(&glsl::rebuild::SHADER);
         self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
     }

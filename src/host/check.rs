@@ -3,9 +3,9 @@
 use ash::vk;
 use ash::vk::Handle as _;
 
-use super::{Background, DepthFormat, FormatUse, Host, HostBuffer, HostDepth, HostImage};
+use super::{Background, DepthFormat, FormatUse, Host, HostBuffer, HostImage};
 use crate::error::{Error, Result};
-use crate::view::BRIGHTEST;
+use crate::view::{BRIGHTEST, View};
 
 /// What happens to what an image holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,14 +85,15 @@ pub(crate) fn check_distinct(name: &'static str, image: Option<&HostImage>, targ
     }
 }
 
-/// Refuses depth that an effect was not made for; none is expected exactly if it was made for none.
+/// Refuses depth that an effect was not made for, or that goes another way than the view projects it; none is expected exactly if
+/// it was made for none.
 pub(crate) fn check_depth(
     name: &'static str,
-    depth: Option<&HostDepth>,
+    depth: Option<(&HostImage, &View)>,
     size: [u32; 2],
     made: Option<DepthFormat>,
 ) -> Result<()> {
-    let (HostDepth { image, terms }, made) = match (depth, made) {
+    let ((image, view), made) = match (depth, made) {
         (Some(depth), Some(made)) => (depth, made),
         (None, None) => return Ok(()),
         (_, made) => {
@@ -100,17 +101,9 @@ pub(crate) fn check_depth(
             return refuse(name, format!("{expected}: the effect was made so"));
         }
     };
-    let given = || format!("{terms:?}");
-    if !terms.iter().all(|term| term.is_finite()) {
-        return Err(Error::setting("frame.depth.terms", given(), "two finite numbers"));
-    }
-    // 1 / z falls with the distance: what is multiplied with it says which way depth goes.
-    if made.reversed != (terms[1] > 0.0) || terms[1] == 0.0 {
-        let allowed = match made.reversed {
-            true => "the second above 0: the effect was made for reversed depth, where nearer is larger",
-            false => "the second below 0: the effect was made for depth that is not reversed, where nearer is smaller",
-        };
-        return Err(Error::setting("frame.depth.terms", given(), allowed));
+    if view.reversed != made.reversed {
+        let allowed = format!("{}, as the depth that the effect was made for", made.reversed);
+        return Err(Error::setting("view.reversed", view.reversed, allowed));
     }
     check_image(name, image, size, made.format, Content::Kept)
 }
@@ -177,6 +170,7 @@ pub(crate) unsafe fn check_formats(host: &Host, formats: &[NamedFormat]) -> Resu
 mod tests {
     use super::*;
     use crate::host::ImageState;
+    use crate::view::Camera;
 
     const SIZE: [u32; 2] = [8, 4];
     const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
@@ -233,20 +227,14 @@ mod tests {
     }
 
     #[test]
-    fn depth_terms_go_the_way_of_the_format() {
-        let check = |terms, reversed| {
-            let depth = HostDepth { image: image(3), terms };
-            said(check_depth("depth", Some(&depth), SIZE, Some(DepthFormat { format: FORMAT, reversed })))
-        };
-        for far in [100.0, f32::INFINITY] {
-            for reversed in [false, true] {
-                let terms = HostDepth::perspective(0.1, far, reversed);
-                assert_eq!(check(terms, reversed), "");
-                let wrong = check(terms, !reversed);
-                assert!(wrong.starts_with("frame.depth.terms = ") && wrong.contains("nearer is"), "{wrong}");
-            }
+    fn depth_goes_the_way_of_the_format() {
+        let mut view = Camera::default().view(SIZE);
+        for (reversed, made) in [(false, false), (false, true), (true, false), (true, true)] {
+            view.reversed = reversed;
+            let made = DepthFormat { format: FORMAT, reversed: made };
+            let said = said(check_depth("depth", Some((&image(3), &view)), SIZE, Some(made)));
+            assert_eq!(said.is_empty(), reversed == made.reversed, "{said}");
+            assert!(said.is_empty() || said.starts_with(&format!("view.reversed = {reversed}: {}", made.reversed)));
         }
-        assert!(check([0.0, 0.0], false).contains("below 0"));
-        assert!(check([0.0, f32::NAN], true).contains("two finite numbers"));
     }
 }

@@ -6,9 +6,9 @@ use gpu_allocator::vulkan::Allocator;
 use crate::error::Result;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::transfer::{CLEARED, record_depth};
-use crate::host::{DepthFormat, Host, HostDepth, HostImage, ImageState};
+use crate::host::{DepthFormat, Host, HostImage, ImageState};
 
-/// Near over view depth.
+/// As [`crate::view::Camera::view`] projects it.
 pub(super) const FORMAT: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
 /// How an effect leaves it to the next.
 const DRAWN: ImageState = ImageState {
@@ -53,11 +53,11 @@ impl SharedDepth {
     }
 
     /// As an effect takes it: the first one of a frame finds it cleared.
-    pub(super) fn placed(&self, is_first: bool) -> PlacedDepth {
+    pub(super) fn placed(&self, is_first: bool) -> HostImage {
         let (image, view) = (self.image.handle, self.image.view);
         let state_in = if is_first { CLEARED } else { DRAWN };
         let format = FORMAT.format;
-        PlacedDepth(HostImage::new(image, view, format, self.extent, state_in, DRAWN))
+        HostImage::new(image, view, format, self.extent, state_in, DRAWN)
     }
 
     /// Destroys it.
@@ -67,16 +67,5 @@ impl SharedDepth {
     pub(super) unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
         // SAFETY: the caller's.
         unsafe { self.image.destroy(host, allocator) };
-    }
-}
-
-/// The depth image as an effect takes it.
-#[derive(Clone, Copy, Debug)]
-pub struct PlacedDepth(HostImage);
-
-impl PlacedDepth {
-    /// Of pictures that a camera with this near plane sees.
-    pub fn seen(&self, near: f64) -> HostDepth {
-        HostDepth { image: self.0, terms: HostDepth::perspective(near as f32, f32::INFINITY, FORMAT.reversed) }
     }
 }

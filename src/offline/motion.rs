@@ -8,11 +8,11 @@ use crate::blur::motion::MOST_FRAMES;
 use crate::blur::motion::WINDOW;
 use crate::blur::params::MOST_SEGMENTS;
 use crate::blur::settings::{Settings, Trajectory};
-use crate::blur::{self, Counts, Interval, Knot, Mesh, MeshInput, Motion, Pose, TopologyInput, View, Window};
+use crate::blur::{self, Counts, FrameView, Interval, Knot, Mesh, MeshInput, Motion, Pose, TopologyInput, Window};
 use crate::error::Error;
 use crate::io::ReadError;
 use crate::io::scene::{AnimatedMesh, shading_groups};
-use crate::view::Camera;
+use crate::view::View;
 
 /// Frames to each side of an interval in which different poses are looked for.
 pub(crate) const FRAMES_BESIDE: u32 = MOST_FRAMES as u32;
@@ -38,7 +38,7 @@ pub enum BlurError {
 /// for as long as the next frame may need them.
 pub struct BlurInput {
     scene: AnimatedMesh,
-    camera: Box<dyn Fn(f64) -> Camera + Send>,
+    view: Box<dyn Fn(f64) -> View + Send>,
     /// First and last of the shot.
     frames: [u32; 2],
     settings: Settings,
@@ -67,7 +67,7 @@ pub struct BlurFrame {
     /// How much of it there is.
     pub counts: Counts,
     /// Frames i - 1, i, i + 1, i + 2; where there is no such frame, the nearest of the others.
-    pub views: [View; 4],
+    pub views: [FrameView; 4],
     /// The frames that trajectories go through, where the device can make them.
     pub knots: Option<Vec<Knot>>,
     /// Number of the first of `poses`.
@@ -91,14 +91,14 @@ impl BlurFrame {
 }
 
 impl BlurInput {
-    /// Of a shot of the frames `frames[0]` to `frames[1]`, of whose poses only the first is looked at. `camera` is that of a
-    /// frame, which may lie between two, for pictures of `size` pixels. With at most so many threads.
+    /// Of a shot of the frames `frames[0]` to `frames[1]`, of whose poses only the first is looked at. `view` is what a
+    /// frame, which may lie between two, is seen through in pictures of `size` pixels. With at most so many threads.
     ///
     /// # Errors
     /// A vertex that is not at a finite position in the first frame, which it names; a setting out of range.
     pub fn new(
         scene: AnimatedMesh,
-        camera: impl Fn(f64) -> Camera + Send + 'static,
+        view: impl Fn(f64) -> View + Send + 'static,
         frames: [u32; 2],
         settings: &Settings,
         size: [u32; 2],
@@ -125,7 +125,7 @@ impl BlurInput {
         let colours = TopologyInput::colour_rows(&mesh, &topology.colour);
         Ok(BlurInput {
             colours: Arc::new(colours),
-            camera: Box::new(camera),
+            view: Box::new(view),
             frames,
             settings: settings.clone(),
             mesh: Arc::new(mesh),
@@ -169,7 +169,7 @@ impl BlurInput {
     /// The input of output `number`.
     ///
     /// # Errors
-    /// As [`BlurInput::new`]; a camera too far from the mesh.
+    /// As [`BlurInput::new`]; a view too far from the mesh.
     pub fn frame(&mut self, number: u32) -> Result<BlurFrame, BlurError> {
         let [first, last] = self.frames;
         let number = number.clamp(first, last);
@@ -182,19 +182,18 @@ impl BlurInput {
         };
         // The next output's window begins no earlier.
         self.poses = self.poses.split_off(&begin);
-        let cameras: Vec<Camera> = (begin..=end).map(|frame| (self.camera)(f64::from(frame))).collect();
+        let seen: Vec<View> = (begin..=end).map(|frame| (self.view)(f64::from(frame))).collect();
         let positions: Vec<Positions> = self.poses.range(begin..=end).map(|(_, pose)| pose.clone()).collect();
-        let poses = positions.iter().zip(&cameras).map(|(positions, camera)| Pose { positions, camera, cut: false });
+        let poses = positions.iter().zip(&seen).map(|(positions, view)| Pose { positions, view, cut: false });
         let poses: Vec<Pose> = poses.collect();
         let between = self.between(current, number)?;
-        let between: Vec<Pose> =
-            between.iter().map(|(positions, camera)| Pose { positions, camera, cut: false }).collect();
+        let between: Vec<Pose> = between.iter().map(|(positions, view)| Pose { positions, view, cut: false }).collect();
         let window = Window { frame: current, poses: &poses, current: (current - begin) as usize, between: &between };
         let interval = self.motion.interval(&self.mesh, &window, self.threads)?;
         let knots = self.motion.knots(&window);
         let view = |frame: i64| {
             let frame = frame.clamp(begin.into(), end.into()) as u32;
-            View { frame, camera: cameras[(frame - begin) as usize] }
+            FrameView { frame, view: seen[(frame - begin) as usize] }
         };
         let views = [-1, 0, 1, 2].map(|offset| view(i64::from(current) + offset));
         let counts = Counts::of(&interval, self.mesh.neighbours());
@@ -218,9 +217,9 @@ impl BlurInput {
 
     /// Whether two frames show the same.
     fn is_held(&self, a: u32, b: u32) -> bool {
-        let camera = |frame: u32| (self.camera)(f64::from(frame));
+        let view = |frame: u32| (self.view)(f64::from(frame));
         let bits = |frame: u32| self.poses.get(&frame).map(|pose| bytemuck::cast_slice::<_, u8>(pose));
-        camera(a) == camera(b) && bits(a) == bits(b)
+        view(a) == view(b) && bits(a) == bits(b)
     }
 
     /// Reads a frame's pose, and those after it that threads can read in the same time and the window will want.
@@ -244,13 +243,13 @@ impl BlurInput {
     }
 
     /// Poses between two frames, and what sees them.
-    fn between(&self, current: u32, number: u32) -> Result<Vec<(Positions, Camera)>, BlurError> {
+    fn between(&self, current: u32, number: u32) -> Result<Vec<(Positions, View)>, BlurError> {
         if self.settings.trajectory != Trajectory::Exact || current == number {
             return Ok(Vec::new());
         }
         let times = (1..STEPS).map(|step| f64::from(current) + f64::from(step) / f64::from(STEPS));
         let times: Vec<f64> = times.collect();
         let poses = self.scene.poses(&times, self.threads)?;
-        Ok(poses.iter().zip(times).map(|(pose, time)| (self.gathered(pose), (self.camera)(time))).collect())
+        Ok(poses.iter().zip(times).map(|(pose, time)| (self.gathered(pose), (self.view)(time))).collect())
     }
 }

@@ -6,7 +6,6 @@ use std::fmt;
 use gpu_allocator::vulkan::Allocator;
 
 use super::Scene;
-use super::depth::PlacedDepth;
 use crate::effect::{Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::executor::Executor;
@@ -75,7 +74,7 @@ pub struct Place {
     /// The background of the first effect, or [`Background::Keep`].
     pub background: Background,
     /// The shared depth image.
-    pub depth: Option<PlacedDepth>,
+    pub depth: Option<HostImage>,
     /// By the effects before it.
     pub left: Left,
 }

@@ -1,10 +1,10 @@
 //! A host's description of one frame.
 
 use crate::error::{Error, Result};
-use crate::host::{Background, HostBuffer, HostDepth, HostImage};
+use crate::host::{Background, HostBuffer, HostImage};
 use crate::host::{check_background, check_buffer, check_depth, check_target};
 use crate::smoke::desc::Desc;
-use crate::view::{Camera, FARTHEST, Light};
+use crate::view::{FARTHEST, Light, View};
 
 /// How a frame follows the one recorded before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,8 +40,8 @@ pub struct Frame {
     pub sequence: Sequence,
     /// Seconds until the next frame, above 0, at most 1e6.
     pub dt: f32,
-    /// The camera.
-    pub camera: Camera,
+    /// What it is seen through.
+    pub view: View,
     /// The light.
     pub light: Light,
     /// This frame's volume; none if it is the last one recorded. The first frame needs one.
@@ -50,8 +50,9 @@ pub struct Frame {
     pub target: Option<HostImage>,
     /// The background.
     pub background: Background,
-    /// The host's depth, given exactly if the effect was made for one and there is a target.
-    pub depth: Option<HostDepth>,
+    /// The depth of what the host has drawn through `view`: it occludes smoke, and takes the smoke's. Given exactly if the effect was
+    /// made for one and there is a target. Usage: `DEPTH_STENCIL_ATTACHMENT`.
+    pub depth: Option<HostImage>,
     /// Partial coverage that is not in `depth`: the edges of a blurred mesh, as `Blur::edges`. Smoke
     /// behind is blended with it. 16 bytes a pixel: linear RGB, premultiplied by the share that is covered, and that
     /// share, as halves; view depth in metres, `f32`; 4 unused bytes. Usage: `TRANSFER_SRC`.
@@ -114,7 +115,7 @@ impl VolumeInput {
 
 impl Frame {
     pub(crate) fn validate(&self, desc: &Desc, first: bool) -> Result<()> {
-        self.camera.validate()?;
+        self.view.validate()?;
         self.light.validate()?;
         let point = matches!(self.light.source, crate::view::LightSource::Position(_));
         if point != desc.point_light {
@@ -140,7 +141,7 @@ impl Frame {
                 let why = "not expected: the effect was made for none".to_owned();
                 return Err(Error::HostResource { name: "edges", why });
             }
-            check_depth("depth", self.depth.as_ref(), desc.size, desc.depth)?;
+            check_depth("depth", self.depth.as_ref().map(|depth| (depth, &self.view)), desc.size, desc.depth)?;
         }
         let pixels = u64::from(desc.size[0]) * u64::from(desc.size[1]);
         if let Some(edges) = &self.edges {

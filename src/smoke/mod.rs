@@ -17,7 +17,7 @@ pub mod settings;
 pub(crate) mod steps;
 pub(crate) mod tables;
 
-pub use crate::host::{Background, DepthFormat, HostDepth};
+pub use crate::host::{Background, DepthFormat};
 pub use desc::Desc;
 pub use frame::{Frame, Sequence, Shape, VolumeInput};
 pub use settings::Settings;
@@ -117,7 +117,7 @@ impl Kind for SmokeKind {
         let background = frame.background.image().filter(|_| frame.target.is_some());
         resources.set_host_image(layout::BACKGROUND, background);
         let depth = frame.depth.filter(|_| frame.target.is_some());
-        resources.set_host_image(layout::HOST_DEPTH, depth.map(|depth| depth.image));
+        resources.set_host_image(layout::HOST_DEPTH, depth);
         let edges = frame.edges.filter(|_| frame.target.is_some());
         resources.set_host_buffer(layout::HOST_EDGES, edges);
     }

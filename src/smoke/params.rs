@@ -11,7 +11,7 @@ use crate::smoke::layout::Layout;
 use crate::smoke::search::Pyramid;
 use crate::smoke::settings::{Emitter, Settings};
 use crate::toon::Outline;
-use crate::view::{Camera, Light, LightSource};
+use crate::view::{Light, LightSource, Projection};
 
 impl Control {
     /// The state at the start of a frame.
@@ -37,7 +37,7 @@ impl SmokeParams {
     /// Parameters of a frame, as the kernels read them. `frames` counts from the last restart.
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, shape: &Shape, frames: u32) -> SmokeParams {
         let mut params = SmokeParams::zeroed();
-        params.set_picture(desc, layout, &frame.camera);
+        params.set_picture(desc, layout, &Projection::of_valid(&frame.view, desc.size));
         params.set_volume(&desc.settings, shape);
         params.set_light(desc, layout, &frame.light, shape);
         params.set_particles(desc, layout, frame.dt, frames);
@@ -45,17 +45,21 @@ impl SmokeParams {
         params
     }
 
-    fn set_picture(&mut self, desc: &Desc, layout: &Layout, camera: &Camera) {
-        let half_extent = camera.half_extent(desc.size);
-        let footprint = 2.0 * half_extent.y / f64::from(desc.size[1]);
+    fn set_picture(&mut self, desc: &Desc, layout: &Layout, projection: &Projection) {
+        let size = DVec2::from_array(desc.size.map(f64::from));
+        let half_extent = size / 2.0 / projection.focal;
+        let off_axis = projection.slope_at(size / 2.0);
         *self = SmokeParams {
-            camera: CameraRows::new(camera),
+            camera: CameraRows::new(projection),
             half_extent: half_extent.as_vec2().to_array(),
-            near: camera.near as f32,
-            far: camera.far as f32,
+            off_axis: off_axis.as_vec2().to_array(),
+            depth_terms: projection.terms(),
+            is_orthographic: projection.is_orthographic.into(),
+            near: projection.near as f32,
+            far: projection.far as f32,
             size: desc.size,
             tiles: layout.tiles,
-            pixel_footprint: footprint as f32,
+            pixel_footprint: projection.focal.y.recip() as f32,
             occlusion_side: layout.occlusion_side,
             occlusion_blocks: layout.occlusion_blocks,
             ..*self

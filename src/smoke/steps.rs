@@ -254,9 +254,9 @@ impl Steps<'_> {
         self.plan.step(self.passes.tone, tiles);
         let tiles = draw(offset_of!(Control, tile_draw));
         match &frame.depth {
-            Some(depth) => {
+            Some(_) => {
                 self.edges(frame);
-                let constants = CompositeConstants { terms: depth.terms, has_edges: frame.edges.is_some().into() };
+                let constants = CompositeConstants { has_edges: frame.edges.is_some().into() };
                 self.plan.step_with(self.passes.composite, tiles, &constants)
             }
             None => self.plan.step(self.passes.composite, tiles),

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use celfx::blur::motion::{Motion, Pose, Window};
+use celfx::blur::motion::{Motion, Window};
 use celfx::blur::reference::complete::complete;
 use celfx::blur::reference::complete::tone::Tones;
 use celfx::blur::reference::distort::Outside;
@@ -87,16 +87,16 @@ fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Sc
     let poses = poses.iter().map(|pose| mesh.gather(pose).expect("as many")).collect();
     let cameras = (0..5).map(|frame| model.camera(seconds(frame))).collect();
     let paint = triangles.iter().map(|triangle| colours[triangle[0] as usize]).collect();
-    Scene { mesh, animation: Animation { poses, cameras, size: SIZE }, paint }
+    Scene { mesh, animation: Animation::new(poses, cameras, SIZE), paint }
 }
 
 impl Scene {
     fn corners(&self, frame: usize) -> Vec<[Clip; 3]> {
-        scene::corners(&self.mesh, &self.animation.poses[frame], &self.animation.cameras[frame], SIZE)
+        scene::corners(&self.mesh, &self.animation.poses[frame], &self.animation.seen(frame), SIZE)
     }
 
     fn outsides(&self, frame: usize) -> Vec<Outside> {
-        scene::outsides(&self.mesh, &self.animation.poses[frame], &self.animation.cameras[frame], SIZE)
+        scene::outsides(&self.mesh, &self.animation.poses[frame], &self.animation.seen(frame), SIZE)
     }
 
     fn normals(&self, frame: usize) -> Vec<[[f64; 3]; 3]> {
@@ -148,10 +148,8 @@ struct Case {
 
 impl Case {
     fn new(scene: Scene, settings: Settings, outline: i32) -> Option<Case> {
-        let Animation { poses, cameras, .. } = &scene.animation;
-        let poses: Vec<Pose> =
-            poses.iter().zip(cameras).map(|(positions, camera)| Pose { positions, camera, cut: false }).collect();
-        let window = Window { frame: I as u32, poses: &poses, current: I, between: &[] };
+        let seen = scene.animation.all_seen();
+        let window = Window { frame: I as u32, poses: &scene.animation.poses(&seen), current: I, between: &[] };
         let interval = Motion::new(&settings, SIZE).expect("settings").interval(&scene.mesh, &window, 1);
         let interval = interval.expect("an interval");
         let images = (I - 1..=I + 2).map(|frame| scene.image(frame, outline)).collect();

@@ -1,12 +1,12 @@
 //! The host's depth: it hides the mesh where it is nearer, takes the mesh's, and changes nothing else.
 
 use ash::vk;
-use celfx::blur::motion::{Motion, Pose, Window};
+use celfx::blur::motion::{Motion, Window};
 use celfx::blur::reference::raster::{Clip, Raster, Shape, raster};
-use celfx::blur::{Background, DepthFormat, Desc, HostDepth, Interval, Settings};
+use celfx::blur::{Background, DepthFormat, Desc, Interval, Settings};
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::Vertex;
-use celfx::view::Light;
+use celfx::view::{Light, Projection};
 
 use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
@@ -29,11 +29,9 @@ struct Scene {
 impl Scene {
     /// `depth`: how the host holds depth, if it does.
     fn new(settings: Settings, depth: Option<(bool, f32)>, toon: bool) -> Option<Scene> {
-        let (mesh, animation) = (grid(SIDES), swing(SIDES, 8, SIZE, 0.3));
-        let poses: Vec<Pose> = (0..8)
-            .map(|frame| Pose { positions: &animation.poses[frame], camera: &animation.cameras[frame], cut: false })
-            .collect();
-        let window = Window { frame: I as u32, poses: &poses, current: I, between: &[] };
+        let (mesh, mut animation) = (grid(SIDES), swing(SIDES, 8, SIZE, 0.3));
+        let seen = animation.all_seen();
+        let window = Window { frame: I as u32, poses: &animation.poses(&seen), current: I, between: &[] };
         let motion = Motion::new(&settings, SIZE).expect("settings");
         let interval = motion.interval(&mesh, &window, 1).expect("an interval");
         let format = depth.map(|(reversed, _)| DepthFormat { format: vk::Format::D32_SFLOAT, reversed });
@@ -41,12 +39,18 @@ impl Scene {
         let mut rig = BlurRig::new(desc, mesh)?;
         rig.toon = toon.then(|| (Light::default(), Background::Clear([0.25, 0.5, 0.75, 1.0])));
         if let Some((reversed, far)) = depth {
-            rig.terms = HostDepth::perspective(animation.cameras[I].near as f32, far, reversed);
+            animation.cameras.iter_mut().for_each(|camera| camera.far = far.into());
+            animation.change = if reversed { |view, _| view } else { |view, _| view.with_reversed(false) };
             rig.wall = if reversed { 0.0 } else { 1.0 };
         }
         let mut scene = Scene { animation, interval, rig };
         scene.set_images(1.0);
         Some(scene)
+    }
+
+    /// Terms of the host's depth, as the kernels have them.
+    fn terms(&self) -> [f64; 2] {
+        Projection::of_valid(&self.animation.seen(I + 1), SIZE).depth_terms.map(|term| f64::from(term as f32))
     }
 
     /// Images of noise, of this least alpha.
@@ -124,8 +128,8 @@ impl Samples {
 }
 
 /// Compares the host's depth with that of samples; how many pixels are the mesh's.
-fn compare(found: &[f32], samples: &Samples, rig: &BlurRig, what: &str) -> usize {
-    let [offset, scale] = rig.terms.map(f64::from);
+fn compare(found: &[f32], samples: &Samples, rig: &BlurRig, terms: [f64; 2], what: &str) -> usize {
+    let [offset, scale] = terms;
     let (mut compared, mut of_mesh) = (0, 0);
     for (pixel, stored) in found.iter().enumerate() {
         let Some((inverse, slack)) = samples.farthest(pixel) else { continue };
@@ -149,7 +153,7 @@ fn the_hosts_depth_takes_that_of_the_distorted_mesh() {
         let Some(mut scene) = Scene::new(settings, Some(convention), false) else { return };
         scene.render(true, true);
         let (found, samples) = (scene.rig.host_depths(), scene.distorted());
-        let of_mesh = compare(&found, &samples, &scene.rig, &format!("{convention:?}"));
+        let of_mesh = compare(&found, &samples, &scene.rig, scene.terms(), &format!("{convention:?}"));
         assert!(of_mesh > PIXELS / 20, "{of_mesh}");
     }
 }
@@ -165,7 +169,7 @@ fn a_mesh_that_is_not_blurred_has_its_own_depth() {
             scene.render(false, false);
         }
         let (found, samples) = (scene.rig.host_depths(), scene.seen(I + 1));
-        let of_mesh = compare(&found, &samples, &scene.rig, &format!("{toon}, {strength}"));
+        let of_mesh = compare(&found, &samples, &scene.rig, scene.terms(), &format!("{toon}, {strength}"));
         assert!(of_mesh > PIXELS / 20, "{of_mesh}");
     }
 }

@@ -26,7 +26,7 @@ fn fan(count: u32, turned: bool) -> Option<[[DVec3; 2]; 2]> {
         [[[0.1 * frame as f32, 0.0, 0.0]].to_vec(), (1..=count + 1).map(rim).collect()].concat()
     };
     let poses: Vec<Vec<[f32; 3]>> = (0..4).map(pose).collect();
-    let animation = Animation { poses, cameras: vec![Camera::default(); 4], size: SIZE };
+    let animation = Animation::new(poses, vec![Camera::default(); 4], SIZE);
     let mesh = mesh(count as usize + 2, &triangles);
     let labels: Vec<u32> = (0..count + 2).map(|point| u32::from((1..9).contains(&point))).collect();
     let interval = interval(&animation, 1, &labels, 0.5, 5, 1);

@@ -3,8 +3,8 @@
 use ash::vk;
 use celfx::blur::settings::Completion;
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
-    TopologyInput, Trajectories, View,
+    Background, Blur, Counts, Desc, Frame, FrameView, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
+    TopologyInput, Trajectories,
 };
 use celfx::effect::{DeviceTraits, Effort, Inventory};
 use celfx::error::Error;
@@ -20,20 +20,19 @@ use celfx::view::{Camera, Light, LightSource};
 use crate::common::handles::handle;
 
 const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
-const VIEW: View = View {
-    frame: 1,
-    camera: Camera {
-        eye: glam::DVec3::new(0.0, 1.0, 4.0),
-        target: glam::DVec3::Y,
-        up: glam::DVec3::Y,
-        vertical_fov: 40.0,
-        near: 0.1,
-        far: 100.0,
-    },
-};
-const NEXT: View = View { frame: 2, ..VIEW };
-const TOON: ToonInput =
-    ToonInput { view: NEXT, light: Light { source: LightSource::Direction(glam::DVec3::NEG_Y), ambient: 0.25 } };
+fn view() -> FrameView {
+    FrameView { frame: 1, view: Camera::default().view([64, 48]) }
+}
+
+fn next_view() -> FrameView {
+    FrameView { frame: 2, ..view() }
+}
+
+fn toon() -> ToonInput {
+    let light = Light { source: LightSource::Direction(glam::DVec3::NEG_Y), ambient: 0.25 };
+    ToonInput { view: next_view(), light }
+}
+
 const SEGMENTS: [celfx::blur::motion::Segment; 3] = [
     celfx::blur::motion::Segment { begin: 0.0, end: 1.0 },
     celfx::blur::motion::Segment { begin: -1.0, end: 0.0 },
@@ -86,7 +85,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
         interval: Some(IntervalInput {
             counts,
             segments: &SEGMENTS[..desc.segments as usize],
-            views: [VIEW, VIEW, NEXT, NEXT],
+            views: [view(), view(), next_view(), next_view()],
             trajectories,
             motion: buffer(),
             labels: buffer(),
@@ -141,7 +140,7 @@ impl Effect {
 #[test]
 fn the_steps_of_a_frame_in_order() {
     let mut effect = Effect::new(desc(Settings::default()));
-    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
+    let knots = [Knot { view: view(), weights: [[0.0; 4]; 12] }; 26];
     let mut frame = frame(&effect.desc.clone(), Trajectories::Poses(&knots), 5);
     effect.fill(&frame);
     let expected = [
@@ -211,9 +210,9 @@ fn completion_is_skipped_by_name() {
 #[test]
 fn frames_without_images_are_drawn() {
     let mut effect = Effect::new(desc(Settings::default()));
-    let knots = [Knot { view: VIEW, weights: [[0.0; 4]; 12] }; 26];
+    let knots = [Knot { view: view(), weights: [[0.0; 4]; 12] }; 26];
     let mut frame = frame(&effect.desc.clone(), Trajectories::Poses(&knots), 5);
-    (frame.images, frame.toon) = (None, Some(TOON));
+    (frame.images, frame.toon) = (None, Some(toon()));
     effect.fill(&frame);
     let names = effect.names();
     let place = |name: &str| names.iter().rposition(|other| *other == name);

@@ -1,9 +1,9 @@
 //! Meshes that move, and the splines through their poses in f64.
 
+use celfx::blur::motion::PixelClip;
 use celfx::blur::motion::{Segment, outline};
-use celfx::blur::{Cluster, Interval, Knot, Mesh, MeshInput, View};
-use celfx::low_level::blur::params::clip_rows;
-use celfx::view::Camera;
+use celfx::blur::{Cluster, FrameView, Interval, Knot, Mesh, MeshInput, Pose};
+use celfx::view::{Camera, View};
 use glam::{DVec2, DVec3};
 
 use crate::common::scenes::random;
@@ -28,17 +28,39 @@ pub fn mesh(vertices: usize, triangles: &[[u32; 3]]) -> Mesh {
 pub struct Animation {
     pub poses: Vec<Vec<[f32; 3]>>,
     pub cameras: Vec<Camera>,
+    /// What is made of a frame's view.
+    pub change: fn(View, usize) -> View,
     pub size: [u32; 2],
 }
 
 impl Animation {
-    pub fn view(&self, frame: usize) -> View {
+    /// Seen through cameras.
+    pub fn new(poses: Vec<Vec<[f32; 3]>>, cameras: Vec<Camera>, size: [u32; 2]) -> Animation {
+        Animation { poses, cameras, change: |view, _| view, size }
+    }
+
+    /// What a frame is seen through.
+    pub fn seen(&self, frame: usize) -> View {
+        (self.change)(self.cameras[frame].view(self.size), frame)
+    }
+
+    /// What all of them are seen through.
+    pub fn all_seen(&self) -> Vec<View> {
+        (0..self.poses.len()).map(|frame| self.seen(frame)).collect()
+    }
+
+    /// The poses as the motion takes them.
+    pub fn poses<'a>(&'a self, seen: &'a [View]) -> Vec<Pose<'a>> {
+        self.poses.iter().zip(seen).map(|(positions, view)| Pose { positions, view, cut: false }).collect()
+    }
+
+    pub fn view(&self, frame: usize) -> FrameView {
         let frame = frame.min(self.poses.len() - 1);
-        View { frame: frame as u32, camera: self.cameras[frame] }
+        FrameView { frame: frame as u32, view: self.seen(frame) }
     }
 
     /// Frames i - 1 to i + 2.
-    pub fn views(&self, i: usize) -> [View; 4] {
+    pub fn views(&self, i: usize) -> [FrameView; 4] {
         [i.saturating_sub(1), i, i + 1, i + 2].map(|frame| self.view(frame))
     }
 
@@ -55,9 +77,8 @@ impl Animation {
 
     /// Pixel clip coordinates.
     pub fn clip(&self, frame: usize, point: usize) -> DVec3 {
-        let camera = &self.cameras[frame];
-        let way = DVec3::from_array(self.poses[frame][point].map(f64::from)) - camera.eye;
-        DVec3::from_array(clip_rows(camera, self.size).map(|row| row.dot(way)))
+        let view = self.seen(frame);
+        PixelClip::new(&view, view.jitter, self.size).clip(self.poses[frame][point])
     }
 
     /// What the splines of a point interpolate, in each frame.
@@ -179,5 +200,5 @@ pub fn swing(sides: [u32; 2], frames: u32, size: [u32; 2], reach: f32) -> Animat
             ..Camera::default()
         }
     };
-    Animation { poses: (0..frames).map(pose).collect(), cameras: (0..frames).map(camera).collect(), size }
+    Animation::new((0..frames).map(pose).collect(), (0..frames).map(camera).collect(), size)
 }

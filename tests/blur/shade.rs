@@ -1,6 +1,6 @@
 //! What is drawn: which triangle a pixel sees, against f64, and the colours that it gets from both frames.
 
-use celfx::blur::motion::{Motion, Pose, Window};
+use celfx::blur::motion::{Motion, Window};
 use celfx::blur::settings::Completion;
 use celfx::blur::{Interval, Mesh, Settings};
 use celfx::low_level::blur::layout;
@@ -75,10 +75,8 @@ struct Scene {
 impl Scene {
     fn new(settings: Settings) -> Option<Scene> {
         let (mesh, animation) = (grid(SIDES), swing(SIDES, 8, SIZE, 0.3));
-        let poses: Vec<Pose> = (0..8)
-            .map(|frame| Pose { positions: &animation.poses[frame], camera: &animation.cameras[frame], cut: false })
-            .collect();
-        let window = Window { frame: I as u32, poses: &poses, current: I, between: &[] };
+        let seen = animation.all_seen();
+        let window = Window { frame: I as u32, poses: &animation.poses(&seen), current: I, between: &[] };
         let motion = Motion::new(&settings, SIZE).expect("settings");
         let interval = motion.interval(&mesh, &window, 1).expect("an interval");
         let rig = BlurRig::new(desc(SIZE, &mesh, settings), mesh.clone())?;

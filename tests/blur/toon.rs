@@ -1,7 +1,7 @@
 //! Frames that the effect draws itself: tones and ink against f64, and what decides that a frame is drawn at all.
 
 use ash::vk;
-use celfx::blur::motion::{Motion, Pose, Window};
+use celfx::blur::motion::{Motion, Window};
 use celfx::blur::settings::{Completion, Toon};
 use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings};
 use celfx::effect::Effort;
@@ -113,7 +113,7 @@ impl Film {
         let cameras = frames.clone().map(|frame| scene.camera(f64::from(frame)).expect("a camera"));
         let desc = describe(&mesh);
         let settings = desc.settings.clone();
-        let animation = Animation { poses: poses.collect(), cameras: cameras.collect(), size: desc.size };
+        let animation = Animation::new(poses.collect(), cameras.collect(), desc.size);
         let mut rig = BlurRig::with_effort(desc, mesh.clone(), effort)?;
         rig.colours = colours.clone();
         let light = Light::default();
@@ -129,13 +129,8 @@ impl Film {
 
     pub fn interval(&self, i: usize) -> Interval {
         let animation = &self.animation;
-        let poses: Vec<Pose> = animation
-            .poses
-            .iter()
-            .zip(&animation.cameras)
-            .map(|(positions, camera)| Pose { positions, camera, cut: false })
-            .collect();
-        let window = Window { frame: i as u32, poses: &poses, current: i, between: &[] };
+        let seen = animation.all_seen();
+        let window = Window { frame: i as u32, poses: &animation.poses(&seen), current: i, between: &[] };
         let motion = Motion::new(&self.settings, animation.size).expect("settings");
         motion.interval(&self.mesh, &window, 1).expect("an interval")
     }

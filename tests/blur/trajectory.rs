@@ -120,11 +120,9 @@ fn poses_make_the_pieces_of_the_interval() {
             animation.cameras[frame] = animation.cameras[frame - 1];
         }
         let settings = Settings { strength, space, ..incomplete() };
-        let pose = |frame: usize| Pose {
-            positions: &animation.poses[frame],
-            camera: &animation.cameras[frame],
-            cut: cut == Some(frame),
-        };
+        let seen = animation.all_seen();
+        let pose =
+            |frame: usize| Pose { positions: &animation.poses[frame], view: &seen[frame], cut: cut == Some(frame) };
         let poses: Vec<Pose> = (0..16).map(pose).collect();
         let i = 8;
         let window = Window { frame: i as u32, poses: &poses, current: i, between: &[] };

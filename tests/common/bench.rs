@@ -147,7 +147,7 @@ impl Bench {
         let frame = Frame {
             sequence: if restart { Sequence::Restart } else { Sequence::Advance },
             dt: 1.0 / 24.0,
-            camera: given.camera,
+            view: given.camera.view(self.desc.size),
             light: given.light,
             volume: Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: None }),
             target,

@@ -3,8 +3,8 @@
 use ash::vk;
 use celfx::blur::settings::Completion;
 use celfx::blur::{
-    Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, GroupInput, HostDepth, Interval, IntervalInput,
-    Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories, View,
+    Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, FrameView, GroupInput, Interval, IntervalInput,
+    Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories,
 };
 use celfx::effect::Effort;
 use celfx::error::Result;
@@ -45,8 +45,8 @@ pub struct Shot<'a> {
     /// Poses of frames that are new, from this number.
     pub poses: Option<(u32, &'a [Vec<[f32; 3]>])>,
     pub interval: Option<&'a Interval>,
-    /// Cameras of frames i - 1 to i + 2.
-    pub views: [View; 4],
+    /// Frames i - 1 to i + 2.
+    pub views: [FrameView; 4],
     /// The frames that trajectories go through; none: the interval's pieces.
     pub knots: Option<&'a [Knot]>,
 }
@@ -72,8 +72,7 @@ pub struct BlurRig {
     outer: [bool; 2],
     /// The host's depth, if the effect was made for one.
     depth: Option<Image>,
-    /// What it holds at view depth z is terms[0] + terms[1] / z; and what it holds before a frame.
-    pub terms: [f32; 2],
+    /// What it holds before a frame.
     pub wall: f32,
     has_backdrop: bool,
 }
@@ -126,7 +125,6 @@ impl BlurRig {
             colours: Vec::new(),
             outer: [false; 2],
             depth,
-            terms: [0.0, 1.0],
             wall: 0.0,
             has_backdrop: false,
             slot: 0,
@@ -212,10 +210,10 @@ impl BlurRig {
         host::host_image(image, size, target_format, state_in, COPIED_FROM)
     }
 
-    fn host_depth(&self, view: View) -> Option<DepthInput> {
+    fn host_depth(&self, view: FrameView) -> Option<DepthInput> {
         let (size, format) = (self.desc().size, self.desc().depth?.format);
         let image = host::host_image(self.depth.as_ref()?, size, format, CLEARED, COPIED_FROM);
-        Some(DepthInput { host: HostDepth { image, terms: self.terms }, view })
+        Some(DepthInput { host: image, view })
     }
 
     /// What the last frame left in the host's depth.

@@ -9,7 +9,7 @@ use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::smoke::SmokeKind;
 use celfx::smoke::reference;
 use celfx::smoke::{Desc, Sequence};
-use celfx::view::{Camera, Light};
+use celfx::view::{Camera, Light, View};
 
 use super::{TestOffline, device};
 
@@ -151,10 +151,10 @@ impl Rig {
     }
 
     /// The reference's frame of the spheres and groups that the device has.
-    pub fn expected(&mut self, camera: &Camera, light: &Light, voxel: f32) -> reference::Frame {
+    pub fn expected(&mut self, view: &View, light: &Light, voxel: f32) -> reference::Frame {
         let spheres: Vec<[f64; 4]> = self.spheres().iter().map(|s| s.map(f64::from)).collect();
         let groups = self.groups();
         let Desc { settings, size, .. } = &self.desc;
-        reference::frame(settings, camera, light, *size, voxel.into(), &spheres, &groups)
+        reference::frame(settings, view, light, *size, voxel.into(), &spheres, &groups)
     }
 }

@@ -69,7 +69,7 @@ fn only_what_is_the_same_is_added_to() {
     refused(&mut rig, &Scene { particles: Some(&particles), ..still }, "nothing to add to");
     rig.frame(&particles, camera(0.0));
     refused(&mut rig, &Scene { particles: Some(&particles), ..still }, "not with new particles");
-    refused(&mut rig, &Scene { camera: camera(1.0), ..still }, "not with another camera");
+    refused(&mut rig, &Scene { camera: camera(1.0), ..still }, "not with another view");
     refused(&mut rig, &still, "1048576");
     let settings = Settings { adaptive: 0.1, repetitions: 60, ..desc.settings.clone() };
     let Some(mut adaptive) = FlameRig::new(Desc { settings, ..desc }) else { return };

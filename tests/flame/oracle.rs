@@ -9,7 +9,7 @@ use celfx::flame::reference::sums::Sums;
 use celfx::low_level::flame::layout;
 use celfx::low_level::flame::params::{self, Control, TILE};
 use celfx::offline::{EffectBuffer, Scene};
-use celfx::view::Camera;
+use celfx::view::{Camera, View};
 
 use crate::common::flame::FlameRig;
 
@@ -18,18 +18,25 @@ use crate::common::flame::FlameRig;
 pub struct Shot<'a> {
     pub particles: &'a Particles,
     pub camera: Camera,
+    /// What it is seen through instead, if it is not a camera's.
+    pub view: Option<View>,
     pub number: u32,
     pub depth: Option<&'a [f32]>,
 }
 
 impl<'a> Shot<'a> {
     pub fn new(particles: &'a Particles, camera: Camera) -> Shot<'a> {
-        Shot { particles, camera, number: 0, depth: None }
+        Shot { particles, camera, view: None, number: 0, depth: None }
+    }
+
+    /// What it is seen through in pictures of `size` pixels.
+    pub fn seen(&self, size: [u32; 2]) -> View {
+        self.view.unwrap_or_else(|| self.camera.view(size))
     }
 
     pub fn scene(&self) -> Scene<'a> {
-        let Shot { particles, camera, number, depth } = *self;
-        Scene { particles: Some(particles), camera, number, depth, rendered: true, ..Scene::default() }
+        let Shot { particles, camera, view, number, depth } = *self;
+        Scene { particles: Some(particles), camera, view, number, depth, rendered: true, ..Scene::default() }
     }
 }
 
@@ -121,7 +128,7 @@ pub fn prepared(rig: &mut FlameRig, shot: &Shot) -> Prepared {
         .map(|([x, y, z], kelvin)| [*x, *y, *z, *kelvin])
         .collect();
     let ids = shot.particles.id.as_deref();
-    let mut prepared = prepare::prepare(&desc.settings, desc.hottest, desc.seed, &shot.camera, &rows, ids);
+    let mut prepared = prepare::prepare(&desc.settings, desc.hottest, desc.seed, &shot.seen(desc.size), &rows, ids);
     let device = rig.prepared();
     let valid: Vec<u32> = prepared.particles.iter().map(|particle| particle.row).collect();
     let wrong = (0..).zip(&device).find(|(row, p)| p.count > 0 && valid.binary_search(row).is_err());
@@ -169,7 +176,7 @@ pub fn level(rig: &mut FlameRig, shot: &Shot, prepared: &Prepared) -> u32 {
     let nearest = if is_dark(rig) { (prepared.nearest as f32).to_bits() } else { control(rig).nearest };
     let desc = rig.desc();
     let [low, level, high] = [1.0 - 1e-6, 1.0, 1.0 + 1e-6]
-        .map(|by| prepare::mask_level(&desc.settings, &shot.camera, desc.size, prepared.nearest * by));
+        .map(|by| prepare::mask_level(&desc.settings, &shot.seen(desc.size), desc.size, prepared.nearest * by));
     assert_eq!([low, high], [level; 2], "a scene in which the level is in doubt");
     if prepared.nearest.is_finite() {
         let apart = (f64::from(f32::from_bits(nearest)) - prepared.nearest).abs();
@@ -189,7 +196,7 @@ pub fn expected(rig: &mut FlameRig, shot: &Shot, repetitions: std::ops::Range<u3
         settings: &desc.settings,
         seed: desc.seed,
         number: shot.number,
-        camera: &shot.camera,
+        view: shot.seen(desc.size),
         size: desc.size,
         scene: shot.depth,
         mask: &mask,

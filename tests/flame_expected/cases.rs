@@ -12,7 +12,7 @@ use celfx::flame::{Desc, Settings};
 use celfx::low_level::flame::layout;
 use celfx::low_level::flame::params::Control;
 use celfx::offline::{EffectBuffer, Scene};
-use celfx::view::Camera;
+use celfx::view::{Camera, View};
 use glam::DVec3;
 
 use crate::common::flame::{FlameRig, ball, desc, scene};
@@ -24,6 +24,8 @@ pub struct Case {
     pub name: &'static str,
     pub desc: Desc,
     pub camera: Camera,
+    /// What it is seen through instead, if it is not a camera's.
+    pub view: Option<View>,
     pub particles: Particles,
     /// View depth of the scene a pixel, if the effect is made for one.
     pub depth: Option<Vec<f32>>,
@@ -44,7 +46,7 @@ pub fn settings() -> Settings {
 impl Case {
     /// Particles in a ball of 1 m around the origin.
     pub fn new(name: &'static str, size: [u32; 2], count: u32, settings: Settings, camera: Camera) -> Case {
-        Case { name, desc: desc(size, count, settings), camera, particles: ball(count, 3), depth: None }
+        Case { name, desc: desc(size, count, settings), camera, view: None, particles: ball(count, 3), depth: None }
     }
 
     /// The same with other settings.
@@ -88,7 +90,11 @@ impl Case {
 
     /// Rendered by an effect that was made for it.
     pub fn render_by(&self, rig: &mut FlameRig) {
-        rig.render(&Scene { depth: self.depth.as_deref(), ..scene(Some(&self.particles), self.camera) });
+        rig.render(&Scene {
+            depth: self.depth.as_deref(),
+            view: self.view,
+            ..scene(Some(&self.particles), self.camera)
+        });
     }
 }
 
@@ -158,7 +164,7 @@ pub fn device_mask(rig: &mut FlameRig) -> Mask {
 /// The level of the mask in the device's frame.
 pub fn level(case: &Case, rig: &mut FlameRig) -> u32 {
     let nearest = f32::from_bits(control(rig).nearest);
-    prepare::mask_level(&case.desc.settings, &case.camera, case.desc.size, nearest.into())
+    prepare::mask_level(&case.desc.settings, &case.seen(), case.desc.size, nearest.into())
 }
 
 /// The device's particles as the references take them: with its counts, alphas and colours.
@@ -182,13 +188,18 @@ pub fn prepared(case: &Case, rig: &mut FlameRig) -> Vec<prepare::Particle> {
 }
 
 impl Case {
+    /// What it is seen through.
+    pub fn seen(&self) -> View {
+        self.view.unwrap_or_else(|| self.camera.view(self.desc.size))
+    }
+
     /// As the references take it.
     pub fn frame<'a>(&'a self, mask: &'a Mask, level: u32) -> Frame<'a> {
         Frame {
             settings: &self.desc.settings,
             seed: self.desc.seed,
             number: 0,
-            camera: &self.camera,
+            view: self.seen(),
             size: self.desc.size,
             scene: self.depth.as_deref(),
             mask,

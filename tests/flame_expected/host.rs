@@ -57,7 +57,7 @@ impl Slot {
             ids: Some(host::fill(&mut self.ids, &ids)),
         };
         Frame {
-            camera: scenes::camera(25.0 + 3.0 * f64::from(number)),
+            view: scenes::camera(25.0 + 3.0 * f64::from(number)).view(self.size),
             particles: Some(given),
             number,
             accumulate: false,

@@ -3,13 +3,14 @@
 use ash::vk;
 use celfx::flame::FlameKind;
 use celfx::flame::settings::Mode;
-use celfx::flame::{DepthFormat, Desc, Frame, HostDepth, SceneDepth, SceneFormat, Settings};
+use celfx::flame::{DepthFormat, Desc, Frame, SceneDepth, SceneFormat, Settings};
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
 use celfx::low_level::flame::params::Particle;
 use celfx::low_level::gpu::buffer::Buffer;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::smoke::{self, Smoke};
+use celfx::view::{Camera, Projection};
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
@@ -106,8 +107,7 @@ fn is_supported(host: &Host, format: vk::Format) -> bool {
 }
 
 /// What an image of a format holds for these depths: its bytes, and the view depths in f64 that they stand for.
-fn stored(format: vk::Format, terms: [f32; 2], depths: &[f32]) -> (Vec<u8>, Vec<f32>) {
-    let terms = terms.map(f64::from);
+fn stored(format: vk::Format, terms: [f64; 2], depths: &[f32]) -> (Vec<u8>, Vec<f32>) {
     let steps = match format {
         vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => 65_535.0,
         vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => 16_777_215.0,
@@ -156,7 +156,7 @@ fn over_sky(
     let desc = Desc { target_format: FORMAT, layers: false, scene: Some(format), ..case.desc.clone() };
     let mut flame = make(device, desc);
     let mut slot = Slot::new(device, case.desc.size, case.desc.particles);
-    let frame = Frame { scene: Some(scene), ..slot.frame(&case.particles, 0) };
+    let frame = Frame { view: case.seen(), scene: Some(scene), ..slot.frame(&case.particles, 0) };
     host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.
         unsafe {
@@ -198,13 +198,16 @@ fn depth_images_of_any_format_hide_what_a_buffer_does() {
         let tried_all = format == vk::Format::D32_SFLOAT;
         let these = all.into_iter().skip(if tried_all { 0 } else { tried % 3 }).take(if tried_all { 3 } else { 1 });
         for (reversed, far) in these {
-            let terms = HostDepth::perspective(1.0, far, reversed);
+            let camera = Camera { near: 1.0, far: far.into(), ..case.camera };
+            let view = camera.view(case.desc.size).with_reversed(reversed);
+            let terms = Projection::of_valid(&view, case.desc.size).depth_terms;
+            let case = Case { camera, view: Some(view), ..case.clone() };
             let (bytes, decoded) = stored(format, terms, &depths);
             // SAFETY: everything is the test's own; every submission is waited for.
             let (own, buffer) = unsafe {
                 let depth = DepthImage::new(&mut device, format, case.desc.size, &bytes);
                 let image = HostImage::new(depth.handle, depth.view, format, case.desc.size, CLEARED, COPIED_FROM);
-                let scene = SceneDepth::Image(HostDepth { image, terms });
+                let scene = SceneDepth::Image(image);
                 let made = SceneFormat::Image(DepthFormat { format, reversed });
                 let own = over_sky(&mut device, &case, made, scene, Some(&depth));
                 depth.destroy(&mut device);
@@ -335,7 +338,7 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
         let smoke_frame = smoke::Frame {
             sequence: if i == 0 { smoke::Sequence::Restart } else { smoke::Sequence::Advance },
             dt: 1.0 / 24.0,
-            camera: fire.camera,
+            view: fire.view,
             light: scenes::direction(-1.0, -1.5, -1.0),
             volume: Some(smoke::VolumeInput {
                 dimensions: volume.dimensions,

@@ -49,7 +49,7 @@ fn a_frame_of_smoke() {
     let first = smoke::Frame {
         sequence: smoke::Sequence::Restart,
         dt: 0.04,
-        camera: Camera::default(),
+        view: Camera::default().view(SIZE),
         light: Light::default(),
         volume: Some(volume),
         target: Some(image(FORMAT)),
@@ -79,7 +79,7 @@ fn a_frame_of_fire() {
         };
         let particles = ParticleInput { count: 50_000, hottest, position_temperature: buffer(), ids: Some(buffer()) };
         let first = flame::Frame {
-            camera: Camera::default(),
+            view: Camera::default().view(SIZE),
             particles: Some(particles),
             number: 0,
             accumulate: false,
@@ -94,8 +94,11 @@ fn a_frame_of_fire() {
 
 #[test]
 fn a_frame_of_blur() {
-    let knots = [blur::Knot { view: blur::View { frame: 1, camera: Camera::default() }, weights: [[0.0; 4]; 12] }; 10];
-    let view = |frame| blur::View { frame, camera: Camera::default() };
+    let knots = [blur::Knot {
+        view: blur::FrameView { frame: 1, view: Camera::default().view(SIZE) },
+        weights: [[0.0; 4]; 12],
+    }; 10];
+    let view = |frame| blur::FrameView { frame, view: Camera::default().view(SIZE) };
     let settings = blur::Settings::default();
     let desc = blur::Desc {
         size: SIZE,

@@ -5,7 +5,7 @@ use ash::vk;
 use celfx::blur::{self, BlurKind};
 use celfx::effect::{DeviceTraits, Effort, Kind, describe};
 use celfx::flame::{self, FlameKind, ParticleInput, SceneDepth, SceneFormat};
-use celfx::host::{Background, DepthFormat, HostBuffer, HostDepth, HostImage, ImageState, requirements};
+use celfx::host::{Background, DepthFormat, HostBuffer, HostImage, ImageState, requirements};
 use celfx::low_level::barrier::{Barrier, Tracker};
 use celfx::low_level::gpu::executor::Description;
 use celfx::low_level::plan::{Command, DescriptorKind, Kernel, Pass, Plan, Resource, Step, Topology, Usage};
@@ -32,8 +32,8 @@ pub fn image(format: vk::Format) -> HostImage {
     HostImage::new(image, view, format, SIZE, state, state)
 }
 
-fn depth() -> HostDepth {
-    HostDepth { image: image(DEPTH.format), terms: HostDepth::perspective(0.1, 100.0, false) }
+fn depth() -> HostImage {
+    image(DEPTH.format)
 }
 
 /// A mesh with all that one may have.
@@ -224,7 +224,7 @@ fn smoke_with_everything_that_a_frame_may_bring() {
             let first = smoke::Frame {
                 sequence: smoke::Sequence::Restart,
                 dt: 0.04,
-                camera: Camera::default(),
+                view: Camera::default().view(SIZE),
                 light,
                 volume: Some(volume),
                 target: Some(image(FORMAT)),
@@ -277,7 +277,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                 let input =
                     ParticleInput { count: particles, hottest, position_temperature: buffer(), ids: Some(buffer()) };
                 let first = flame::Frame {
-                    camera: Camera::default(),
+                    view: Camera::default().view(SIZE),
                     particles: Some(input),
                     number: 3,
                     accumulate: false,
@@ -298,9 +298,12 @@ fn flame_with_everything_that_a_frame_may_bring() {
 #[test]
 fn blur_with_everything_that_a_frame_may_bring() {
     use blur::settings::{Completion, Ghosts, Lines, Refine, Space};
-    let knots = [blur::Knot { view: blur::View { frame: 1, camera: Camera::default() }, weights: [[0.0; 4]; 12] }; 26];
+    let knots = [blur::Knot {
+        view: blur::FrameView { frame: 1, view: Camera::default().view(SIZE) },
+        weights: [[0.0; 4]; 12],
+    }; 26];
     let camera = Camera { eye: glam::DVec3::new(0.0, 1.0, 4.0), ..Camera::default() };
-    let view = |frame| blur::View { frame, camera };
+    let view = |frame| blur::FrameView { frame, view: camera.view(SIZE) };
     let toon = Some(blur::ToonInput { view: view(2), light: Light::default() });
     for completion in [Completion::Surface, Completion::Gradient, Completion::None] {
         for (has_depth, layers, strength) in [(true, true, 1.0), (false, false, 2.5), (true, false, 0.0)] {
@@ -366,7 +369,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
             frames.extend([given, drawn].map(|frame| blur::Frame { interval: Some(posed), ..frame }));
             // Poses that go around.
             let poses = Some(blur::PoseInput { first: 16, count: 20, positions: buffer() });
-            let still = blur::View { frame: 20, camera };
+            let still = blur::FrameView { frame: 20, view: camera.view(SIZE) };
             let toon = Some(blur::ToonInput { view: still, light: Light::default() });
             let depth = has_depth.then_some(blur::DepthInput { view: still, ..host });
             let around = blur::Frame { poses, interval: None, toon, depth, ..drawn };

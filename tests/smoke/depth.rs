@@ -4,8 +4,10 @@ use ash::vk;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM, record_depth};
 use celfx::low_level::smoke::layout;
-use celfx::smoke::{DepthFormat, Desc, Frame, HostDepth, Sequence, Smoke};
+use celfx::smoke::{DepthFormat, Desc, Frame, Sequence, Smoke};
+use celfx::view::{Camera, Projection};
 
+use crate::common::scenes::camera;
 use crate::common::{device, host};
 use crate::host::{SIZE, Slot, effect};
 
@@ -22,11 +24,13 @@ fn a_hosts_depth_occludes_the_smoke_and_takes_its_depth() {
         // SAFETY: the handles are the device's own.
         let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, desc) }.expect("an effect");
         let mut slot = Slot::new(&mut device, SIZE);
-        let terms = HostDepth::perspective(0.1, far, reversed);
+        let good = slot.frame(0);
+        let view = Camera { far: far.into(), ..camera(0.0) }.view(SIZE).with_reversed(reversed);
+        let terms = Projection::of_valid(&view, SIZE).depth_terms.map(|term| term as f32);
         let stored = |z: f32| terms[0] + terms[1] / z;
         let mut behind = |wall: f32, sequence| {
             let target = host::host_image(&image, SIZE, FORMAT, CLEARED, COPIED_FROM);
-            let frame = Frame { sequence, depth: Some(HostDepth { image: target, terms }), ..slot.frame(0) };
+            let frame = Frame { sequence, view, depth: Some(target), ..good };
             host::run(&mut device, |host, commands| {
                 // SAFETY: everything is the test's own, and the frame is waited for.
                 unsafe {

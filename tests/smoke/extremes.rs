@@ -37,7 +37,8 @@ fn check(name: &str, rig: &mut Rig, camera: Camera, light: Light, volume: &Volum
     rig.frame(&scene(Sequence::Restart, camera, light, Some(volume)));
     assert_finite(name, rig);
     let voxel = volume.voxel_size.into_iter().fold(f32::MAX, f32::min);
-    let expected = rig.expected(&camera, &light, voxel).image;
+    let seen = camera.view(rig.desc().size);
+    let expected = rig.expected(&seen, &light, voxel).image;
     let differ =
         rig.picture().into_iter().zip(&expected).filter(|(a, e)| (0..4).any(|c| apart(a[c], e[c]) > 1.0 / 255.0));
     let (apart, seen) = (differ.count(), expected.iter().filter(|c| c[3] > 0.0).count());
@@ -194,7 +195,7 @@ fn a_million_particles() {
         assert!((f64::from(sphere[3]) - expected).abs() <= 2.4e-7, "slot {slot}: 2 ulp of 1 m");
     }
     let exact: Vec<[f64; 4]> = spheres.iter().map(|s| s.map(f64::from)).collect();
-    let hits = celfx::smoke::reference::render::raycast(&camera(0.0), [48, 32], &exact);
+    let hits = celfx::smoke::reference::render::raycast(&camera(0.0).view([48, 32]), [48, 32], &exact);
     let depth = rig.layer(layout::DEPTH);
     let off = |(hit, depth): &(&Option<_>, &f32)| {
         let z = hit.map_or(f64::INFINITY, |hit: celfx::smoke::reference::render::Hit| hit.depth);

@@ -24,7 +24,7 @@ fn assert_frame(name: &str, settings: Settings, light: Light, point_light: bool)
         let sequence = if i == 0 { Sequence::Restart } else { Sequence::Advance };
         rig.frame(&scene(sequence, camera(3.0 * f64::from(i)), light, Some(&volume)));
     }
-    let expected = rig.expected(&camera(24.0), &light, voxel);
+    let expected = rig.expected(&camera(24.0).view(SIZE), &light, voxel);
     let picture = |values: Vec<f32>| Picture { size: SIZE.map(|n| n as usize), channels: 4, values };
     let actual = picture(rig.picture().into_flattened());
     let expected = picture(expected.image.into_flattened().into_iter().map(|c| c as f32).collect());

@@ -62,7 +62,7 @@ fn assert_groups(name: &str, settings: &Settings, cameras: impl Fn(u32) -> Camer
         let actual: Vec<u32> = bench.read(layout::GROUPS, spheres.len());
         let exact: Vec<[f64; 4]> = spheres.iter().map(|s| s.map(f64::from)).collect();
         let origin = if frames == 0 { Origin::Fresh } else { Origin::Kept };
-        let expected = reference.step(settings, &camera, &exact, &vec![origin; spheres.len()]);
+        let expected = reference.step(settings, &camera.view([1, 1]), &exact, &vec![origin; spheres.len()]);
         apart += actual.iter().zip(&expected).filter(|(a, e)| a != e).count();
         total += actual.len();
         assert!(actual.iter().zip(&expected).all(|(a, e)| (*a == 0) == (*e == 0)), "{name}: who has a group");
@@ -135,7 +135,7 @@ fn changing(settings: Settings, degrees: impl Fn(u32) -> f64) -> Option<f64> {
         rig.frame(&scene(sequence, camera, light, (step == 0).then_some(&volume)));
         let groups = rig.groups();
         let spheres: Vec<[f64; 4]> = rig.spheres().iter().map(|s| s.map(f64::from)).collect();
-        let hits = raycast(&camera, size, &spheres);
+        let hits = raycast(&camera.view(size), size, &spheres);
         let seen: Vec<_> =
             hits.iter().map(|hit| hit.map_or((usize::MAX, 0), |h| (h.sphere, groups[h.sphere]))).collect();
         if let Some(previous) = &previous {

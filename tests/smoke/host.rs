@@ -11,7 +11,7 @@ use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::COPIED_FROM;
 use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::settings::{Grow, Shadow};
-use celfx::smoke::{Background, Desc, Frame, HostDepth, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
+use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
 
 use celfx::toon::Outline;
 
@@ -57,7 +57,7 @@ impl Slot {
         Frame {
             sequence: if i == 0 { Sequence::Restart } else { Sequence::Advance },
             dt: 1.0 / 24.0,
-            camera: camera(2.0 * f64::from(i)),
+            view: camera(2.0 * f64::from(i)).view(self.size),
             light: direction(-1.0, -1.5, -1.0),
             volume: Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: Some(velocity) }),
             target: Some(target),
@@ -463,10 +463,10 @@ fn frames_that_do_not_fit_are_refused_by_name() {
         ("frame.dt", Frame { dt: 0.0, ..good }),
         ("frame.sequence", Frame { sequence: Sequence::Advance, ..good }),
         ("light", Frame { light: crate::common::scenes::point(0.0, 1.0, 0.0), ..good }),
-        ("camera", Frame { camera: celfx::view::Camera { near: 0.0, ..good.camera }, ..good }),
+        ("view.jitter", Frame { view: celfx::view::View { jitter: [20.0, 0.0], ..good.view }, ..good }),
         ("target", Frame { target: Some(HostImage { extent: [79, 60], ..target }), ..good }),
         ("target", Frame { target: Some(HostImage { format: vk::Format::R8G8B8A8_UNORM, ..target }), ..good }),
-        ("depth", Frame { depth: Some(HostDepth { image: target, terms: [0.0, 0.1] }), ..good }),
+        ("depth", Frame { depth: Some(target), ..good }),
         ("background", Frame { background: Background::Copy(HostImage { extent: [1, 1], ..target }), ..good }),
     ];
     for (name, frame) in cases {

@@ -28,9 +28,9 @@ fn differing(bench: &mut Bench, camera: Camera, light: Light, spheres: &[[f32; 4
     render(bench, camera, light, spheres);
     let actual = shadows(bench);
     let spheres = exact(spheres);
-    let hits = render::raycast(&camera, SIZE, &spheres);
+    let hits = render::raycast(&camera.view(SIZE), SIZE, &spheres);
     let softness = f64::from(bench.desc.settings.softness);
-    let expected = shadow::shadow(&camera, SIZE, &spheres, &hits, light.source, softness);
+    let expected = shadow::shadow(&camera.view(SIZE), SIZE, &spheres, &hits, light.source, softness);
     let seen = || (0..hits.len()).filter(|pixel| hits[*pixel].is_some());
     assert!(actual.iter().all(|s| (0.0..=1.0).contains(s)));
     let apart = seen().filter(|pixel| (f64::from(actual[*pixel]) - expected[*pixel]).abs() > bound).count();
@@ -88,8 +88,8 @@ fn lists_longer_than_the_loop_budget_go_on() {
     let actual = shadows(&mut bench);
     // The reference with one sphere for the ninety thousand that are equal.
     let few: Vec<[f64; 4]> = exact(&[spheres[0], spheres[1], spheres[count as usize - 1]]);
-    let hits = render::raycast(&camera, SIZE, &few);
-    let expected = shadow::shadow(&camera, SIZE, &few, &hits, light.source, 0.0);
+    let hits = render::raycast(&camera.view(SIZE), SIZE, &few);
+    let expected = shadow::shadow(&camera.view(SIZE), SIZE, &few, &hits, light.source, 0.0);
     // Not on the many: whichever of them is seen, the others shadow it.
     let pixels = || hits.iter().enumerate().filter(|(_, hit)| hit.is_some_and(|h| h.sphere != 1));
     let apart = pixels().filter(|(pixel, _)| (f64::from(actual[*pixel]) - expected[*pixel]).abs() > 0.5).count();
@@ -105,9 +105,9 @@ fn lists_longer_than_the_loop_budget_go_on() {
     bench.run(&Given { camera, light, volume: &place(), frames: 0, rendered: true, omit: WRITTEN });
     let actual = shadows(&mut bench);
     let spheres = exact(&spheres);
-    let hits = render::raycast(&camera, SIZE, &spheres);
+    let hits = render::raycast(&camera.view(SIZE), SIZE, &spheres);
     let some: Vec<_> = hits.iter().enumerate().map(|(i, hit)| hit.filter(|_| i % 13 == 0)).collect();
-    let expected = shadow::shadow(&camera, SIZE, &spheres, &some, light.source, 1.0);
+    let expected = shadow::shadow(&camera.view(SIZE), SIZE, &spheres, &some, light.source, 1.0);
     let seen = some.iter().flatten().count();
     let close = |pixel: &usize| (f64::from(actual[*pixel]) - expected[*pixel]).abs() <= 1e-3;
     let apart = (0..some.len()).filter(|pixel| some[*pixel].is_some() && !close(pixel)).count();
@@ -144,11 +144,14 @@ fn a_lit_sphere_has_no_acne() {
             // The other one only widens what the map covers.
             render(&mut bench, camera(0.0), light, &[[0.1, -0.2, 0.0, 0.6], [-0.95, -0.95, -0.95, 0.02]]);
             let luminance = crate::spheres::pixels(&mut bench).0;
-            let hits =
-                render::raycast(&camera(0.0), SIZE, &[[0.1, -0.2, 0.0, 0.6]].map(|s: [f32; 4]| s.map(f64::from)));
+            let hits = render::raycast(
+                &camera(0.0).view(SIZE),
+                SIZE,
+                &[[0.1, -0.2, 0.0, 0.6]].map(|s: [f32; 4]| s.map(f64::from)),
+            );
             let lit = vec![1.0; hits.len()];
             let spheres = [[0.1_f32, -0.2, 0.0, 0.6].map(f64::from)];
-            let expected = render::luminance(&camera(0.0), SIZE, &spheres, &hits, &light, &lit);
+            let expected = render::luminance(&camera(0.0).view(SIZE), SIZE, &spheres, &hits, &light, &lit);
             let lit = (0..hits.len()).filter(|i| hits[*i].is_some() && expected[*i] > 0.25 + 0.75 * 0.1);
             let dark = lit.clone().filter(|i| luminance[*i] < expected[*i] - 1e-3).count();
             assert!(lit.count() > 800);

@@ -124,7 +124,7 @@ fn assert_seen(name: &str, bench: &mut Bench, camera: Camera, spheres: &[[f32; 4
     let (_, id) = pixels(bench);
     let depth = depth(bench);
     let groups: Vec<u32> = bench.read(layout::GROUPS, spheres.len());
-    let hits: Vec<Option<Hit>> = render::raycast(&camera, size, &exact(spheres));
+    let hits: Vec<Option<Hit>> = render::raycast(&camera.view(size), size, &exact(spheres));
     let (mut differing, mut worst) = (0, 0.0_f64);
     for (pixel, hit) in hits.iter().enumerate() {
         assert_eq!(id[pixel] == 0, depth[pixel] == f32::INFINITY, "{name}: depth and group disagree at {pixel}");

@@ -1,7 +1,7 @@
 //! Targets and depth that are one layer of one mip level of an image. The others are in states of their own, and stay so.
 
 use ash::vk;
-use celfx::host::{DepthFormat, Host, HostDepth, HostImage, ImageState};
+use celfx::host::{DepthFormat, Host, HostImage, ImageState};
 use celfx::low_level::gpu::buffer::Buffer;
 use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::offline::TARGET_FORMAT;
@@ -154,12 +154,13 @@ fn render(device: &mut TestDevice, arrays: &[Array; 2]) -> (Vec<[f32; 4]>, Vec<f
     let [target, depth] = arrays;
     let pixels = u64::from(SIZE[0] * SIZE[1] * LAYERS);
     let mut found = [host::sink(device, 16 * pixels), host::sink(device, 4 * pixels)];
-    let terms = HostDepth::perspective(0.1, 100.0, false);
+    let good = slot.frame(0);
     let frame = Frame {
+        view: good.view.with_reversed(false),
         target: Some(target.given()),
-        depth: Some(HostDepth { image: depth.given(), terms }),
+        depth: Some(depth.given()),
         background: Background::Keep,
-        ..slot.frame(0)
+        ..good
     };
     host::run(device, |host, commands| {
         // SAFETY: everything is the test's own and waited for.

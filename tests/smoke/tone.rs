@@ -61,7 +61,7 @@ fn assert_drawn(name: &str, settings: Settings) {
     let depth: Vec<f64> = depth.into_iter().map(f64::from).collect();
     let tones = tone::tones(SIZE, &smooth, &id, &settings.tones, settings.tone_softness.into());
     let voxel = f64::from(VOXEL.into_iter().fold(f32::MAX, f32::min));
-    let lines = tone::outline(SIZE, &depth, &camera, voxel, &settings.outline);
+    let lines = tone::outline(SIZE, &depth, &camera.view(SIZE), voxel, &settings.outline);
     let picture = tone::composite(&tones, &lines, &id, settings.outline.colour);
     let drawn: Vec<[f32; 4]> = bench.read(layout::PICTURE, COUNT);
     let tone_layer: Vec<[f32; 4]> = bench.read(layout::TONE_LAYER, COUNT);

@@ -97,8 +97,8 @@ fn blur_in_one_submission_and_in_many_is_the_same() {
     for way in WAYS {
         let scene = blur.mesh(&shot).expect("a scene");
         let of_shot = shot.clone();
-        let camera = move |frame: f64| of_shot.camera(frame);
-        let mut input = BlurInput::new(scene, camera, shot.frames, settings, shot.size, 2).expect("motion");
+        let view = move |frame: f64| of_shot.camera(frame).view(of_shot.size);
+        let mut input = BlurInput::new(scene, view, shot.frames, settings, shot.size, 2).expect("motion");
         let effects = Effects::from(input.desc(shot.size, shot.frames, shot.seed, true, false));
         let Some(mut offline) = offline(effects, way) else { return };
         let mut frames = Frames::new();

@@ -3,9 +3,9 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::blur::motion::Projection;
+use crate::blur::motion::PixelClip;
 use crate::data::Topology;
-use crate::view::Camera;
+use crate::view::View;
 
 /// Where the light comes from.
 pub(super) const LIGHT: DVec3 = DVec3::new(0.5, 0.7, 0.6);
@@ -19,7 +19,7 @@ const DARK: [f32; 3] = [0.35, 0.40, 0.60];
 pub(super) fn picture(
     topology: &Topology,
     positions: &[[f32; 3]],
-    camera: &Camera,
+    view: &View,
     light: DVec3,
     size: [u32; 2],
 ) -> Vec<[f32; 4]> {
@@ -27,7 +27,7 @@ pub(super) fn picture(
     let mut pixels = vec![[0.0; 4]; width * height];
     let mut nearest = vec![f64::INFINITY; width * height];
     let normals = normals(topology, positions);
-    let projection = Projection::new(camera, size);
+    let projection = PixelClip::new(view, view.jitter, size);
     for corners in &topology.triangles {
         let [a, b, c] = corners.map(|corner| projection.clip(positions[corner as usize]));
         if a.z.min(b.z).min(c.z) <= projection.near {
@@ -82,6 +82,7 @@ fn normals(topology: &Topology, positions: &[[f32; 3]]) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::Camera;
 
     #[test]
     fn the_nearer_triangle_is_seen_and_what_turns_from_the_light_is_dark() {
@@ -94,10 +95,10 @@ mod tests {
         };
         let positions =
             [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 30.0, 0.0], [-0.5, 0.4, 0.1], [0.5, 0.4, 0.1], [0.0, 0.9, 1.5]];
-        let pixels = picture(&topology, &positions, &Camera::default(), LIGHT, [64, 64]);
+        let pixels = picture(&topology, &positions, &Camera::default().view([64, 64]), LIGHT, [64, 64]);
         assert_eq!(pixels[10 * 64 + 32], [1.0, 0.0, 0.0, 1.0]);
         assert_eq!(pixels[36 * 64 + 32], [0.0, DARK[1], 0.0, 1.0]);
-        let rear = picture(&topology.without(1), &positions, &Camera::default(), LIGHT, [64, 64]);
+        let rear = picture(&topology.without(1), &positions, &Camera::default().view([64, 64]), LIGHT, [64, 64]);
         assert_eq!(rear[36 * 64 + 32], [1.0, 0.0, 0.0, 1.0]);
     }
 }

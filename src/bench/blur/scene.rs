@@ -7,7 +7,9 @@ use glam::{DQuat, DVec3};
 
 use super::draw;
 use crate::bench::rig::FORMAT;
-use crate::blur::{Counts, Desc, Interval, Knot, Mesh, MeshInput, Motion, Pose, Settings, TopologyInput, View, Window};
+use crate::blur::{
+    Counts, Desc, FrameView, Interval, Knot, Mesh, MeshInput, Motion, Pose, Settings, TopologyInput, Window,
+};
 use crate::data::Topology;
 use crate::error::Result;
 use crate::io::scene::weld;
@@ -15,7 +17,7 @@ use crate::offline::motion::Positions;
 use crate::offline::{self, BlurFrame, BlurScene};
 use crate::random::{hash, unit};
 use crate::simulate::mesh::{Builtin, Model};
-use crate::view::Camera;
+use crate::view::{Camera, View};
 
 /// Seed of the effects.
 pub(super) const SEED: u32 = 0;
@@ -32,7 +34,7 @@ pub(super) struct Scene {
     pub(super) mesh: Arc<Mesh>,
     /// Of the mesh's points, from frame 0 on.
     pub(super) poses: Vec<Positions>,
-    pub(super) cameras: Vec<Camera>,
+    pub(super) views: Vec<View>,
     /// The earlier frame of the output.
     pub(super) current: usize,
 }
@@ -65,8 +67,8 @@ impl Scene {
         };
         let mesh = Arc::new(Mesh::new(&input)?);
         let poses = files.iter().filter_map(|pose| mesh.gather(pose)).map(Arc::new).collect();
-        let cameras = (0..which.frames()).map(|frame| model.camera(seconds(frame))).collect();
-        Ok(Scene { size, topology, mesh, poses, cameras, current: which.frames() as usize / 2 })
+        let views = (0..which.frames()).map(|frame| model.camera(seconds(frame)).view(size)).collect();
+        Ok(Scene { size, topology, mesh, poses, views, current: which.frames() as usize / 2 })
     }
 
     /// The runner's vertices as points of which hardly any is of a triangle: what is done for points alone.
@@ -82,8 +84,8 @@ impl Scene {
             pose
         };
         let poses: Vec<Vec<[f32; 3]>> = (0..frames).map(pose).collect();
-        let cameras = (0..frames).map(|frame| model.camera(seconds(frame))).collect();
-        Scene::of_points(poses, cameras, size, frames as usize / 2)
+        let views = (0..frames).map(|frame| model.camera(seconds(frame)).view(size)).collect();
+        Scene::of_points(poses, views, size, frames as usize / 2)
     }
 
     /// Points at random in a ball that flies and turns slowly: one cluster.
@@ -101,23 +103,23 @@ impl Scene {
             let centre = DVec3::new(CLOUD_SPEED * f64::from(frame), 1.0, 0.0);
             rest.iter().map(|p| (centre + turn * *p).as_vec3().to_array()).collect()
         };
-        Scene::of_points((0..4).map(pose).collect(), vec![Camera::default(); 4], size, 1)
+        Scene::of_points((0..4).map(pose).collect(), vec![Camera::default().view(size); 4], size, 1)
     }
 
-    fn of_points(poses: Vec<Vec<[f32; 3]>>, cameras: Vec<Camera>, size: [u32; 2], current: usize) -> Result<Scene> {
+    fn of_points(poses: Vec<Vec<[f32; 3]>>, views: Vec<View>, size: [u32; 2], current: usize) -> Result<Scene> {
         let vertices = poses.first().map_or(0, Vec::len);
         let triangles = vec![[0, 1, 2]];
         let input = MeshInput { vertices, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
         let mesh = Arc::new(Mesh::new(&input)?);
         let topology = Topology { triangles, object: vec![0; vertices], ..Topology::default() };
         let poses = poses.into_iter().map(Arc::new).collect();
-        Ok(Scene { size, topology, mesh, poses, cameras, current })
+        Ok(Scene { size, topology, mesh, poses, views, current })
     }
 
     /// The host's preparation of an output.
     pub(super) fn prepare(&self, settings: &Settings) -> Result<Prepared> {
-        let poses = self.poses.iter().zip(&self.cameras);
-        let poses: Vec<Pose> = poses.map(|(positions, camera)| Pose { positions, camera, cut: false }).collect();
+        let poses = self.poses.iter().zip(&self.views);
+        let poses: Vec<Pose> = poses.map(|(positions, view)| Pose { positions, view, cut: false }).collect();
         let window = Window { frame: self.current as u32, poses: &poses, current: self.current, between: &[] };
         let motion = Motion::new(settings, self.size)?;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -125,13 +127,13 @@ impl Scene {
         Ok(Prepared { interval, knots: motion.knots(&window) })
     }
 
-    pub(super) fn view(&self, frame: usize) -> View {
-        View { frame: frame as u32, camera: self.cameras[frame] }
+    pub(super) fn view(&self, frame: usize) -> FrameView {
+        FrameView { frame: frame as u32, view: self.views[frame] }
     }
 
     /// Frames i - 1 to i + 2.
-    pub(super) fn views(&self) -> [View; 4] {
-        [0, 1, 2, 3].map(|place| self.view((self.current + place).saturating_sub(1).min(self.cameras.len() - 1)))
+    pub(super) fn seen(&self) -> [FrameView; 4] {
+        [0, 1, 2, 3].map(|place| self.view((self.current + place).saturating_sub(1).min(self.views.len() - 1)))
     }
 
     /// The output, from all poses. Without images these are empty.
@@ -143,7 +145,7 @@ impl Scene {
             colours: Arc::new(TopologyInput::colour_rows(&self.mesh, &[])),
             interval: interval.clone(),
             counts: Counts::of(interval, self.mesh.neighbours()),
-            views: self.views(),
+            views: self.seen(),
             knots: knots.clone(),
             first: 0,
             poses: self.poses.clone(),
@@ -175,8 +177,8 @@ impl Scene {
             rest: None,
         };
         let mesh = Arc::new(Mesh::new(&input)?);
-        let (poses, cameras) = (self.poses.clone(), self.cameras.clone());
-        Ok(Scene { size: self.size, topology, mesh, poses, cameras, current: self.current })
+        let (poses, views) = (self.poses.clone(), self.views.clone());
+        Ok(Scene { size: self.size, topology, mesh, poses, views, current: self.current })
     }
 
     /// Frames i and i + 1, each under its own light.
@@ -185,7 +187,7 @@ impl Scene {
             let frame = self.current + later;
             let pose = &self.poses[frame];
             let vertices: Vec<[f32; 3]> = self.mesh.file_to_point().iter().map(|p| pose[*p as usize]).collect();
-            draw::picture(&self.topology, &vertices, &self.cameras[frame], lights[later], self.size)
+            draw::picture(&self.topology, &vertices, &self.views[frame], lights[later], self.size)
         })
     }
 }

@@ -114,7 +114,7 @@ fn accuracy(scene: &Scene, pieces: &[Piece], checked: usize) -> Accuracy {
         let positions: Vec<[f32; 3]> = scene.poses.iter().map(|pose| pose[point]).collect();
         let exact = spline::Path {
             positions: &positions,
-            cameras: &scene.cameras,
+            views: &scene.views,
             held: &held,
             size: scene.size,
             on_screen: false,

@@ -189,7 +189,7 @@ mod tests {
         let Scene { particles: Particles { position, temperature, .. }, settings, camera, .. } = &scene;
         assert_eq!((scene.name.as_str(), scene.size, position.len()), ("paper", [512, 512], 2500));
         let rows = position.iter().zip(temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
-        let prepared = prepare(settings, 3000.0, SEED, camera, &rows.collect::<Vec<_>>(), None);
+        let prepared = prepare(settings, 3000.0, SEED, &camera.view(scene.size), &rows.collect::<Vec<_>>(), None);
         let sprites: u32 = prepared.particles.iter().map(|particle| particle.count).sum();
         assert!((49_000..51_000).contains(&sprites), "{sprites}");
         let focal = 256.0 / camera.half_extent(scene.size).y;

@@ -38,13 +38,13 @@ impl Truth {
         let settings = &scene.settings;
         let positions = scene.particles.position.iter().zip(&scene.particles.temperature);
         let positions: Vec<[f32; 4]> = positions.map(|([x, y, z], kelvin)| [*x, *y, *z, *kelvin]).collect();
+        let view = scene.camera.view(scene.size);
         let ids = scene.particles.id.as_deref();
-        let Prepared { particles, nearest, .. } =
-            prepare(settings, settings.hottest, SEED, &scene.camera, &positions, ids);
+        let Prepared { particles, nearest, .. } = prepare(settings, settings.hottest, SEED, &view, &positions, ids);
         let mask = Mask::new(SEED, settings.variants);
-        let level = mask_level(settings, &scene.camera, scene.size, nearest);
-        let (camera, size) = (&scene.camera, scene.size);
-        let frame = Frame { settings, seed: SEED, number: 0, camera, size, scene: None, mask: &mask, level };
+        let level = mask_level(settings, &view, scene.size, nearest);
+        let size = scene.size;
+        let frame = Frame { settings, seed: SEED, number: 0, view, size, scene: None, mask: &mask, level };
         let places = scene.places(PIXELS[usize::from(quick)]);
         let at = |bins, places: &[usize]| {
             render_at(&frame, &particles, Bins::around(&frame, &particles, bins), CELLS, places)

@@ -93,11 +93,11 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
 impl Seen {
     fn new(rig: &mut Rig, effect: EffectId, size: [u32; 2], fade: u32, voxel: f64) -> Result<Seen> {
         let (spheres, groups) = scene::spheres(rig, effect, PARTICLES, fade)?;
-        let (camera, light) = (scene::camera(), Light::default());
-        let hits = render::raycast(&camera, size, &spheres);
-        let share = shadow::shadow(&camera, size, &spheres, &hits, light.source, 0.0);
-        let shadowed = render::luminance(&camera, size, &spheres, &hits, &light, &share);
-        let open = render::luminance(&camera, size, &spheres, &hits, &light, &vec![1.0; hits.len()]);
+        let (view, light) = (scene::camera().view(size), Light::default());
+        let hits = render::raycast(&view, size, &spheres);
+        let share = shadow::shadow(&view, size, &spheres, &hits, light.source, 0.0);
+        let shadowed = render::luminance(&view, size, &spheres, &hits, &light, &share);
+        let open = render::luminance(&view, size, &spheres, &hits, &light, &vec![1.0; hits.len()]);
         let (depth, id) = (render::depth(&hits), render::id(&hits, &groups));
         Ok(Seen { size, depth, id, shadowed, open, voxel })
     }
@@ -108,7 +108,8 @@ impl Seen {
         let [width, height] = self.size.map(|side| side as usize);
         let smooth = gaussian::masked_separable(width, height, luminance, &self.id, settings.sigma, settings.cutoff);
         let tones = tone::tones(self.size, &smooth, &self.id, &settings.tones, settings.tone_softness.into());
-        let outline = tone::outline(self.size, &self.depth, &scene::camera(), self.voxel, &settings.outline);
+        let outline =
+            tone::outline(self.size, &self.depth, &scene::camera().view(self.size), self.voxel, &settings.outline);
         let expected = tone::composite(&tones, &outline, &self.id, settings.outline.colour);
         let smoke = |(pixel, expected): &(&[f32; 4], &[f64; 4])| pixel[3] != 0.0 || expected[3] != 0.0;
         let channels = |(pixel, expected): (&[f32; 4], &[f64; 4])| {

@@ -70,7 +70,7 @@ pub(super) fn camera_covering(spheres: &[[f64; 4]], size: [u32; 2], share: f64) 
     let up = if size[0] > size[1] { DVec3::X } else { DVec3::Y };
     let seen_from = |distance: f64| Camera { up, ..seen_from(distance) };
     let covered = |distance: f64| {
-        let hits = render::raycast(&seen_from(distance), small, spheres);
+        let hits = render::raycast(&seen_from(distance).view(small), small, spheres);
         hits.iter().flatten().count() as f64 / hits.len().max(1) as f64
     };
     // More is covered from nearer, until the camera is among the spheres.

@@ -109,14 +109,14 @@ fn accuracy(
 impl Truth {
     fn new(rig: &mut Rig, effect: EffectId, size: [u32; 2]) -> Result<Truth> {
         let (spheres, _) = scene::spheres(rig, effect, PARTICLES, 0)?;
-        let (camera, light) = (scene::camera(), Light::default());
-        let hits = render::raycast(&camera, size, &spheres);
+        let (view, light) = (scene::camera().view(size), Light::default());
+        let hits = render::raycast(&view, size, &spheres);
         let lit = Light { ambient: 0.0, ..light };
         let open = vec![1.0; hits.len()];
-        let facing = render::luminance(&camera, size, &spheres, &hits, &lit, &open);
+        let facing = render::luminance(&view, size, &spheres, &hits, &lit, &open);
         Ok(Truth {
             depth: render::depth(&hits),
-            shadow: shadow::shadow(&camera, size, &spheres, &hits, light.source, 0.0),
+            shadow: shadow::shadow(&view, size, &spheres, &hits, light.source, 0.0),
             faces_light: facing.iter().map(|facing| *facing > 0.0).collect(),
         })
     }

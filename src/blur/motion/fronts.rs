@@ -3,15 +3,16 @@
 use super::window::Pose;
 use crate::blur::mesh::Mesh;
 use crate::shaders::blur::constants::{CLOSED, FRONT_BITS, FRONTS_A_WORD, TURNED};
+use crate::view::Projection;
 
 /// [`super::Interval::fronts`] of frames i and i + 1. A shell that is flat in one of them, or that may hold the eye in one, is
 /// as one that is not closed.
 pub(super) fn find(mesh: &Mesh, poses: [&Pose; 2], size: [u32; 2]) -> Vec<u32> {
-    let frames = poses.map(|pose| (pose.camera, mesh.solids(pose.positions)));
+    let frames = poses.map(|pose| (Projection::of_valid(pose.view, size), mesh.solids(pose.positions)));
     let bits = |shell: usize| {
         let mut bits = CLOSED;
-        for (frame, (camera, solids)) in frames.iter().enumerate() {
-            match solids[shell].is_turned().filter(|_| !solids[shell].may_hold(camera, size)) {
+        for (frame, (projection, solids)) in frames.iter().enumerate() {
+            match solids[shell].is_turned().filter(|_| !solids[shell].may_hold(projection, size)) {
                 Some(is_turned) => bits |= (TURNED << frame) * u32::from(is_turned),
                 None => return 0,
             }

@@ -1,8 +1,7 @@
 //! The data from which the device makes trajectories of the poses that it holds.
 
-use super::projection::Projection;
 use super::spline::{Spline, timeline};
-use super::window::{Knot, Pose, View, Window};
+use super::window::{FrameView, Knot, Pose, Window};
 use super::{Motion, cuts};
 use crate::blur::limits::MOST_KNOTS;
 use crate::shaders::blur::constants::PIECE_SEGMENTS;
@@ -13,7 +12,7 @@ impl Motion {
     /// poses between frames, or more of them than it takes. The window is the one that the interval was found in.
     pub fn knots(&self, window: &Window) -> Option<Vec<Knot>> {
         let window = &self.nearby(window);
-        let project = |pose: &Pose| Projection::new(pose.camera, self.size);
+        let project = |pose: &Pose| self.project(window, pose);
         let cuts = cuts(window.poses, f64::from(self.settings.jump) * f64::from(self.size[1]), project);
         let after = window.current + 1;
         if after >= window.poses.len() || cuts.contains(&after) || !window.between.is_empty() {
@@ -43,7 +42,7 @@ impl Motion {
         let knots = timeline.knots.iter().zip(weights).map(|(knot, weights)| {
             let same = |pose: &Pose| std::ptr::eq(pose.positions, knot.positions) && project(pose) == knot.projection;
             let place = window.poses.iter().position(same)?;
-            let view = View { frame: u32::try_from(first + place as i64).ok()?, camera: *window.poses[place].camera };
+            let view = FrameView { frame: u32::try_from(first + place as i64).ok()?, view: *window.poses[place].view };
             Some(Knot { view, weights })
         });
         knots.collect()

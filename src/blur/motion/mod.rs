@@ -18,13 +18,14 @@ use clusters::Clusters;
 use trace::{Task, Traces};
 
 pub use crate::shaders::blur::constants::{FRONT_BITS, FRONTS_A_WORD};
-pub use projection::Projection;
+pub use projection::PixelClip;
+pub(crate) use projection::clip_rows;
 pub use seams::MOST_NEIGHBOURS;
 pub(crate) use window::MOST_FRAMES;
-pub use window::{Interval, Knot, Pose, Segment, View, WINDOW, Window};
+pub use window::{FrameView, Interval, Knot, Pose, Segment, WINDOW, Window};
 
 use super::mesh::Mesh;
-use super::settings::{Settings, Trajectory};
+use super::settings::{Settings, Space, Trajectory};
 use crate::error::{Error, Result};
 pub use crate::shaders::blur::blocks::{Cluster, Piece};
 
@@ -77,11 +78,20 @@ impl Motion {
         Window { frame: window.frame, poses: &window.poses[first..end], current: window.current - first, between }
     }
 
+    /// The projection of a pose: all are of one picture, that of frame i + 1.
+    fn project(&self, window: &Window, pose: &Pose) -> PixelClip {
+        let next = window.poses.get(window.current + 1).unwrap_or(&window.poses[window.current]);
+        PixelClip::new(pose.view, next.view.jitter, self.size)
+    }
+
     /// Segments and traces; `None` if a position that is used is not finite.
     fn traces(&self, window: &Window, threads: usize) -> Option<(Vec<Segment>, Traces)> {
-        let project = |pose: &Pose| Projection::new(pose.camera, self.size);
-        let (space, reach) = (self.settings.space, f64::from(self.settings.reach()));
+        let project = |pose: &Pose| self.project(window, pose);
         let next = window.poses.get(window.current + 1);
+        // Of an orthographic view both are the same.
+        let is_orthographic = project(&window.poses[window.current]).is_orthographic;
+        let space = if is_orthographic { Space::Screen } else { self.settings.space };
+        let reach = f64::from(self.settings.reach());
         let cuts = cuts(window.poses, f64::from(self.settings.jump) * f64::from(self.size[1]), project);
         let timeline = match next {
             Some(_) if !cuts.contains(&(window.current + 1)) => {
@@ -126,7 +136,7 @@ fn check(mesh: &Mesh, window: &Window) -> Result<()> {
             let (given, points) = (pose.positions.len(), mesh.points());
             return Err(refused(format!("{given} positions for {points} points; gather them with Mesh::gather")));
         }
-        pose.camera.validate()?;
+        pose.view.validate()?;
     }
     Ok(())
 }
@@ -154,11 +164,11 @@ fn not_finite(mesh: &Mesh, window: &Window) -> Error {
 /// Poses that trajectories do not reach from the ones before: those that say so, and those to which the centre of the
 /// mesh's box moves farther than `jump` pixels, and more than 4 times as far as in the frames before and after (in one of
 /// them at least it must be seen). None of the latter if `jump` is 0.
-fn cuts(poses: &[Pose], jump: f64, project: impl Fn(&Pose) -> Projection) -> Vec<usize> {
+fn cuts(poses: &[Pose], jump: f64, project: impl Fn(&Pose) -> PixelClip) -> Vec<usize> {
     let centre = |pose: &Pose| {
         let (projection, [low, high]) = (project(pose), bounds(pose.positions));
         let clip = projection.clip([0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]));
-        (clip.is_finite() && clip.z > projection.near).then(|| clip.truncate() / clip.z)
+        (clip.is_finite() && clip.z > projection.near).then(|| projection.pixel_of(clip))
     };
     let centres: Vec<_> = if jump > 0.0 { poses.iter().map(centre).collect() } else { vec![None; poses.len()] };
     let moves: Vec<Option<f64>> = centres.windows(2).map(|c| Some((c[1]? - c[0]?).length())).collect();

@@ -1,6 +1,6 @@
 //! Natural cubic splines through poses.
 
-use super::projection::Projection;
+use super::projection::PixelClip;
 use super::window::{Pose, Segment, WINDOW, Window};
 
 /// A pose that trajectories go through. Equal poses that follow each other are one.
@@ -10,7 +10,7 @@ pub(super) struct Knot<'a> {
     pub(super) time: f64,
     /// Positions of the points.
     pub(super) positions: &'a [[f32; 3]],
-    pub(super) projection: Projection,
+    pub(super) projection: PixelClip,
 }
 
 /// A segment of the trajectories and the knots at its ends: the same one twice where the mesh is held.
@@ -37,11 +37,11 @@ struct Moment<'a> {
     pose: &'a Pose<'a>,
 }
 
-/// Whether two poses show the same: positions bit for bit, and the camera.
+/// Whether two poses show the same: positions bit for bit, and the view but for its jitter.
 fn held(a: &Pose, b: &Pose) -> bool {
     let bits = |pose: &Pose| -> *const [f32; 3] { pose.positions.as_ptr() };
     let same = || bytemuck::cast_slice::<_, u8>(a.positions) == bytemuck::cast_slice::<_, u8>(b.positions);
-    a.camera == b.camera && (bits(a) == bits(b) || same())
+    a.view.without_jitter() == b.view.without_jitter() && (bits(a) == bits(b) || same())
 }
 
 /// The timeline of a window in which trajectories are cut before the poses of `cuts`, in ascending order, and looked at
@@ -50,7 +50,7 @@ pub(super) fn timeline<'a>(
     window: &Window<'a>,
     cuts: &[usize],
     earlier: usize,
-    project: impl Fn(&Pose) -> Projection,
+    project: impl Fn(&Pose) -> PixelClip,
 ) -> Timeline<'a> {
     let i = window.current;
     let begin = cuts.iter().rev().copied().find(|cut| *cut <= i).unwrap_or(0);
@@ -85,7 +85,7 @@ fn collapse<'a>(
     inner: &[Moment<'a>],
     after: &[Moment<'a>],
     earlier: usize,
-    project: impl Fn(&Pose) -> Projection,
+    project: impl Fn(&Pose) -> PixelClip,
 ) -> Timeline<'a> {
     let moments: Vec<Moment> = [before, inner, after].concat();
     let knot = |time, pose: &Pose<'a>| Knot { time, positions: pose.positions, projection: project(pose) };

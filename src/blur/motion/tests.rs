@@ -5,7 +5,7 @@ use crate::blur::mesh::MeshInput;
 use crate::blur::reference::{extent, path, spline};
 use crate::blur::settings::{self, Space, Trajectory};
 use crate::random::{hash, unit};
-use crate::view::Camera;
+use crate::view::{Camera, View};
 
 const SIZE: [u32; 2] = [1920, 1080];
 
@@ -46,13 +46,18 @@ impl Shot {
         Shot { mesh, poses, cameras: vec![camera(); frames], cuts: Vec::new() }
     }
 
-    fn poses(&self) -> Vec<Pose<'_>> {
-        let poses = self.poses.iter().zip(&self.cameras).enumerate();
-        poses.map(|(f, (positions, camera))| Pose { positions, camera, cut: self.cuts.contains(&f) }).collect()
+    fn views(&self) -> Vec<View> {
+        self.cameras.iter().map(|camera| camera.view(SIZE)).collect()
+    }
+
+    fn poses<'a>(&'a self, views: &'a [View]) -> Vec<Pose<'a>> {
+        let poses = self.poses.iter().zip(views).enumerate();
+        poses.map(|(f, (positions, view))| Pose { positions, view, cut: self.cuts.contains(&f) }).collect()
     }
 
     fn try_interval(&self, settings: &Settings, frame: usize) -> Result<Interval> {
-        let window = Window { frame: frame as u32, poses: &self.poses(), current: frame, between: &[] };
+        let views = self.views();
+        let window = Window { frame: frame as u32, poses: &self.poses(&views), current: frame, between: &[] };
         let motion = Motion::new(settings, SIZE)?;
         let one = motion.interval(&self.mesh, &window, 1)?;
         assert_eq!(one, motion.interval(&self.mesh, &window, 3)?, "threads change nothing");
@@ -69,7 +74,7 @@ impl Shot {
         let positions: Vec<[f32; 3]> = self.poses.iter().map(|pose| pose[point]).collect();
         let held = |f: usize| f > 0 && self.poses[f] == self.poses[f - 1] && self.cameras[f] == self.cameras[f - 1];
         let held: Vec<bool> = (0..self.poses.len()).map(held).collect();
-        spline::Path { positions: &positions, cameras: &self.cameras, held: &held, size: SIZE, on_screen }.at(time)
+        spline::Path { positions: &positions, views: &self.views(), held: &held, size: SIZE, on_screen }.at(time)
     }
 }
 
@@ -240,9 +245,10 @@ fn sub_frame_poses_are_passed_through() {
     let shot = Shot::new(mesh(3, &[[0, 1, 2]], None), 9, |p, f| turn(p, f as f64));
     let between: Vec<Vec<[f32; 3]>> =
         (1..8).map(|k| (0..3).map(|p| turn(p, 4.0 + f64::from(k) / 8.0)).collect()).collect();
-    let view = camera();
-    let between: Vec<Pose> = between.iter().map(|p| Pose { positions: p, camera: &view, cut: false }).collect();
-    let poses = shot.poses();
+    let view = camera().view(SIZE);
+    let between: Vec<Pose> = between.iter().map(|p| Pose { positions: p, view: &view, cut: false }).collect();
+    let views = shot.views();
+    let poses = shot.poses(&views);
     let window = Window { frame: 4, poses: &poses, current: 4, between: &between };
     let error = |trajectory| {
         let settings = Settings { trajectory, strength: 2.0, ..Settings::default() };

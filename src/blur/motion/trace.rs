@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
 
-use super::projection::Projection;
+use super::projection::PixelClip;
 use super::spline::{Knot, Spline, Timeline, offset};
 use super::window::Segment;
 use crate::blur::settings::Space;
@@ -137,10 +137,11 @@ impl<'a> Shared<'a> {
 
     /// The interpolated channels: clip coordinates, or pixels and depth.
     fn channels(&self, knot: usize, point: usize) -> DVec3 {
-        let clip = self.knots[knot].projection.clip(self.knots[knot].positions[point]);
+        let projection = &self.knots[knot].projection;
+        let clip = projection.clip(self.knots[knot].positions[point]);
         match self.task.space {
             Space::Homogeneous => clip,
-            Space::Screen => DVec3::new(clip.x / clip.z, clip.y / clip.z, clip.z),
+            Space::Screen => projection.pixel_of(clip).extend(clip.z),
         }
     }
 
@@ -183,7 +184,7 @@ impl<'a> Shared<'a> {
 
     /// Whether a point is in front of the camera wherever it is looked at.
     fn is_seen(&self, point: usize, curves: &[Curve]) -> bool {
-        let depth = |projection: &Projection, p: [f32; 3]| {
+        let depth = |projection: &PixelClip, p: [f32; 3]| {
             projection.linear.row(2).dot(DVec3::from_array(p.map(f64::from))) + projection.offset.z
         };
         let before = |knot: &Knot| depth(&knot.projection, knot.positions[point]) > knot.projection.near;
@@ -317,7 +318,7 @@ impl Traces {
             if !clip.is_finite() {
                 return None;
             }
-            let pixel = clip.truncate() / clip.z;
+            let pixel = knot.projection.pixel_of(clip);
             let channels = if space == Space::Screen { pixel.extend(clip.z) } else { clip };
             let visible = clip.z > knot.projection.near && pixel.as_vec2().is_finite();
             let [x, y] = if visible { pixel.as_vec2().to_array() } else { [0.0; 2] };

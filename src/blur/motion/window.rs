@@ -4,15 +4,15 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::shaders::blur::blocks::{Cluster, Piece};
 use crate::shaders::blur::constants::PIECE_SEGMENTS;
-use crate::view::Camera;
+use crate::view::View;
 
 /// The mesh in one frame, and what sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose<'a> {
     /// World position of each point in metres, finite.
     pub positions: &'a [[f32; 3]],
-    /// The camera of the frame.
-    pub camera: &'a Camera,
+    /// What the frame is seen through. All of a window are perspective, or all orthographic.
+    pub view: &'a View,
     /// Whether a new shot begins here: trajectories do not go from the pose before to this one.
     pub cut: bool,
 }
@@ -89,18 +89,18 @@ impl Interval {
 
 /// A frame whose pose is on the device, and what sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct FrameView {
     /// Its number.
     pub frame: u32,
-    /// Its camera.
-    pub camera: Camera,
+    /// What sees it.
+    pub view: View,
 }
 
 /// A frame that trajectories go through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot {
     /// The frame.
-    pub view: View,
+    pub view: FrameView,
     /// Share of its distance from frame i in each row of each piece: origin, step, moments; segment by segment.
     pub weights: [[f32; 4]; PIECE_SEGMENTS as usize],
 }

@@ -2,24 +2,26 @@
 
 use std::collections::HashMap;
 
+use glam::DVec3;
+
 use super::distort::{Outside, Triangle, Vertex};
 use super::path::Path;
 use super::raster::Clip;
 use super::refine::Refined;
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::Segment;
-use crate::view::Camera;
+use crate::view::{Projection, View};
 
-/// Pixel clip coordinates of each corner of each triangle of the mesh in a frame: v = R (p - eye), W = v.z,
-/// X = f v.x + W width / 2, Y = W height / 2 - f v.y, f = height / 2 / tan(fov / 2).
-pub fn corners(mesh: &Mesh, positions: &[[f32; 3]], camera: &Camera, size: [u32; 2]) -> Vec<[Clip; 3]> {
+/// Pixel clip coordinates of each corner of each triangle of the mesh in a frame, straight from the view's matrices: of clip coordinates
+/// (x, y, z, w), X = (x + w) width / 2 and Y = (y + w) height / 2, moved by the jitter, and W = w, all over what w grows by with a metre.
+pub fn corners(mesh: &Mesh, positions: &[[f32; 3]], view: &View, size: [u32; 2]) -> Vec<[Clip; 3]> {
     let [width, height] = size.map(f64::from);
-    let focal = height / 2.0 / (camera.vertical_fov.to_radians() / 2.0).tan();
-    let rotation = camera.rotation();
+    let matrix = view.view_to_clip * view.world_to_view;
+    let metre = view.view_to_clip.row(3).truncate().length();
     let clip = |point: &u32| {
         let p = positions[*point as usize].map(f64::from);
-        let v = rotation * (glam::DVec3::from_array(p) - camera.eye);
-        [focal * v.x + v.z * width / 2.0, v.z * height / 2.0 - focal * v.y, v.z]
+        let [x, y, _, w] = (matrix * DVec3::from_array(p).extend(1.0) / metre).to_array();
+        [(x + w) * width / 2.0 + view.jitter[0] * w, (y + w) * height / 2.0 + view.jitter[1] * w, w]
     };
     mesh.triangles().iter().map(|triangle| triangle.each_ref().map(clip)).collect()
 }
@@ -27,12 +29,12 @@ pub fn corners(mesh: &Mesh, positions: &[[f32; 3]], camera: &Camera, size: [u32;
 /// World normals of each corner of each triangle in a frame, of any length: the sum of the cross products of the sides of
 /// the triangles in the corner's normal group, so that larger triangles count for more. To the outside, where there is one.
 pub fn normals(mesh: &Mesh, positions: &[[f32; 3]], outsides: &[Outside]) -> Vec<[[f64; 3]; 3]> {
-    let at = |point: u32| glam::DVec3::from_array(positions[point as usize].map(f64::from));
+    let at = |point: u32| DVec3::from_array(positions[point as usize].map(f64::from));
     let face = |triangle: &u32| {
         let [a, b, c] = mesh.triangles()[*triangle as usize].map(at);
         (b - a).cross(c - a)
     };
-    let of_group = |group: &u32| mesh.group_triangles().of(*group as usize).iter().map(face).sum::<glam::DVec3>();
+    let of_group = |group: &u32| mesh.group_triangles().of(*group as usize).iter().map(face).sum::<DVec3>();
     let side = |outside: &Outside| if *outside == Outside::Clockwise { -1.0 } else { 1.0 };
     let corners = mesh.normal_groups().iter().zip(outsides);
     corners
@@ -59,26 +61,27 @@ pub fn triangles(refined: &Refined, segments: &[Segment], on_screen: bool) -> Ve
     refined.triangles.iter().map(triangle).collect()
 }
 
-/// The outside of each triangle of the mesh in a frame, as `camera` sees it in pictures of `size` pixels. Closed is what
+/// The outside of each triangle of the mesh in a frame, as seen through `view` in pictures of `size` pixels. Closed is what
 /// hangs together over edges, each of which one triangle runs along in either direction. It is flat if its volume is less
 /// than what moving its area by 2^-20 of its largest coordinate makes, and may hold the eye if this is in its box, or farther
 /// away along no axis than the near plane's width, height and distance together, halved but for the distance.
-pub fn outsides(mesh: &Mesh, positions: &[[f32; 3]], camera: &Camera, size: [u32; 2]) -> Vec<Outside> {
-    let at = |point: u32| glam::DVec3::from_array(positions[point as usize].map(f64::from));
-    let half = (camera.vertical_fov.to_radians() / 2.0).tan() * camera.near;
-    let reach = camera.near + half + half * f64::from(size[0]) / f64::from(size[1]);
+pub fn outsides(mesh: &Mesh, positions: &[[f32; 3]], view: &View, size: [u32; 2]) -> Vec<Outside> {
+    let at = |point: u32| DVec3::from_array(positions[point as usize].map(f64::from));
+    let Projection { eye, near, .. } = Projection::of_valid(view, size);
+    let [low, high] = Projection::of_valid(view, size).borders(size);
+    let reach = near + near * low.abs().max(high.abs()).element_sum();
     let outside = |surface: &Vec<usize>| {
-        let corners: Vec<[glam::DVec3; 3]> = surface.iter().map(|t| mesh.triangles()[*t].map(at)).collect();
+        let corners: Vec<[DVec3; 3]> = surface.iter().map(|t| mesh.triangles()[*t].map(at)).collect();
         let all = || corners.iter().flatten().copied();
-        let low = all().fold(glam::DVec3::INFINITY, glam::DVec3::min);
-        let high = all().fold(glam::DVec3::NEG_INFINITY, glam::DVec3::max);
+        let low = all().fold(DVec3::INFINITY, DVec3::min);
+        let high = all().fold(DVec3::NEG_INFINITY, DVec3::max);
         let middle = (low + high) / 2.0;
         let volume: f64 = corners.iter().map(|[a, b, c]| (a - middle).dot((b - middle).cross(c - middle)) / 6.0).sum();
-        let spread = |normal: glam::DVec3| normal.abs().element_sum() / 2.0;
+        let spread = |normal: DVec3| normal.abs().element_sum() / 2.0;
         let area: f64 = corners.iter().map(|[a, b, c]| spread((b - a).cross(c - a))).sum();
         let farthest = low.abs().max(high.abs()).max_element();
         let is_flat = volume.abs() <= area * farthest * 0.5_f64.powi(20) / 6.0;
-        let holds = camera.eye.clamp(low - reach, high + reach) == camera.eye;
+        let holds = eye.clamp(low - reach, high + reach) == eye;
         match (is_flat || holds, volume > 0.0) {
             (true, _) => Outside::None,
             (false, true) => Outside::CounterClockwise,

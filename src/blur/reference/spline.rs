@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::view::Camera;
+use crate::view::View;
 
 /// Where a point is at a time, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,9 +18,9 @@ pub struct State {
 pub struct Path<'a> {
     /// Its world position in each frame, at least one.
     pub positions: &'a [[f32; 3]],
-    /// The camera of each frame.
-    pub cameras: &'a [Camera],
-    /// Whether the whole mesh, and the camera, are in each frame as in the one before; false for the first.
+    /// What each frame is seen through, in perspective.
+    pub views: &'a [View],
+    /// Whether the whole mesh, and the view, are in each frame as in the one before; false for the first.
     pub held: &'a [bool],
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
@@ -31,12 +31,12 @@ pub struct Path<'a> {
 impl Path<'_> {
     /// Homogeneous pixel coordinates (x w, y w, w), or in screen space (x, y, w), in a frame.
     pub fn channels(&self, frame: usize) -> DVec3 {
-        let (camera, [width, height]) = (&self.cameras[frame], self.size.map(f64::from));
-        let seen = camera.rotation() * (DVec3::from_array(self.positions[frame].map(f64::from)) - camera.eye);
-        let focal = 0.5 * height / (0.5 * camera.vertical_fov.to_radians()).tan();
-        let x = focal * seen.x + 0.5 * width * seen.z;
-        let y = -focal * seen.y + 0.5 * height * seen.z;
-        if self.on_screen { DVec3::new(x / seen.z, y / seen.z, seen.z) } else { DVec3::new(x, y, seen.z) }
+        let (view, [width, height]) = (&self.views[frame], self.size.map(f64::from));
+        let position = DVec3::from_array(self.positions[frame].map(f64::from));
+        let clip = view.view_to_clip * (view.world_to_view * position.extend(1.0));
+        let depth = clip.w / view.view_to_clip.row(3).truncate().length();
+        let (x, y) = (0.5 * width * (clip.x / clip.w + 1.0), 0.5 * height * (clip.y / clip.w + 1.0));
+        if self.on_screen { DVec3::new(x, y, depth) } else { DVec3::new(x * depth, y * depth, depth) }
     }
 
     /// The state at `time`, in frames after the first. Before the first frame and after the last paths are straight.

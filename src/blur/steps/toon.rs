@@ -34,7 +34,7 @@ impl ToonFrames {
     }
 
     fn params(&self, desc: &Desc, drawn: &Drawn) -> ToonParams {
-        ToonParams::new(desc, drawn.camera(), &self.input.light)
+        ToonParams::new(desc, drawn.view(), &self.input.light)
     }
 
     /// What is there once they are drawn.

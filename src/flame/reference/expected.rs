@@ -9,9 +9,10 @@ use super::kernel::{Body, logarithm};
 use super::prepare::Particle;
 use super::stochastic::Frame;
 use super::weights::Weights;
-use super::{half_side, pixels_per_slope, world};
+use super::{enlarged, half_sides, world};
 use crate::flame::settings::Shape;
 use crate::threads::map;
+use crate::view::Projection;
 
 /// Depth bins of equal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,11 +29,11 @@ impl Bins {
     /// Bins over all depths that render particles of these particles can have.
     pub fn around(frame: &Frame, particles: &[Particle], count: usize) -> Bins {
         let reach = reach(frame);
-        let rotation = frame.camera.rotation();
+        let projection = Projection::of_valid(&frame.view, frame.size);
         let depths = particles.iter().filter(|p| p.count > 0);
-        let depths = depths.map(|p| (rotation * (world(p.centre) - frame.camera.eye)).z);
+        let depths = depths.map(|p| projection.to_view(world(p.centre)).z);
         let [near, far] = depths.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| [a.min(z), b.max(z)]);
-        let (first, last) = (frame.camera.near, frame.camera.far);
+        let (first, last) = (projection.near, projection.far);
         Bins { near: (near - reach).clamp(first, last), far: (far + reach).clamp(first, last), count }
     }
 
@@ -108,18 +109,17 @@ fn integrate_at(
     pixels: &[usize],
     optical: impl Fn(usize, DVec2, &[f64], &mut [f64]) -> bool + Sync,
 ) -> Expected {
-    let [width, height] = frame.size.map(|n| n as usize);
+    let width = frame.size[0] as usize;
+    let projection = Projection::of_valid(&frame.view, frame.size);
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
     let pixel = |place: usize| {
-        let half = frame.camera.half_extent(frame.size);
-        let right = (2.0 * (place % width) as f64 + 1.0) / width as f64 - 1.0;
-        let up = 1.0 - (2.0 * (place / width) as f64 + 1.0) / height as f64;
+        let slope = projection.slope_at(DVec2::new((place % width) as f64, (place / width) as f64) + 0.5);
         let scene = frame.scene.map_or(f64::INFINITY, |scene| f64::from(scene[place]));
         let borders: Vec<f64> = bins.borders().into_iter().map(|z| z.min(scene)).collect();
         let mut column = vec![Bin::default(); bins.count];
         let mut depths = vec![0.0; bins.count];
         for (index, particle) in particles.iter().enumerate().filter(|(_, p)| p.count > 0) {
-            if optical(index, half * DVec2::new(right, up), &borders, &mut depths) {
+            if optical(index, slope, &borders, &mut depths) {
                 column.iter_mut().zip(&depths).for_each(|(bin, depth)| bin.add(*depth, particle.colour));
             }
         }
@@ -238,6 +238,7 @@ fn slope([before, h, behind]: [f64; 3], sums: [DVec3; 3]) -> DVec3 {
 struct Exact<'a> {
     frame: &'a Frame<'a>,
     particles: &'a [Particle],
+    projection: Projection,
     weights: Vec<Weights>,
     /// Of each particle: its centre in view space, and its weights.
     own: Vec<(DVec3, usize)>,
@@ -247,51 +248,52 @@ impl<'a> Exact<'a> {
     fn new(frame: &'a Frame<'a>, particles: &'a [Particle], side: usize) -> Exact<'a> {
         let mut known = BTreeMap::new();
         let mut alphas = Vec::new();
-        let rotation = frame.camera.rotation();
+        let projection = Projection::of_valid(&frame.view, frame.size);
         let own = particles.iter().map(|p| {
             let index = *known.entry(p.alpha.to_bits()).or_insert_with(|| {
                 alphas.push(p.alpha);
                 alphas.len() - 1
             });
-            (rotation * (world(p.centre) - frame.camera.eye), index)
+            (projection.to_view(world(p.centre)), index)
         });
         let own = own.collect();
         let threshold = f64::from(frame.settings.threshold);
         let weights =
             alphas.iter().map(|alpha| Weights::new(frame.mask, frame.level, *alpha, threshold, side)).collect();
-        Exact { frame, particles, weights, own }
+        Exact { frame, particles, projection, weights, own }
     }
 
     fn body(&self, index: usize) -> Body<'_> {
         let (centre, weights) = self.own[index];
-        let focal = pixels_per_slope(self.frame.camera, self.frame.size);
         // A sprite below one pixel is a pixel wide and passes less often. Its size at the centre is that of all: its
         // area times its chance is the same at any depth.
-        let z = centre.z.max(self.frame.camera.near);
-        let half = half_side(self.frame.settings, focal, z);
+        let z = centre.z.max(self.projection.near);
+        let half = half_sides(self.frame.settings, &self.projection, z);
+        let enlarged = enlarged(half);
         Body {
             weights: &self.weights[weights],
-            fill: (2.0 * half).min(1.0).powi(2),
-            half: half.max(0.5) / focal * z,
+            fill: enlarged.powi(-2),
+            half: half.x * enlarged / self.projection.focal.x * self.projection.widening(z),
             spread: f64::from(self.frame.settings.spread.unwrap_or_default()),
             shape: self.frame.settings.shape,
-            rotation: self.frame.camera.rotation(),
+            rotation: self.projection.axes,
         }
     }
 
     fn depths(&self, index: usize, slope: DVec2, borders: &[f64], depths: &mut [f64]) -> bool {
         let centre = self.own[index].0;
         let reach = reach(self.frame);
-        let camera = self.frame.camera;
-        if centre.z + reach < camera.near || centre.z - reach > camera.far {
+        let Projection { near, far, is_orthographic, .. } = self.projection;
+        if centre.z + reach < near || centre.z - reach > far {
             return false;
         }
-        let (body, beside) = (self.body(index), centre.z * slope - centre.truncate());
+        let (body, beside) = (self.body(index), self.projection.widening(centre.z) * slope - centre.truncate());
+        let slope = if is_orthographic { DVec2::ZERO } else { slope };
         if !body.touches(beside, slope) {
             return false;
         }
         let relative: Vec<f64> = borders.iter().map(|z| z - centre.z).collect();
-        let range = [camera.near, camera.far].map(|z| z - centre.z);
+        let range = [near, far].map(|z| z - centre.z);
         let mut shares = vec![0.0; borders.len()];
         let met = body.shares(beside, slope, range, &relative, &mut shares);
         let count = f64::from(self.particles[index].count);
@@ -342,7 +344,7 @@ mod tests {
                 settings: &self.settings,
                 seed: 7,
                 number: 0,
-                camera: &self.camera,
+                view: self.camera.view(self.size),
                 size: self.size,
                 scene: self.depth.as_deref(),
                 mask: &self.mask,
@@ -351,7 +353,7 @@ mod tests {
         }
 
         fn prepare(&self, positions: &[[f32; 4]]) -> Prepared {
-            prepare::prepare(&self.settings, 1e6, 7, &self.camera, positions, None)
+            prepare::prepare(&self.settings, 1e6, 7, &self.camera.view(self.size), positions, None)
         }
 
         fn render(&self, positions: &[[f32; 4]], bins: usize) -> Expected {

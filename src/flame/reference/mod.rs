@@ -10,25 +10,25 @@ pub mod stochastic;
 pub mod sums;
 pub mod weights;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::settings::Settings;
-use crate::view::Camera;
+use crate::view::Projection;
 
 /// A position as the input holds it.
 fn world(position: [f32; 3]) -> DVec3 {
     DVec3::from_array(position.map(f64::from))
 }
 
-/// How many pixels a slope of 1 is.
-fn pixels_per_slope(camera: &Camera, size: [u32; 2]) -> f64 {
-    f64::from(size[1]) / 2.0 / camera.half_extent(size).y
+/// Half a sprite in pixels at view depth `z`, across and down.
+fn half_sides(settings: &Settings, projection: &Projection, z: f64) -> DVec2 {
+    match settings.size_pixels {
+        Some(pixels) => DVec2::splat(0.5 * f64::from(pixels)),
+        None => 0.5 * f64::from(settings.sprite()) * projection.focal / projection.widening(z),
+    }
 }
 
-/// Half a sprite in pixels at view depth `z`.
-fn half_side(settings: &Settings, pixels_per_slope: f64, z: f64) -> f64 {
-    match settings.size_pixels {
-        Some(pixels) => 0.5 * f64::from(pixels),
-        None => 0.5 * f64::from(settings.sprite()) * pixels_per_slope / z,
-    }
+/// By what a sprite is enlarged that has less than a pixel across or down.
+fn enlarged(half_sides: DVec2) -> f64 {
+    (0.5 / half_sides.min_element()).max(1.0)
 }

@@ -5,7 +5,7 @@ use crate::flame::colour;
 use crate::flame::params::{COUNT_KEY, LIGHT_STEPS, MOST_COUNT};
 use crate::flame::settings::{Colour, Settings};
 use crate::random::{hash, unit};
-use crate::view::{Camera, FARTHEST};
+use crate::view::{FARTHEST, Projection, View};
 
 /// A particle in a frame. Tests may put a device's numbers into it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ pub fn prepare(
     settings: &Settings,
     hottest: f32,
     seed: u32,
-    camera: &Camera,
+    view: &View,
     positions: &[[f32; 4]],
     ids: Option<&[u32]>,
 ) -> Prepared {
@@ -70,9 +70,10 @@ pub fn prepare(
     }
     let brightest = particles.iter().flat_map(|p| p.colour).fold(0.0, f64::max);
     particles.iter_mut().for_each(|p| p.light = p.colour.map(|c| light(c, brightest)));
-    let rotation = camera.rotation();
-    let depths = particles.iter().map(|p| (rotation * (super::world(p.centre) - camera.eye)).z);
-    let nearest = depths.filter(|z| *z >= camera.near).fold(f64::INFINITY, f64::min);
+    // Depth is the same whatever the picture's size.
+    let projection = Projection::of_valid(view, [1, 1]);
+    let depths = particles.iter().map(|p| projection.to_view(super::world(p.centre)).z);
+    let nearest = depths.filter(|z| *z >= projection.near).fold(f64::INFINITY, f64::min);
     Prepared { particles, brightest, nearest }
 }
 
@@ -104,11 +105,12 @@ pub fn light(component: f64, brightest: f64) -> u32 {
 }
 
 /// The mask's level in a frame whose nearest particle is at view depth `nearest`; 0 without one.
-pub fn mask_level(settings: &Settings, camera: &Camera, size: [u32; 2], nearest: f64) -> u32 {
+pub fn mask_level(settings: &Settings, view: &View, size: [u32; 2], nearest: f64) -> u32 {
     match settings.size_pixels {
         Some(pixels) => mask::level(f64::from(pixels)),
         None if nearest.is_finite() => {
-            mask::level(f64::from(settings.sprite()) * super::pixels_per_slope(camera, size) / nearest)
+            let projection = Projection::of_valid(view, size);
+            mask::level(f64::from(settings.sprite()) * projection.focal.max_element() / projection.widening(nearest))
         }
         None => 0,
     }
@@ -119,6 +121,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::view::Camera;
 
     fn camera() -> Camera {
         Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, ..Camera::default() }
@@ -138,7 +141,7 @@ mod tests {
             [0.0, 0.0, 1.0, 199.0],
             [0.0, 0.0, -3.0, 9000.0],
         ];
-        let prepared = prepare(&Settings::default(), 6000.0, 1, &camera(), &given, None);
+        let prepared = prepare(&Settings::default(), 6000.0, 1, &camera().view([1, 1]), &given, None);
         let rows: Vec<u32> = prepared.particles.iter().map(|p| p.row).collect();
         assert_eq!((rows, prepared.nearest), (vec![0, 7, 8], 2.0));
         let [first, cold, hot] = &prepared.particles[..] else { panic!() };
@@ -154,13 +157,13 @@ mod tests {
     fn colours_are_shares_of_the_brightest() {
         let settings = Settings { colour: Colour::Ramp(vec![[0.0, 2.0, 8.0], [4.0, 2.0, 0.0]]), ..Settings::default() };
         let given = [[0.0, 0.0, 9.0, 750.0], [0.0, 0.0, 9.0, 3000.0], [0.0, 0.0, 9.0, 1500.0]];
-        let prepared = prepare(&settings, 1e6, 1, &camera(), &given, Some(&[7, 8, 9]));
+        let prepared = prepare(&settings, 1e6, 1, &camera().view([1, 1]), &given, Some(&[7, 8, 9]));
         let lights: Vec<[u32; 3]> = prepared.particles.iter().map(|p| p.light).collect();
         // 65535 times 0, 1/4, 1; 1/2, 1/4, 0; 1/4, 1/4, 1/2.
         assert_eq!(lights, [[0, 16384, 65535], [32768, 16384, 0], [16384, 16384, 32768]]);
         assert_eq!((prepared.brightest, prepared.nearest), (8.0, f64::INFINITY));
         assert_eq!(prepared.particles[2].id, 9);
-        let nothing = prepare(&settings, 3000.0, 1, &camera(), &[[0.0, 0.0, 0.0, 500.0]], None);
+        let nothing = prepare(&settings, 3000.0, 1, &camera().view([1, 1]), &[[0.0, 0.0, 0.0, 500.0]], None);
         assert_eq!((nothing.brightest, nothing.particles[0].light), (0.0, [0; 3]));
     }
 
@@ -182,7 +185,8 @@ mod tests {
     fn the_level_follows_the_nearest_particle() {
         // 90 degrees over 128 rows: 64 pixels at depth 1.
         let settings = Settings { size: Some(0.5), ..Settings::default() };
-        let level = |settings: &Settings, nearest| mask_level(settings, &camera(), [200, 128], nearest);
+        let level =
+            |settings: &Settings, nearest| mask_level(settings, &camera().view([200, 128]), [200, 128], nearest);
         let given = [0.1, 0.99, 1.01, 2.01, 50.0, f64::INFINITY];
         assert_eq!(given.map(|nearest| level(&settings, nearest)), [0, 0, 1, 2, 6, 0]);
         let settings = Settings { size: None, size_pixels: Some(13.0), ..settings };

@@ -2,16 +2,16 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::draws::{Draw, Draws};
 use super::mask::{Mask, SIDE};
 use super::prepare::Particle;
 use super::sums::Sums;
-use super::{half_side, pixels_per_slope, world};
+use super::{enlarged, half_sides, world};
 use crate::flame::settings::Settings;
 use crate::threads::map;
-use crate::view::Camera;
+use crate::view::{Projection, View};
 
 /// The context of a frame besides its particles.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,8 @@ pub struct Frame<'a> {
     pub seed: u32,
     /// Number of the frame, for flicker.
     pub number: u32,
-    /// The camera.
-    pub camera: &'a Camera,
+    /// What it is seen through.
+    pub view: View,
     /// Pixels across and down.
     pub size: [u32; 2],
     /// View depth of the scene a pixel, infinite where nothing is.
@@ -86,8 +86,8 @@ struct Sprite {
     /// Centre in pixels.
     centre: [f64; 2],
     z: f64,
-    /// Half side in pixels.
-    half: f64,
+    /// Half sides in pixels.
+    half: [f64; 2],
     /// Share of its pixel that a sprite below one pixel fills.
     fill: f64,
     alpha: f64,
@@ -121,8 +121,7 @@ struct Work<'a> {
     particles: &'a [Particle],
     rounding: Rounding,
     draws: Draws,
-    rotation: DMat3,
-    focal: f64,
+    projection: Projection,
     /// The mask's level, each texel's alphas in descending order.
     sorted: Vec<f64>,
     /// Particles that can pass, and their centres in view space.
@@ -131,7 +130,7 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     fn new(frame: &'a Frame, particles: &'a [Particle], rounding: Rounding) -> Work<'a> {
-        let rotation = frame.camera.rotation();
+        let projection = Projection::of_valid(&frame.view, frame.size);
         let largest = frame.mask.largest() + rounding.alpha;
         let threshold = f64::from(frame.settings.threshold);
         let can_pass = |p: &Particle| threshold <= 1.0 && p.alpha * largest * (1.0 + rounding.alpha) >= threshold;
@@ -141,10 +140,9 @@ impl<'a> Work<'a> {
             particles,
             rounding,
             draws: Draws::new(frame.settings, frame.seed, frame.number),
-            rotation,
-            focal: pixels_per_slope(frame.camera, frame.size),
+            projection,
             sorted: frame.mask.sorted(frame.level),
-            able: able.map(|(i, p)| (i, rotation * (world(p.centre) - frame.camera.eye))).collect(),
+            able: able.map(|(i, p)| (i, projection.to_view(world(p.centre)))).collect(),
         }
     }
 
@@ -187,19 +185,19 @@ impl<'a> Work<'a> {
 
     fn sprite(&self, particle: &Particle, centre: DVec3, draw: &Draw) -> Option<Sprite> {
         let spread = f64::from(self.frame.settings.spread.unwrap_or_default());
-        let view = centre + self.rotation * (spread * DVec3::from_array(draw.offset));
-        let (near, far) = (self.frame.camera.near, self.frame.camera.far);
+        let view = centre + self.projection.axes * (spread * DVec3::from_array(draw.offset));
+        let Projection { near, far, .. } = self.projection;
         let slack = self.rounding.depth * view.z.abs();
         if !(view.z >= near - slack && view.z <= far + slack) {
             return None;
         }
-        let half = half_side(self.frame.settings, self.focal, view.z);
-        let [width, height] = self.frame.size.map(f64::from);
+        let half = half_sides(self.frame.settings, &self.projection, view.z);
+        let enlarged = enlarged(half);
         Some(Sprite {
-            centre: [width / 2.0 + self.focal * view.x / view.z, height / 2.0 - self.focal * view.y / view.z],
+            centre: self.projection.pixel_of(view).to_array(),
             z: view.z,
-            half: half.max(0.5),
-            fill: (2.0 * half).min(1.0).powi(2),
+            half: (half * enlarged).to_array(),
+            fill: enlarged.powi(-2),
             alpha: particle.alpha,
             variant: (((draw.mask >> 16) * self.frame.mask.variants() as u32) >> 16) as usize,
             quantile: draw.mask & 0xFFFF,
@@ -209,10 +207,11 @@ impl<'a> Work<'a> {
 
     /// Tests a sprite in every pixel that it may touch.
     fn splat(&self, index: usize, sprite: &Sprite, nearest: &mut [Nearest]) {
-        let outside = sprite.z < self.frame.camera.near || sprite.z > self.frame.camera.far;
+        let outside = sprite.z < self.projection.near || sprite.z > self.projection.far;
         let range = |axis: usize| {
             let n = f64::from(self.frame.size[axis]);
-            let [low, high] = [-1.0, 1.0].map(|side| sprite.centre[axis] + side * (sprite.half + self.rounding.place));
+            let [low, high] =
+                [-1.0, 1.0].map(|side| sprite.centre[axis] + side * (sprite.half[axis] + self.rounding.place));
             ((low - 0.5).ceil().clamp(0.0, n) as usize)..((high - 0.5).floor() + 1.0).clamp(0.0, n) as usize
         };
         let (columns, rows) = (range(0), range(1));
@@ -259,8 +258,8 @@ impl<'a> Work<'a> {
     }
 
     fn test(&self, sprite: &Sprite, pixel: [f64; 2]) -> Test {
-        let at: [f64; 2] = std::array::from_fn(|axis| (pixel[axis] - sprite.centre[axis]) / sprite.half);
-        let error = self.rounding.place / sprite.half;
+        let at: [f64; 2] = std::array::from_fn(|axis| (pixel[axis] - sprite.centre[axis]) / sprite.half[axis]);
+        let error = self.rounding.place / sprite.half[0].min(sprite.half[1]);
         // What a sprite below one pixel does not fill, and whether rounding decides that.
         let quantile = f64::from(sprite.quantile) / 65536.0;
         let slack = if sprite.fill < 1.0 { 4.0 * self.rounding.depth } else { 0.0 };
@@ -345,6 +344,7 @@ mod tests {
     use crate::flame::reference::prepare::{self, Prepared};
     use crate::flame::settings::{Colour, Sampling, Shape};
     use crate::random::{hash, unit};
+    use crate::view::Camera;
 
     /// Looks along -z from the origin, 90 degrees.
     fn camera() -> Camera {
@@ -376,17 +376,17 @@ mod tests {
         }
 
         fn prepare(&self, positions: &[[f32; 4]]) -> Prepared {
-            prepare::prepare(&self.settings, 1e6, 7, &self.camera, positions, None)
+            prepare::prepare(&self.settings, 1e6, 7, &self.camera.view(self.size), positions, None)
         }
 
         fn render(&self, positions: &[[f32; 4]], repetitions: Range<u32>) -> Sums {
-            let prepared = self.prepare(positions);
-            let level = prepare::mask_level(&self.settings, &self.camera, self.size, prepared.nearest);
+            let (prepared, view) = (self.prepare(positions), self.camera.view(self.size));
+            let level = prepare::mask_level(&self.settings, &view, self.size, prepared.nearest);
             let frame = Frame {
                 settings: &self.settings,
                 seed: 7,
                 number: 0,
-                camera: &self.camera,
+                view,
                 size: self.size,
                 scene: self.depth.as_deref(),
                 mask: &self.mask,

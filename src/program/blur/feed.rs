@@ -115,7 +115,7 @@ impl Feed for BlurFeed {
             toon: is_drawn.then_some(ToonInput { view, light: scene.light }),
             outer: frame.outer_images().map(|number| image(number?)),
             target,
-            depth: place.depth.map(|depth| DepthInput { host: depth.seen(view.camera.near), view }),
+            depth: place.depth.map(|depth| DepthInput { host: depth, view }),
             background: place.background,
         })
     }

@@ -94,8 +94,8 @@ impl Input for BlurInput {
         let scene = self.blur.mesh(&self.shot)?;
         self.notes = notes(&scene, &self.blur);
         let of_shot = self.shot.clone();
-        let camera = move |frame: f64| of_shot.camera(frame);
-        let motion = Motion::new(scene, camera, self.shot.frames, &self.blur.settings, self.shot.size, threads)?;
+        let view = move |frame: f64| of_shot.camera(frame).view(of_shot.size);
+        let motion = Motion::new(scene, view, self.shot.frames, &self.blur.settings, self.shot.size, threads)?;
         self.motion = Some(motion);
         Ok(())
     }

@@ -54,16 +54,16 @@ impl Feed for FlameFeed {
         Ok(())
     }
 
-    fn frame<'a>(&'a self, _: &Flame, scene: &Scene<'a>, place: &Place) -> Option<Frame> {
+    fn frame<'a>(&'a self, flame: &Flame, scene: &Scene<'a>, place: &Place) -> Option<Frame> {
         Some(Frame {
-            camera: scene.camera,
+            view: scene.seen(flame.desc().size),
             particles: self.particles,
             number: scene.number,
             accumulate: scene.accumulate,
             target: place.target?,
             background: place.background,
             scene: match place.depth {
-                Some(depth) => Some(SceneDepth::Image(depth.seen(scene.camera.near))),
+                Some(depth) => Some(SceneDepth::Image(depth)),
                 None => place.left.depth.or(self.depth).map(SceneDepth::Buffer),
             },
         })

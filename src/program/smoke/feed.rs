@@ -47,15 +47,15 @@ impl Feed for SmokeFeed {
         Ok(())
     }
 
-    fn frame<'a>(&'a self, _: &Smoke, scene: &Scene<'a>, place: &Place) -> Option<Frame> {
+    fn frame<'a>(&'a self, smoke: &Smoke, scene: &Scene<'a>, place: &Place) -> Option<Frame> {
         Some(Frame {
             sequence: scene.sequence,
             dt: scene.dt,
-            camera: scene.camera,
+            view: scene.seen(smoke.desc().size),
             light: scene.light,
             volume: self.volume,
             target: place.target,
-            depth: place.target.and(place.depth).map(|depth| depth.seen(scene.camera.near)),
+            depth: place.target.and(place.depth),
             edges: place.target.and(place.left.edges),
             background: place.background,
         })

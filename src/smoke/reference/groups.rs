@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::particles::Origin;
 use crate::smoke::settings::Settings;
-use crate::view::Camera;
+use crate::view::{Projection, View};
 
 /// Remembers the range and the groups of the last frame. A new one starts afresh.
 #[derive(Clone, Debug, Default)]
@@ -17,10 +17,11 @@ impl Groups {
     /// Group of every sphere of this frame, 1 to [`Settings::group_count`]; 0 where the radius is 0.
     ///
     /// `spheres` are centre and displayed radius in metres, `origins` what each was in the frame before.
-    pub fn step(&mut self, settings: &Settings, camera: &Camera, spheres: &[[f64; 4]], origins: &[Origin]) -> Vec<u32> {
-        let forward = camera.rotation().row(2);
-        let depth = |[x, y, z, _]: &[f64; 4]| forward.dot(DVec3::new(*x, *y, *z) - camera.eye);
-        let ahead = spheres.iter().filter(|s| s[3] > 0.0).map(depth).filter(|z| *z >= camera.near);
+    pub fn step(&mut self, settings: &Settings, view: &View, spheres: &[[f64; 4]], origins: &[Origin]) -> Vec<u32> {
+        // Depth is the same whatever the picture's size.
+        let projection = Projection::of_valid(view, [1, 1]);
+        let depth = |[x, y, z, _]: &[f64; 4]| projection.to_view(DVec3::new(*x, *y, *z)).z;
+        let ahead = spheres.iter().filter(|s| s[3] > 0.0).map(depth).filter(|z| *z >= projection.near);
         let fresh_range = ahead.map(|z| [z, z]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         self.range = smoothed(self.range, fresh_range, f64::from(settings.range_smoothing));
         let (start, width) = match (settings.group_depth, self.range) {
@@ -78,6 +79,7 @@ fn group_at(position: f64, previous: Option<u32>, hysteresis: f64, count: u32) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::Camera;
 
     /// Looks along -z from the origin: a sphere at z = -d has depth d.
     fn camera() -> Camera {
@@ -89,7 +91,7 @@ mod tests {
     }
 
     fn step(groups: &mut Groups, settings: &Settings, depths: &[f64], origin: Origin) -> Vec<u32> {
-        groups.step(settings, &camera(), &at_depths(depths), &vec![origin; depths.len()])
+        groups.step(settings, &camera().view([1, 1]), &at_depths(depths), &vec![origin; depths.len()])
     }
 
     #[test]
@@ -98,7 +100,7 @@ mod tests {
         let mut groups = Groups::default();
         let mut spheres = at_depths(&[2.0, 3.0, 3.5, 4.0, 9.0, 10.0, 0.4, -7.0, 50.0]);
         spheres[8][3] = 0.0;
-        let ids = groups.step(&settings, &camera(), &spheres, &[Origin::Fresh; 9]);
+        let ids = groups.step(&settings, &camera().view([1, 1]), &spheres, &[Origin::Fresh; 9]);
         assert_eq!(groups.range(), Some([2.0, 10.0]));
         // Width 2; the two behind the near plane clamp to the first group; radius 0 has none.
         assert_eq!(ids, [1, 1, 1, 2, 4, 4, 1, 1, 0]);
@@ -136,7 +138,7 @@ mod tests {
         assert_eq!(step(&mut groups, &settings, &[0.5, 10.5, 3.0, 9.0], Origin::Fresh), [1, 10, 3, 9]);
         // Slot 2 died at 3.6 and was reborn at 3.6; its ghost takes the last place.
         let origins = [Origin::Kept, Origin::Kept, Origin::Fresh, Origin::Ghost(2)];
-        let ids = groups.step(&settings, &camera(), &at_depths(&[0.5, 10.5, 3.6, 3.6]), &origins);
+        let ids = groups.step(&settings, &camera().view([1, 1]), &at_depths(&[0.5, 10.5, 3.6, 3.6]), &origins);
         assert_eq!(ids, [1, 10, 4, 3]);
     }
 

@@ -14,7 +14,7 @@ pub mod tone;
 pub use grid::Grid;
 
 use super::settings::{Settings, Shadow};
-use crate::view::{Camera, Light};
+use crate::view::{Light, View};
 use render::Hit;
 
 /// One rendered frame, every layer row by row from the top.
@@ -44,27 +44,27 @@ pub struct Frame {
 /// `voxel` is the smallest side of a voxel in metres. A shadow map is an approximation of hard exact shadows.
 pub fn frame(
     settings: &Settings,
-    camera: &Camera,
+    view: &View,
     light: &Light,
     size: [u32; 2],
     voxel: f64,
     spheres: &[[f64; 4]],
     groups: &[u32],
 ) -> Frame {
-    let hits = render::raycast(camera, size, spheres);
-    let soft = |softness| shadow::shadow(camera, size, spheres, &hits, light.source, softness);
+    let hits = render::raycast(view, size, spheres);
+    let soft = |softness| shadow::shadow(view, size, spheres, &hits, light.source, softness);
     let shadow = match settings.shadow {
         Shadow::Exact => soft(f64::from(settings.softness)),
         Shadow::Map => soft(0.0),
         Shadow::None => vec![1.0; hits.len()],
     };
-    let luminance = render::luminance(camera, size, spheres, &hits, light, &shadow);
+    let luminance = render::luminance(view, size, spheres, &hits, light, &shadow);
     let depth = render::depth(&hits);
     let id = render::id(&hits, groups);
     let [width, height] = size.map(|n| n as usize);
     let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
     let tone = tone::tones(size, &smooth, &id, &settings.tones, settings.tone_softness.into());
-    let outline = tone::outline(size, &depth, camera, voxel, &settings.outline);
+    let outline = tone::outline(size, &depth, view, voxel, &settings.outline);
     let image = tone::composite(&tone, &outline, &id, settings.outline.colour);
     Frame { hits, shadow, luminance, depth, id, smooth, tone, outline, image }
 }
@@ -74,6 +74,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::view::Camera;
 
     /// A small plume in motion, over some frames; the last one rendered.
     #[test]
@@ -94,9 +95,10 @@ mod tests {
         let mut ids = Vec::new();
         for _ in 0..10 {
             particles.step(&grid, &settings, 0.04, 1);
-            ids = depth_groups.step(&settings, &camera, &particles.spheres(), &particles.origins());
+            ids = depth_groups.step(&settings, &camera.view(size), &particles.spheres(), &particles.origins());
         }
-        let frame = frame(&settings, &camera, &light, size, grid.smallest_side(), &particles.spheres(), &ids);
+        let frame =
+            frame(&settings, &camera.view(size), &light, size, grid.smallest_side(), &particles.spheres(), &ids);
         let seen = frame.hits.iter().flatten().count();
         assert!(seen > 1000, "{seen} pixels");
         assert!(frame.hits.iter().flatten().any(|hit| hit.sphere >= 100), "no ghost is seen");
@@ -117,12 +119,12 @@ mod tests {
         let light = Light { source: crate::view::LightSource::Direction(-DVec3::Z), ambient: 0.0 };
         let no_line = crate::toon::Outline { strength: 0.0, ..Default::default() };
         let settings = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
-        let frame = frame(&settings, &camera, &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &[5]);
+        let frame = frame(&settings, &camera.view([33, 33]), &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &[5]);
         let middle = 16 * 33 + 16;
         assert_eq!((frame.depth[middle], frame.id[middle], frame.shadow[middle]), (2.0, 5, 1.0));
         assert!((frame.luminance[middle] - 1.0).abs() < 1e-15 && frame.smooth == frame.luminance);
         assert_eq!(frame.image[middle], [0.95_f32, 0.95, 0.93, 1.0].map(f64::from));
-        let none = super::frame(&settings, &camera, &light, [33, 33], 0.1, &[], &[]);
+        let none = super::frame(&settings, &camera.view([33, 33]), &light, [33, 33], 0.1, &[], &[]);
         assert!(none.image.iter().all(|c| *c == [0.0; 4]));
     }
 }

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DVec3};
+use glam::{DVec2, DVec3};
 
-use crate::view::{Camera, Light, LightSource};
+use crate::view::{Light, LightSource, Projection, View};
 
 /// The surface that a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,49 +15,49 @@ pub struct Hit {
     pub depth: f64,
 }
 
-/// Camera, picture and spheres in view space: x right, y up, z = depth. `spheres` are centre and radius in metres.
-pub(super) struct Scene<'a> {
-    camera: &'a Camera,
+/// Picture and spheres in view space: x right, y up, z = depth. `spheres` are centre and radius in metres.
+pub(super) struct Scene {
+    projection: Projection,
     size: [u32; 2],
-    rotation: DMat3,
     /// Centre and radius; none where there is no sphere to see: radius 0, or not finite.
     pub(super) spheres: Vec<Option<(DVec3, f64)>>,
 }
 
-impl<'a> Scene<'a> {
-    pub(super) fn new(camera: &'a Camera, size: [u32; 2], spheres: &[[f64; 4]]) -> Scene<'a> {
-        let rotation = camera.rotation();
+impl Scene {
+    pub(super) fn new(view: &View, size: [u32; 2], spheres: &[[f64; 4]]) -> Scene {
+        let projection = Projection::of_valid(view, size);
         let sphere = |s: &[f64; 4]| {
-            let centre = rotation * (DVec3::new(s[0], s[1], s[2]) - camera.eye);
+            let centre = projection.to_view(DVec3::new(s[0], s[1], s[2]));
             (s[3] > 0.0 && s[3].is_finite() && centre.is_finite()).then_some((centre, s[3]))
         };
-        Scene { camera, size, rotation, spheres: spheres.iter().map(sphere).collect() }
+        Scene { projection, size, spheres: spheres.iter().map(sphere).collect() }
     }
 
-    /// View-space direction, with z = 1, through the middle of pixel (x, y), y down.
-    fn ray(&self, x: u32, y: u32) -> DVec3 {
-        let half = self.camera.half_extent(self.size);
-        let right = (2.0 * f64::from(x) + 1.0) / f64::from(self.size[0]) - 1.0;
-        let up = 1.0 - (2.0 * f64::from(y) + 1.0) / f64::from(self.size[1]);
-        DVec3::new(right * half.x, up * half.y, 1.0)
+    /// The ray through the middle of pixel (x, y), y down: where it begins, and its direction with z = 1.
+    fn ray(&self, x: u32, y: u32) -> [DVec3; 2] {
+        self.projection.ray_at(DVec2::new(f64::from(x), f64::from(y)) + 0.5)
     }
 
     /// Pixels that may see a sphere: columns and rows, never too few. The planes through the eye that touch the sphere
-    /// bound it; where the sphere reaches behind the eye there are none, and it may be seen anywhere.
+    /// bound it; where the sphere reaches behind the eye there are none, and it may be seen anywhere. Parallel rays touch it at its
+    /// radius.
     fn bounds(&self, centre: DVec3, radius: f64) -> [Range<u32>; 2] {
-        let half = self.camera.half_extent(self.size);
+        let Projection { focal, centre: middle_pixel, is_orthographic, .. } = self.projection;
         [0, 1].map(|axis| {
             let n = self.size[axis];
             let (across, z) = (centre[axis], centre.z);
-            if z - radius <= 1e-9 * z.abs() {
+            if !is_orthographic && z - radius <= 1e-9 * z.abs() {
                 return 0..n;
             }
             let middle = across * z;
             let spread = radius * (across * across + (z - radius) * (z + radius)).sqrt();
-            let slopes = [-1.0, 1.0].map(|side| (middle + side * spread) / ((z - radius) * (z + radius)) / half[axis]);
+            let slopes = [-1.0, 1.0].map(|side| match is_orthographic {
+                true => across + side * radius,
+                false => (middle + side * spread) / ((z - radius) * (z + radius)),
+            });
             // Rows go down where y goes up. A pixel more on each side covers rounding.
             let [low, high] = if axis == 0 { slopes } else { [-slopes[1], -slopes[0]] };
-            let pixel = |slope: f64| (slope + 1.0) / 2.0 * f64::from(n);
+            let pixel = |slope: f64| middle_pixel[axis] + focal[axis] * slope;
             let start = (pixel(low) - 2.0).clamp(0.0, f64::from(n)) as u32;
             let end = (pixel(high) + 2.0).ceil().clamp(0.0, f64::from(n)) as u32;
             start..end
@@ -69,16 +69,19 @@ impl<'a> Scene<'a> {
         hits.iter().enumerate().filter_map(|(pixel, hit)| {
             let hit = (*hit)?;
             let place = pixel as u32;
-            Some((pixel, hit.sphere, self.ray(place % self.size[0], place / self.size[0]) * hit.depth))
+            let [from, way] = self.ray(place % self.size[0], place / self.size[0]);
+            Some((pixel, hit.sphere, from + way * hit.depth))
         })
     }
 
     /// Unit vector from the view-space `point` towards the light, and the distance to it. Zero in the light itself.
     pub(super) fn towards(&self, source: LightSource, point: DVec3) -> (DVec3, f64) {
         match source {
-            LightSource::Direction(direction) => (-(self.rotation * direction).normalize_or_zero(), f64::INFINITY),
+            LightSource::Direction(direction) => {
+                (-(self.projection.axes * direction).normalize_or_zero(), f64::INFINITY)
+            }
             LightSource::Position(position) => {
-                let way = self.rotation * (position - self.camera.eye) - point;
+                let way = self.projection.to_view(position) - point;
                 (way.normalize_or_zero(), way.length())
             }
         }
@@ -89,8 +92,9 @@ impl<'a> Scene<'a> {
 ///
 /// `size` in pixels; `spheres` are centre and radius in metres, radius 0 is none. A sphere that the camera is inside of
 /// has no front to see.
-pub fn raycast(camera: &Camera, size: [u32; 2], spheres: &[[f64; 4]]) -> Vec<Option<Hit>> {
-    let scene = Scene::new(camera, size, spheres);
+pub fn raycast(view: &View, size: [u32; 2], spheres: &[[f64; 4]]) -> Vec<Option<Hit>> {
+    let scene = Scene::new(view, size, spheres);
+    let Projection { near, far, .. } = scene.projection;
     let mut hits: Vec<Option<Hit>> = vec![None; size[0] as usize * size[1] as usize];
     for (sphere, shape) in scene.spheres.iter().enumerate() {
         let Some((centre, radius)) = *shape else { continue };
@@ -98,7 +102,7 @@ pub fn raycast(camera: &Camera, size: [u32; 2], spheres: &[[f64; 4]]) -> Vec<Opt
         for y in rows {
             for x in columns.clone() {
                 let depth = front(scene.ray(x, y), centre, radius);
-                let Some(depth) = depth.filter(|z| (camera.near..=camera.far).contains(z)) else { continue };
+                let Some(depth) = depth.filter(|z| (near..=far).contains(z)) else { continue };
                 let seen = &mut hits[y as usize * size[0] as usize + x as usize];
                 if seen.is_none_or(|other| depth < other.depth) {
                     *seen = Some(Hit { sphere, depth });
@@ -109,12 +113,13 @@ pub fn raycast(camera: &Camera, size: [u32; 2], spheres: &[[f64; 4]]) -> Vec<Opt
     hits
 }
 
-/// Where the line `t * ray` enters the sphere: from its closest approach to the centre back by half the chord.
+/// Where the line `from + t * way` enters the sphere: from its closest approach to the centre back by half the chord.
 /// The form does not cancel for small spheres far away.
-fn front(ray: DVec3, centre: DVec3, radius: f64) -> Option<f64> {
-    let squared = ray.length_squared();
-    let closest = ray.dot(centre) / squared;
-    let beside = (centre - ray * closest).length_squared();
+fn front([from, way]: [DVec3; 2], centre: DVec3, radius: f64) -> Option<f64> {
+    let centre = centre - from;
+    let squared = way.length_squared();
+    let closest = way.dot(centre) / squared;
+    let beside = (centre - way * closest).length_squared();
     let chord = radius * radius - beside;
     (chord >= 0.0).then(|| closest - (chord / squared).sqrt())
 }
@@ -123,14 +128,14 @@ fn front(ray: DVec3, centre: DVec3, radius: f64) -> Option<f64> {
 ///
 /// `hits` are [`raycast`]'s, `shadow` is s of every pixel: 1 lit, 0 in shadow.
 pub fn luminance(
-    camera: &Camera,
+    view: &View,
     size: [u32; 2],
     spheres: &[[f64; 4]],
     hits: &[Option<Hit>],
     light: &Light,
     shadow: &[f64],
 ) -> Vec<f64> {
-    let scene = Scene::new(camera, size, spheres);
+    let scene = Scene::new(view, size, spheres);
     let mut image = vec![0.0; hits.len()];
     for (pixel, sphere, point) in scene.seen(hits) {
         let Some(Some((centre, radius))) = scene.spheres.get(sphere) else { continue };
@@ -155,6 +160,7 @@ pub fn id(hits: &[Option<Hit>], groups: &[u32]) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::random::{hash, unit};
+    use crate::view::Camera;
 
     fn camera() -> Camera {
         Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, near: 0.5, far: 50.0, ..Camera::default() }
@@ -162,14 +168,14 @@ mod tests {
 
     /// Depths seen in the middle of 5 x 3 pixels.
     fn middle(spheres: &[[f64; 4]]) -> Option<Hit> {
-        raycast(&camera(), [5, 3], spheres)[7]
+        raycast(&camera().view([5, 3]), [5, 3], spheres)[7]
     }
 
     #[test]
     fn a_sphere_ahead_is_seen_at_its_front() {
         assert_eq!(middle(&[[0.0, 0.0, -10.0, 2.0]]), Some(Hit { sphere: 0, depth: 8.0 }));
         // Through the pixel to the right, (2 / 3, 0, 1): 13/9 t^2 - 20 t + 96 = 0 has no root; at radius 6 it has.
-        let right = |radius| raycast(&camera(), [5, 3], &[[0.0, 0.0, -10.0, radius]])[8];
+        let right = |radius| raycast(&camera().view([5, 3]), [5, 3], &[[0.0, 0.0, -10.0, radius]])[8];
         assert_eq!(right(2.0), None);
         let expected = (10.0 - (100.0 - 13.0 / 9.0 * 64.0_f64).sqrt()) / (13.0 / 9.0);
         assert!((right(6.0).unwrap().depth - expected).abs() < 1e-13);
@@ -178,7 +184,7 @@ mod tests {
     #[test]
     fn rows_go_down_and_columns_to_the_right() {
         // Up and to the right of the camera's axis: first row, right half.
-        let hits = raycast(&camera(), [5, 3], &[[2.0 / 3.0, 2.0 / 3.0, -1.0, 0.1]]);
+        let hits = raycast(&camera().view([5, 3]), [5, 3], &[[2.0 / 3.0, 2.0 / 3.0, -1.0, 0.1]]);
         let seen: Vec<usize> = (0..15).filter(|i| hits[*i].is_some()).collect();
         assert_eq!(seen, [3]);
     }
@@ -212,8 +218,8 @@ mod tests {
         let random = |i, d, scale: f64| (f64::from(unit(hash(8, i, 0, d))) - 0.5) * scale;
         let sphere = |i| [random(i, 0, 6.0), random(i, 1, 6.0), random(i, 2, 6.0), random(i, 3, 1.0) + 0.5];
         let spheres: Vec<[f64; 4]> = (0..60).map(sphere).collect();
-        let hits = raycast(&camera, size, &spheres);
-        let scene = Scene::new(&camera, size, &spheres);
+        let hits = raycast(&camera.view(size), size, &spheres);
+        let scene = Scene::new(&camera.view(size), size, &spheres);
         for (pixel, hit) in hits.iter().enumerate() {
             let ray = scene.ray(pixel as u32 % 48, pixel as u32 / 48);
             let depths = scene.spheres.iter().map(|s| s.and_then(|(centre, radius)| front(ray, centre, radius)));
@@ -227,9 +233,10 @@ mod tests {
     #[test]
     fn luminance_of_the_middle_of_a_sphere() {
         let spheres = [[0.0, 0.0, -10.0, 2.0]];
-        let hits = raycast(&camera(), [5, 3], &spheres);
-        let middle =
-            |source, s| luminance(&camera(), [5, 3], &spheres, &hits, &Light { source, ambient: 0.2 }, &[s; 15])[7];
+        let hits = raycast(&camera().view([5, 3]), [5, 3], &spheres);
+        let middle = |source, s| {
+            luminance(&camera().view([5, 3]), [5, 3], &spheres, &hits, &Light { source, ambient: 0.2 }, &[s; 15])[7]
+        };
         // The normal is +z. Light from straight ahead, at 60 degrees, from behind, from a point above the hit's level.
         let direction = |x, z| LightSource::Direction(DVec3::new(x, 0.0, z));
         assert!((middle(direction(0.0, -3.0), 1.0) - 1.0).abs() < 1e-15);
@@ -240,7 +247,7 @@ mod tests {
         assert!((middle(point, 1.0) - (0.2 + 0.8 * 0.8)).abs() < 1e-15);
         // In the light itself there is no direction to it.
         assert_eq!(middle(LightSource::Position(DVec3::new(0.0, 0.0, -8.0)), 1.0), 0.2);
-        let image = luminance(&camera(), [5, 3], &spheres, &hits, &Light::default(), &[1.0; 15]);
+        let image = luminance(&camera().view([5, 3]), [5, 3], &spheres, &hits, &Light::default(), &[1.0; 15]);
         assert_eq!(image[0], 0.0);
     }
 }

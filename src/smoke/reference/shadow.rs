@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::render::{Hit, Scene};
-use crate::view::{Camera, LightSource};
+use crate::view::{LightSource, View};
 
 /// Share of the light that reaches each pixel: 1 lit, 0 in shadow, 1 where nothing is seen. Pixels that face away from
 /// the light have theirs, too.
@@ -12,14 +12,14 @@ use crate::view::{Camera, LightSource};
 /// With `softness` k > 0 the rest is the least `(distance beside the ball) / (k t)` of all that the ray passes, t being
 /// the way to the closest approach. `hits` are those of [`super::render::raycast`] for the same arguments.
 pub fn shadow(
-    camera: &Camera,
+    view: &View,
     size: [u32; 2],
     spheres: &[[f64; 4]],
     hits: &[Option<Hit>],
     source: LightSource,
     softness: f64,
 ) -> Vec<f64> {
-    let scene = Scene::new(camera, size, spheres);
+    let scene = Scene::new(view, size, spheres);
     let mut casters: Vec<Option<Vec<(DVec3, f64)>>> = vec![None; spheres.len()];
     let mut image = vec![1.0; hits.len()];
     for (pixel, own, point) in scene.seen(hits) {
@@ -65,6 +65,7 @@ mod tests {
     use super::*;
     use crate::random::{hash, unit};
     use crate::smoke::reference::render::raycast;
+    use crate::view::Camera;
 
     fn camera() -> Camera {
         Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, ..Camera::default() }
@@ -73,9 +74,9 @@ mod tests {
     /// Shadow in the middle of the picture, where a sphere of radius 1 is hit at (0, 0, -9), by one more sphere.
     fn middle(caster: [f64; 4], source: LightSource, softness: f64) -> f64 {
         let spheres = [[0.0, 0.0, -10.0, 1.0], caster];
-        let hits = raycast(&camera(), [3, 3], &spheres);
+        let hits = raycast(&camera().view([3, 3]), [3, 3], &spheres);
         assert_eq!(hits[4], Some(Hit { sphere: 0, depth: 9.0 }));
-        shadow(&camera(), [3, 3], &spheres, &hits, source, softness)[4]
+        shadow(&camera().view([3, 3]), [3, 3], &spheres, &hits, source, softness)[4]
     }
 
     #[test]
@@ -116,12 +117,12 @@ mod tests {
         let sphere = |i| [random(i, 0, 4.0), random(i, 1, 4.0), -5.0 + random(i, 2, 4.0), random(i, 3, 0.6) + 0.5];
         let spheres: Vec<[f64; 4]> = (0..60).map(sphere).collect();
         let (camera, size) = (Camera { vertical_fov: 50.0, ..camera() }, [32, 32]);
-        let hits = raycast(&camera, size, &spheres);
+        let hits = raycast(&camera.view(size), size, &spheres);
         let sources =
             [LightSource::Direction(DVec3::new(-1.0, -1.0, -0.5)), LightSource::Position(DVec3::new(1.0, 1.0, -4.0))];
         for (source, softness) in sources.into_iter().flat_map(|source| [(source, 0.0), (source, 0.3)]) {
-            let image = shadow(&camera, size, &spheres, &hits, source, softness);
-            let scene = Scene::new(&camera, size, &spheres);
+            let image = shadow(&camera.view(size), size, &spheres, &hits, source, softness);
+            let scene = Scene::new(&camera.view(size), size, &spheres);
             for (pixel, own, point) in scene.seen(&hits) {
                 let (direction, length) = scene.towards(source, point);
                 let others = scene.spheres.iter().enumerate().filter(|(place, _)| *place != own);

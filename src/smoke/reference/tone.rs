@@ -3,7 +3,7 @@
 //! Images have `size` = [width, height] pixels, row by row from the top.
 
 use crate::toon::{Operator, Outline, Tone};
-use crate::view::Camera;
+use crate::view::{Projection, View};
 
 /// Tone colour of every pixel, linear RGB; black where `id` is 0.
 ///
@@ -51,11 +51,10 @@ fn gradient(size: [u32; 2], smooth: &[f64], id: &[u32], pixel: usize) -> f64 {
 ///
 /// `depth` is linear view depth in metres, infinite where nothing is seen; `voxel` is the smallest side of a voxel in
 /// metres. Width spreads the line: the greatest `(1 - l) clamp(width - distance, 0, 1)` of all pixels.
-pub fn outline(size: [u32; 2], depth: &[f64], camera: &Camera, voxel: f64, settings: &Outline) -> Vec<f64> {
-    // The height of a pixel at depth 1.
-    let footprint = 2.0 * camera.half_extent(size).y / f64::from(size[1]);
+pub fn outline(size: [u32; 2], depth: &[f64], view: &View, voxel: f64, settings: &Outline) -> Vec<f64> {
+    let projection = Projection::of_valid(view, size);
     let line: Vec<f64> =
-        (0..depth.len()).map(|pixel| stencil(size, depth, footprint, voxel, settings, pixel)).collect();
+        (0..depth.len()).map(|pixel| stencil(size, depth, &projection, voxel, settings, pixel)).collect();
     let width = f64::from(settings.width);
     let reach = width.ceil() as i64;
     let mut offsets = Vec::new();
@@ -77,7 +76,14 @@ pub fn outline(size: [u32; 2], depth: &[f64], camera: &Camera, voxel: f64, setti
 }
 
 /// 1 - l of one pixel: the squared diagonal differences of depth in units of `max(voxel, 8 pixels)`.
-fn stencil(size: [u32; 2], depth: &[f64], footprint: f64, voxel: f64, settings: &Outline, pixel: usize) -> f64 {
+fn stencil(
+    size: [u32; 2],
+    depth: &[f64],
+    projection: &Projection,
+    voxel: f64,
+    settings: &Outline,
+    pixel: usize,
+) -> f64 {
     let centre = depth[pixel];
     if !centre.is_finite() || !settings.is_on() {
         return 0.0;
@@ -92,7 +98,7 @@ fn stencil(size: [u32; 2], depth: &[f64], footprint: f64, voxel: f64, settings: 
     if [a, b, c, d].iter().any(|z| !z.is_finite()) {
         return 1.0;
     }
-    let unit = voxel.max(8.0 * centre * footprint);
+    let unit = voxel.max(8.0 * projection.widening(centre) / projection.focal.y);
     let [first, second] = match settings.operator {
         Operator::Roberts => [a - b, c - d],
         Operator::Second => [a + b - 2.0 * centre, c + d - 2.0 * centre],
@@ -130,6 +136,7 @@ fn inside(size: [u32; 2], x: i64, y: i64) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::Camera;
 
     const SIZE: [u32; 2] = [9, 7];
 
@@ -147,7 +154,7 @@ mod tests {
     }
 
     fn line(depth: &[f64], voxel: f64, settings: Outline) -> Vec<f64> {
-        outline(SIZE, depth, &camera(), voxel, &settings)
+        outline(SIZE, depth, &camera().view(SIZE), voxel, &settings)
     }
 
     fn thin(strength: f32, operator: Operator) -> Outline {
@@ -200,7 +207,7 @@ mod tests {
         let row = |step: f64, strength: f32| {
             let depth = image(|x, _| if x < 4 { 1.0 } else { 1.0 + step });
             let camera = Camera { vertical_fov: 1.0, ..camera() };
-            outline(SIZE, &depth, &camera, 0.125, &thin(strength, Operator::Roberts))[27..36].to_vec()
+            outline(SIZE, &depth, &camera.view(SIZE), 0.125, &thin(strength, Operator::Roberts))[27..36].to_vec()
         };
         assert_eq!(row(0.125, 1.0), [0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(row(0.0625, 1.0), [0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0]);

@@ -15,9 +15,10 @@ use crate::gpu::headless::{Headless, Options};
 fn fogs(scene: &Scene, at: [usize; 2]) -> Vec<Fog> {
     let Scene { settings, camera, size, particles, .. } = scene;
     let rows = particles.position.iter().zip(&particles.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
-    let prepared = prepare(settings, 3000.0, 0, camera, &rows.collect::<Vec<_>>(), particles.id.as_deref());
+    let prepared =
+        prepare(settings, 3000.0, 0, &camera.view(*size), &rows.collect::<Vec<_>>(), particles.id.as_deref());
     let mask = Mask::new(0, settings.variants);
-    let level = mask_level(settings, camera, *size, prepared.nearest);
+    let level = mask_level(settings, &camera.view(*size), *size, prepared.nearest);
     let half = camera.half_extent(*size);
     let ray = |axis: usize, side: u32| (2.0 * at[axis] as f64 + 1.0) / f64::from(side) - 1.0;
     let slope = half * DVec2::new(ray(0, size[0]), -ray(1, size[1]));

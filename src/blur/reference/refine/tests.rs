@@ -60,8 +60,8 @@ fn turning(settings: &Settings, size: [u32; 2]) -> (Mesh, Interval) {
         points.iter().map(place).collect()
     };
     let poses: Vec<Vec<[f32; 3]>> = (0..12).map(pose).collect();
-    let camera = Camera { eye: DVec3::new(0.0, 1.2, 5.0), ..Camera::default() };
-    let poses: Vec<Pose> = poses.iter().map(|p| Pose { positions: p, camera: &camera, cut: false }).collect();
+    let view = Camera { eye: DVec3::new(0.0, 1.2, 5.0), ..Camera::default() }.view(size);
+    let poses: Vec<Pose> = poses.iter().map(|p| Pose { positions: p, view: &view, cut: false }).collect();
     let window = Window { frame: 5, poses: &poses, current: 5, between: &[] };
     let interval = Motion::new(settings, size).unwrap().interval(&mesh, &window, 1).unwrap();
     (mesh, interval)

@@ -2,13 +2,14 @@ use glam::{DVec3, Vec3};
 
 use super::*;
 use crate::blur::mesh::MeshInput;
-use crate::blur::motion::{Interval, Motion, Pose, Projection, Window};
+use crate::blur::motion::{Interval, Motion, PixelClip, Pose, Window};
 use crate::blur::reference::complete::complete;
 use crate::blur::reference::distort::{Drawing, draw, hidden};
 use crate::blur::reference::extent::extents;
 use crate::blur::reference::refine::{Rules, refine};
 use crate::blur::reference::visible::{Colour, Frame, Surface, compose, mix, shade};
 use crate::blur::settings::{Completion, Settings};
+use crate::view::Camera;
 
 const SIZE: [u32; 2] = [240, 160];
 const CURRENT: usize = 5;
@@ -88,17 +89,17 @@ struct Scene {
 impl Scene {
     fn new(turn: f32) -> Scene {
         let (mesh, points) = mesh();
-        let (camera, settings) = (camera(), Settings::default());
+        let (view, settings) = (camera().view(SIZE), Settings::default());
         let pose = |frame: usize| -> Vec<[f32; 3]> {
             (0..SPHERES).flat_map(|s| points.iter().map(move |p| placed(turn, s, frame, *p))).collect()
         };
         let poses: Vec<Vec<[f32; 3]>> = (0..12).map(pose).collect();
-        let views: Vec<Pose> = poses.iter().map(|p| Pose { positions: p, camera: &camera, cut: false }).collect();
+        let views: Vec<Pose> = poses.iter().map(|p| Pose { positions: p, view: &view, cut: false }).collect();
         let window = Window { frame: CURRENT as u32, poses: &views, current: CURRENT, between: &[] };
         let interval = Motion::new(&settings, SIZE).unwrap().interval(&mesh, &window, 1).unwrap();
         let both = [&poses[CURRENT], &poses[CURRENT + 1]];
-        let corners = both.map(|positions| corners(&mesh, positions, &camera, SIZE));
-        let outsides = both.map(|positions| outsides(&mesh, positions, &camera, SIZE));
+        let corners = both.map(|positions| corners(&mesh, positions, &view, SIZE));
+        let outsides = both.map(|positions| outsides(&mesh, positions, &view, SIZE));
         let normals = [0, 1].map(|k| normals(&mesh, both[k], &outsides[k]));
         let (closed, still) = (closed([&outsides[0], &outsides[1]]), still(&mesh, &interval.labels));
         Scene { mesh, points, interval, corners, normals, outsides, closed, still }
@@ -145,7 +146,7 @@ impl Scene {
 #[test]
 fn corners_are_where_the_camera_sees_them_and_normals_point_outward() {
     let scene = Scene::new(SLOWLY);
-    let projection = Projection::new(&camera(), SIZE);
+    let projection = PixelClip::new(&camera().view(SIZE), [0.0; 2], SIZE);
     for (triangle, points) in scene.mesh.triangles().iter().enumerate() {
         for (i, point) in points.iter().enumerate() {
             let (sphere, p) =
@@ -191,7 +192,7 @@ fn error(scene: &Scene, drawing: &Drawing, striped: bool, how: Completion) -> (f
 
 #[test]
 fn the_surface_predicts_better_than_the_other_side_and_the_gradient() {
-    // Both spheres that move have shadows of their own colour, so that little of a tone is common to all.
+    // Sums of a thousand numbers may be rounded otherwise. Both spheres that move have shadows of their own colour, so that little of a tone is common to all.
     for (turn, most) in [(SLOWLY, [1.0, 1.0]), (FAST, [0.75, 1.0])] {
         let scene = Scene::new(turn);
         let drawing = scene.draw(1, true);
@@ -199,7 +200,7 @@ fn the_surface_predicts_better_than_the_other_side_and_the_gradient() {
             let [surface, gradient, none] = [Completion::Surface, Completion::Gradient, Completion::None]
                 .map(|how| error(&scene, &drawing, striped, how));
             assert!(
-                surface.1 > 300 && surface.0 <= most * none.0 && surface.0 < gradient.0,
+                surface.1 > 300 && surface.0 <= most * none.0 * (1.0 + 1e-12) && surface.0 < gradient.0,
                 "{turn}, {striped}: {surface:?}, {gradient:?}, {none:?}"
             );
         }

@@ -356,9 +356,9 @@ fn triangles_without_normals_are_flat() {
 #[test]
 fn flat_triangles_are_drawn_flat() {
     let mut file = plain();
-    let camera = |_: f64| Camera::default();
+    let view = |_: f64| Camera::default().view([64, 64]);
     let mesh = |file: &GltfFile| {
-        let input = BlurInput::new(open(file).unwrap(), camera, [0, 1], &Settings::default(), [64, 64], 1).unwrap();
+        let input = BlurInput::new(open(file).unwrap(), view, [0, 1], &Settings::default(), [64, 64], 1).unwrap();
         input.mesh().clone()
     };
     let smooth = mesh(&file);
