@@ -2,7 +2,7 @@
 //! command buffer.
 //!
 //! A host makes an [`effect::Effect`] from a `Desc` and records a `Frame` of it: [`smoke`], [`flame`], [`blur`]. What it
-//! must have is said in [`host`], what cameras and lights are in [`view`], what passes cost in [`profile`].
+//! must have is said in [`host`], what views, cameras and lights are in [`view`], what passes cost in [`profile`].
 //!
 //! # A host's guide
 //!

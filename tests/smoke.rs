@@ -34,3 +34,5 @@ mod spheres;
 mod subresources;
 #[path = "smoke/tone.rs"]
 mod tone;
+#[path = "smoke/views.rs"]
+mod views;

@@ -10,7 +10,7 @@ layout(std430, binding = 3) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 4) writeonly buffer Active { uvec4 active_triangles[]; };
 layout(std430, binding = 5) readonly buffer Fronts { uint fronts[]; };  // FRONTS_A_WORD triangles a word
 #include "base.glsl"
-#include "common/widening.glsl"
+#include "edges.glsl"
 
 // Whether a triangle's outside is turned away in frame i (0) or i + 1 (1), as clip coordinates have it: clockwise on a screen
 // whose y is down is towards, unless the frame has it inside out.
@@ -19,8 +19,7 @@ bool is_away(uvec3 corners, uint front, uint frame) {
     vec3 a = clip[first + corners.x].xyz;
     vec3 b = clip[first + corners.y].xyz;
     vec3 c = clip[first + corners.z].xyz;
-    vec3 ends = vec3(widening(a.z), widening(b.z), widening(c.z));
-    float volume = params.winding * dot(vec3(a.xy, ends.x), cross(vec3(b.xy, ends.y), vec3(c.xy, ends.z)));
+    float volume = volume_of(a, b, c);
     return (front & TURNED << frame) != 0u ? volume < 0.0 : volume > 0.0;
 }
 

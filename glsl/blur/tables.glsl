@@ -36,7 +36,7 @@ bool is_turned(uint frame, uvec4 base) {
     vec3 a = corner_of(frame + 1u, base.x);
     vec3 b = corner_of(frame + 1u, base.y);
     vec3 c = corner_of(frame + 1u, base.z);
-    return dot(a, cross(b, c)) > 0.0;
+    return volume_of(a, b, c) > 0.0;
 }
 
 // The normal that a frame has at a place.

@@ -12,7 +12,7 @@ use crate::host::Background;
 use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
-use crate::view::{Light, LightSource, Projection};
+use crate::view::{self, Light, LightSource, Projection};
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.
@@ -99,10 +99,12 @@ fn pose_place(view: &FrameView, desc: &Desc) -> u32 {
 }
 
 impl Knot {
-    /// `current`: frame i.
-    pub fn new(knot: &frame::Knot, current: &FrameView, desc: &Desc) -> Knot {
-        // Trajectories are those of the one picture.
-        let [own, current] = [&knot.view, current].map(|of| Projection::of_valid(&of.view.without_jitter(), desc.size));
+    /// `views`: of the interval.
+    pub fn new(knot: &frame::Knot, [_, current, next, _]: &[FrameView; 4], desc: &Desc) -> Knot {
+        // Trajectories are all of the one picture.
+        let jitter = next.view.jitter;
+        let [own, current] =
+            [&knot.view, current].map(|of| Projection::of_valid(&view::View { jitter, ..of.view }, desc.size));
         let ((rows, constant), (current_rows, current_constant)) = (clip_rows(&own), clip_rows(&current));
         let way = own.eye - current.eye;
         let added = (constant - current_constant).extend(0.0);

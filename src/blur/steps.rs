@@ -341,9 +341,8 @@ impl Steps<'_> {
     fn knots(&mut self, interval: &IntervalInput) {
         match interval.trajectories {
             Trajectories::Poses(knots) => {
-                let current = &interval.views[1];
                 let mut rows = [<Knot as bytemuck::Zeroable>::zeroed(); MOST_KNOTS];
-                rows.iter_mut().zip(knots).for_each(|(row, knot)| *row = Knot::new(knot, current, self.desc));
+                rows.iter_mut().zip(knots).for_each(|(row, knot)| *row = Knot::new(knot, &interval.views, self.desc));
                 self.plan.update_slice(self.passes.knots, KNOTS, &rows[..knots.len()]);
             }
             Trajectories::Pieces(_) => {

@@ -19,7 +19,9 @@ use glam::{DQuat, DVec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::scenes::random;
+use crate::common::views;
 use crate::scenes::Animation;
+use celfx::view::View;
 
 const SIZE: [u32; 2] = [240, 136];
 const I: usize = 2;
@@ -197,7 +199,14 @@ impl Case {
             Triangle { corners: [0, 1, 2].map(corner), base }
         };
         let triangles: Vec<Triangle> = finished.iter().map(triangle).collect();
-        draw(&triangles, &hidden(corners, outsides), SIZE, self.scene.near(), 2)
+        let seen = |outside: &Outside| match (outside, self.scene.animation.is_mirrored()) {
+            (Outside::Clockwise, true) => Outside::CounterClockwise,
+            (Outside::CounterClockwise, true) => Outside::Clockwise,
+            (outside, _) => *outside,
+        };
+        let seen = outsides.map(|outsides| outsides.iter().map(seen).collect::<Vec<_>>());
+        let hidden = hidden(corners, seen.each_ref().map(|outsides| &outsides[..]));
+        draw(&triangles, &hidden, SIZE, self.scene.near(), 2)
     }
 }
 
@@ -332,10 +341,19 @@ fn save(name: &str, picture: &[[f32; 4]]) {
 
 #[test]
 fn completion_is_the_references() {
-    for (which, start, with_outer) in [(Builtin::Crossing, 0.6, false), (Builtin::Run, 0.2, true)] {
-        for completion in [Completion::None, Completion::Surface, Completion::Gradient] {
+    let all = [Completion::None, Completion::Surface, Completion::Gradient];
+    let camera: fn(View, usize) -> View = |view, _| view;
+    let mirrored: fn(View, usize) -> View = |view, frame| views::jittered(views::mirrored(view), frame);
+    for (which, start, with_outer, completions, change) in [
+        (Builtin::Crossing, 0.6, false, &all[..], camera),
+        (Builtin::Run, 0.2, true, &all, camera),
+        (Builtin::Crossing, 0.6, false, &[Completion::Surface], mirrored),
+    ] {
+        for completion in completions.iter().copied() {
             let name = format!("{} {completion:?}", which.name());
-            let Some(mut case) = Case::new(scene(which, start, None, true), exact(completion), 0) else { return };
+            let mut scene = scene(which, start, None, true);
+            scene.animation.change = change;
+            let Some(mut case) = Case::new(scene, exact(completion), 0) else { return };
             let picture = case.render(with_outer);
             save(&name, &picture);
             let expected = expected(&mut case, with_outer);

@@ -6,10 +6,11 @@ use celfx::blur::reference::raster::{Clip, Raster, Shape, raster};
 use celfx::blur::{Background, DepthFormat, Desc, Interval, Settings};
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::Vertex;
-use celfx::view::{Light, Projection};
+use celfx::view::{Camera, Light, Projection};
 
 use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
+use crate::common::views;
 use crate::scenes::{Animation, grid, swing};
 
 const SIDES: [u32; 2] = [9, 7];
@@ -265,5 +266,42 @@ fn share_of([_, word, ..]: [u32; 4]) -> f32 {
     match exponent {
         0 => mantissa as f32 * 2.0_f32.powi(-24),
         _ => (1024 + mantissa) as f32 * 2.0_f32.powi(exponent as i32 - 25),
+    }
+}
+
+/// A sheet that faces the eye, so far away that depth is known.
+#[test]
+fn depth_is_that_of_orthographic_views_too() {
+    for reversed in [false, true] {
+        let mesh = grid(SIDES);
+        let mut animation = swing(SIDES, 8, SIZE, 0.3);
+        // The camera looks along -z from z = 4.
+        animation.cameras = vec![Camera::default(); 8];
+        animation.change = match reversed {
+            true => |view, frame| views::jittered(views::parallel_around(view, 4.0, 3.0), frame),
+            false => |view, _| views::parallel(view, 4.0, 3.0).with_reversed(false),
+        };
+        animation.poses.iter_mut().for_each(|pose| pose.iter_mut().for_each(|position| position[2] = 0.5));
+        let format = DepthFormat { format: vk::Format::D32_SFLOAT, reversed };
+        let desc = Desc { depth: Some(format), ..desc(SIZE, &mesh, incomplete()) };
+        let seen = animation.all_seen();
+        let window = Window { frame: I as u32, poses: &animation.poses(&seen), current: I, between: &[] };
+        let interval = Motion::new(&incomplete(), SIZE).expect("settings").interval(&mesh, &window, 1);
+        let interval = interval.expect("an interval");
+        let Some(rig) = BlurRig::new(desc, mesh) else { return };
+        let mut scene = Scene { animation, interval, rig };
+        scene.rig.wall = if reversed { 0.0 } else { 1.0 };
+        scene.set_images(1.0);
+        for moves in [true, false] {
+            scene.render(moves, moves);
+            // Between 1 and 7 metres away, at 3.5.
+            let expected = if reversed { (7.0 - 3.5) / 6.0 } else { (3.5 - 1.0) / 6.0 };
+            let found = scene.rig.host_depths();
+            let of_mesh: Vec<f32> = found.into_iter().filter(|depth| *depth != scene.rig.wall).collect();
+            assert!(of_mesh.len() > PIXELS / 20, "{reversed}, {moves}: {}", of_mesh.len());
+            // Some roundings of numbers up to 12.
+            let worst = of_mesh.iter().map(|depth| (depth - expected).abs()).fold(0.0, f32::max);
+            assert!(worst < 2e-6, "{reversed}, {moves}: {worst} off");
+        }
     }
 }

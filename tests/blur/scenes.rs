@@ -3,7 +3,7 @@
 use celfx::blur::motion::PixelClip;
 use celfx::blur::motion::{Segment, outline};
 use celfx::blur::{Cluster, FrameView, Interval, Knot, Mesh, MeshInput, Pose};
-use celfx::view::{Camera, View};
+use celfx::view::{Camera, Projection, View};
 use glam::{DVec2, DVec3};
 
 use crate::common::scenes::random;
@@ -73,6 +73,24 @@ impl Animation {
         }
         self.size = size;
         self
+    }
+
+    /// Whether rays are parallel: nothing is divided by depth.
+    pub fn is_parallel(&self) -> bool {
+        Projection::of_valid(&self.seen(0), self.size).is_orthographic
+    }
+
+    /// Whether triangles are seen the other way round.
+    pub fn is_mirrored(&self) -> bool {
+        Projection::of_valid(&self.seen(0), self.size).is_mirrored()
+    }
+
+    /// Pixels and view depth of a point.
+    pub fn pixel(&self, frame: usize, point: usize) -> DVec3 {
+        let view = self.seen(frame);
+        let projection = PixelClip::new(&view, view.jitter, self.size);
+        let clip = projection.clip(self.poses[frame][point]);
+        projection.pixel_of(clip).extend(clip.z)
     }
 
     /// Pixel clip coordinates.

@@ -8,13 +8,23 @@ use celfx::low_level::blur::params::{BASE_MASK, Vertex};
 use glam::{DVec2, DVec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::views;
 use crate::scenes::{Animation, grid, swing};
+use celfx::view::View;
 
 const SIDES: [u32; 2] = [9, 7];
 const SIZE: [u32; 2] = [160, 120];
 const I: usize = 3;
 /// Pixels this near to an edge may be seen either way: rasterisers have 8 bits below the pixel.
 const NEAR: f64 = 1.0 / 64.0;
+
+/// A camera's, and others that see as much.
+const VIEWS: [fn(View, usize) -> View; 4] = [
+    |view, _| view,
+    |view, frame| views::jittered(views::moved(view), frame),
+    |view, frame| views::jittered(views::mirrored(views::squeezed(view)), frame),
+    |view, frame| views::jittered(views::parallel_around(view, 4.0, 3.0), frame),
+];
 
 /// Pixels and view depth.
 type Corner = DVec3;
@@ -25,25 +35,25 @@ fn cross(a: DVec2, b: DVec2) -> f64 {
 
 /// Shares of the corners in what is seen at a place, as perspective has it; none outside. The second: whether the place is
 /// near an edge.
-fn within(corners: &[Corner; 3], at: DVec2) -> (Option<[f64; 3]>, bool) {
+fn within(is_parallel: bool, corners: &[Corner; 3], at: DVec2) -> (Option<[f64; 3]>, bool) {
     let [a, b, c] = corners.map(|corner| corner.truncate() - at);
     let parts = [cross(b, c), cross(c, a), cross(a, b)];
     let area: f64 = parts.iter().sum();
     let lengths = [(c - b).length(), (a - c).length(), (b - a).length()];
     let distances = [0, 1, 2].map(|i| parts[i] / area * area.abs() / lengths[i].max(1e-9));
     let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
-    let weights = [0, 1, 2].map(|i| parts[i] / corners[i].z);
+    let weights = [0, 1, 2].map(|i| parts[i] / if is_parallel { 1.0 } else { corners[i].z });
     let sum: f64 = weights.iter().sum();
     let shares = weights.map(|w| w / sum);
     ((nearest > 0.0).then_some(shares), nearest.abs() < NEAR)
 }
 
 /// The nearest triangle at a pixel, from 1; none where rounding may decide.
-fn name(triangles: &[[Corner; 3]], at: DVec2) -> Option<u32> {
+fn name(is_parallel: bool, triangles: &[[Corner; 3]], at: DVec2) -> Option<u32> {
     let mut found: (u32, f64) = (0, f64::INFINITY);
     let mut second = f64::INFINITY;
     for (index, corners) in (1..).zip(triangles) {
-        let (shares, is_near) = within(corners, at);
+        let (shares, is_near) = within(is_parallel, corners, at);
         if is_near {
             return None;
         }
@@ -74,7 +84,12 @@ struct Scene {
 
 impl Scene {
     fn new(settings: Settings) -> Option<Scene> {
-        let (mesh, animation) = (grid(SIDES), swing(SIDES, 8, SIZE, 0.3));
+        Scene::through(settings, |view, _| view)
+    }
+
+    /// One whose frames are seen through other views.
+    fn through(settings: Settings, change: fn(View, usize) -> View) -> Option<Scene> {
+        let (mesh, animation) = (grid(SIDES), Animation { change, ..swing(SIDES, 8, SIZE, 0.3) });
         let seen = animation.all_seen();
         let window = Window { frame: I as u32, poses: &animation.poses(&seen), current: I, between: &[] };
         let motion = Motion::new(&settings, SIZE).expect("settings");
@@ -92,10 +107,7 @@ impl Scene {
 
     /// The mesh in a frame.
     fn seen(&self, frame: usize) -> Vec<[Corner; 3]> {
-        let corner = |point: u32| {
-            let clip = self.animation.clip(frame, point as usize);
-            (clip.truncate() / clip.z).extend(clip.z)
-        };
+        let corner = |point: u32| self.animation.pixel(frame, point as usize);
         self.mesh.triangles().iter().map(|t| t.map(corner)).collect()
     }
 
@@ -113,10 +125,10 @@ impl Scene {
 
     /// A frame whose colours are places on the grid: red and green, over blue.
     fn picture(&self, frame: usize, blue: f32) -> Vec<[f32; 4]> {
-        let triangles = self.seen(frame);
+        let (triangles, is_parallel) = (self.seen(frame), self.animation.is_parallel());
         let pixel = |pixel: usize| {
             let found = (0..).zip(&triangles).filter_map(|(base, corners)| {
-                let shares = within(corners, centre(pixel)).0?;
+                let shares = within(is_parallel, corners, centre(pixel)).0?;
                 let depth: f64 = shares.iter().zip(corners).map(|(share, corner)| share * corner.z).sum();
                 Some((depth, self.place(base, shares)))
             });
@@ -130,28 +142,35 @@ impl Scene {
 }
 
 /// How many pixels are looked at, and how many of them see another triangle.
-fn differences(names: &[u32], triangles: &[[Corner; 3]]) -> (usize, usize) {
-    let looked = (0..names.len()).filter_map(|pixel| Some((pixel, name(triangles, centre(pixel))?)));
+fn differences(is_parallel: bool, names: &[u32], triangles: &[[Corner; 3]]) -> (usize, usize) {
+    let looked = (0..names.len()).filter_map(|pixel| Some((pixel, name(is_parallel, triangles, centre(pixel))?)));
     looked.fold((0, 0), |(all, wrong), (pixel, expected)| (all + 1, wrong + usize::from(names[pixel] != expected)))
 }
 
 #[test]
 fn pixels_see_the_triangles_that_f64_sees() {
-    let Some(mut scene) = Scene::new(Settings::default()) else { return };
+    for change in VIEWS {
+        let Some(scene) = Scene::through(Settings::default(), change) else { return };
+        pixels_see_triangles(scene);
+    }
+}
+
+fn pixels_see_triangles(mut scene: Scene) {
+    let is_parallel = scene.animation.is_parallel();
     scene.render(true);
     let pixels = (SIZE[0] * SIZE[1]) as usize;
     for (frame, layer) in [(I, layout::PREVIOUS_NAMES), (I + 1, layout::NEXT_NAMES)] {
-        let (all, wrong) = differences(&scene.rig.layer(layer), &scene.seen(frame));
+        let (all, wrong) = differences(is_parallel, &scene.rig.layer(layer), &scene.seen(frame));
         assert!(all > pixels * 9 / 10 && wrong == 0, "frame {frame}: {wrong} of {all}");
     }
     let (vertices, finished) = (scene.rig.vertices(), scene.rig.finished());
     let corner = |v: &u32| drawn(&vertices[*v as usize]);
     let triangles: Vec<[Corner; 3]> = finished.iter().map(|t| [corner(&t[0]), corner(&t[1]), corner(&t[2])]).collect();
     let names: Vec<u32> = scene.rig.layer(layout::DISTORTED_NAMES);
-    let (all, wrong) = differences(&names, &triangles);
+    let (all, wrong) = differences(is_parallel, &names, &triangles);
     let covered = names.iter().filter(|name| **name > 0).count();
     eprintln!("{} triangles over {covered} pixels", triangles.len());
-    assert!(all > pixels * 8 / 10 && covered > pixels / 10 && wrong == 0, "distorted: {wrong} of {all}");
+    assert!(all > pixels * 8 / 10 && covered > pixels / 15 && wrong == 0, "distorted: {wrong} of {all}");
 }
 
 /// Pixels and view depth of where a vertex is drawn.
@@ -162,7 +181,14 @@ fn drawn(vertex: &Vertex) -> DVec3 {
 /// Colours that are places on the surface come from the same place in both frames.
 #[test]
 fn colours_are_those_of_the_surface() {
-    let Some(mut scene) = Scene::new(Settings::default()) else { return };
+    for change in VIEWS {
+        let Some(scene) = Scene::through(Settings::default(), change) else { return };
+        colours_are_of_the_surface(scene);
+    }
+}
+
+fn colours_are_of_the_surface(mut scene: Scene) {
+    let is_parallel = scene.animation.is_parallel();
     let images = [scene.picture(I, 0.0), scene.picture(I + 1, 0.5)];
     scene.rig.set_image(0, &images[0]);
     scene.rig.set_image(1, &images[1]);
@@ -182,7 +208,7 @@ fn colours_are_those_of_the_surface() {
         let triangle = finished[names[pixel] as usize - 1];
         let corners = [0, 1, 2].map(|i| vertices[triangle[i] as usize]);
         let drawn = corners.map(|v| drawn(&v));
-        let (Some(shares), false) = within(&drawn, centre(pixel)) else { continue };
+        let (Some(shares), false) = within(is_parallel, &drawn, centre(pixel)) else { continue };
         let base = triangle[3] & BASE_MASK;
         let places = [0, 1, 2].map(|i| match corners[i].is_point {
             1 => scene.surface(triangle[i]),
@@ -208,8 +234,8 @@ fn colours_are_those_of_the_surface() {
     errors.sort_by(f64::total_cmp);
     let (looked, usual, worst) = (errors.len(), errors[errors.len() * 9 / 10], errors[errors.len() - 1]);
     eprintln!("{looked} look-ups, {both} pixels see both, {usual:.1e} off, at most {worst:.1e}");
-    // A pixel is 1/40 of the grid. At an outline, look-ups have taps to one side only: they are up to a pixel off.
-    assert!(looked > 1000 && both > 300 && usual < 2e-3 && worst < 0.025, "{looked}, {both}: {usual}, {worst}");
+    // A pixel is 1/40 of the grid, or 1/28 where it is wider. At an outline, look-ups have taps to one side only: they are up to a pixel off.
+    assert!(looked > 1000 && both > 300 && usual < 2e-3 && worst < 1.0 / 28.0, "{looked}, {both}: {usual}, {worst}");
     let outside = (0..names.len()).filter(|p| names[*p] == 0 && picture[*p] == images[1][*p]).count();
     assert!(outside > names.len() / 3, "what nothing covers is frame i + 1: {outside}");
     assert!(picture.as_flattened().iter().all(|c| c.is_finite()));

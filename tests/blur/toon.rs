@@ -10,10 +10,11 @@ use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::BASE_MASK;
 use celfx::simulate::mesh::Builtin;
 use celfx::toon::{Operator, Outline, Tone};
-use celfx::view::{Light, LightSource};
+use celfx::view::{Light, LightSource, View};
 use glam::{DVec2, DVec3, Quat, Vec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::views;
 use crate::scenes::Animation;
 
 const GREY: [f32; 4] = [0.1, 0.2, 0.3, 0.5];
@@ -175,12 +176,13 @@ impl Film {
     /// What each sample of a frame sees.
     fn samples(&self, frame: usize) -> Vec<Seen> {
         let [width, height] = self.animation.size.map(|side| 2 * side as usize);
-        let clip = |point: &u32| self.animation.clip(frame, *point as usize);
-        let corners: Vec<[DVec3; 3]> = self.mesh.triangles().iter().map(|t| [0, 1, 2].map(|i| clip(&t[i]))).collect();
+        let place = |point: &u32| self.animation.pixel(frame, *point as usize);
+        let corners: Vec<[DVec3; 3]> = self.mesh.triangles().iter().map(|t| [0, 1, 2].map(|i| place(&t[i]))).collect();
+        let (is_mirrored, is_parallel) = (self.animation.is_mirrored(), self.animation.is_parallel());
         let normals = self.normals(frame);
         let mut nearest = vec![(0.0, None, false); width * height];
         for (index, corners) in corners.iter().enumerate() {
-            let pixels = corners.map(|c| c.truncate() / c.z);
+            let pixels = corners.map(DVec3::truncate);
             let low = pixels.iter().fold(DVec2::INFINITY, |a, b| a.min(*b));
             let high = pixels.iter().fold(DVec2::NEG_INFINITY, |a, b| a.max(*b));
             for y in (2.0 * low.y - 2.0).max(0.0) as usize..((2.0 * high.y + 2.0).max(0.0) as usize).min(height) {
@@ -193,7 +195,8 @@ impl Film {
                     let area: f64 = parts.iter().sum();
                     let distance = (0..3).map(|i| parts[i] * area.signum() / sides[i]).fold(f64::INFINITY, f64::min);
                     slot.2 |= distance.abs() < 1.0 / 64.0;
-                    let weights = DVec3::from_array([0, 1, 2].map(|i| parts[i] / corners[i].z));
+                    let weights =
+                        DVec3::from_array([0, 1, 2].map(|i| parts[i] / if is_parallel { 1.0 } else { corners[i].z }));
                     let shares = weights / weights.element_sum();
                     let near = 1.0 / (0..3).map(|i| shares[i] * corners[i].z).sum::<f64>();
                     if distance > 0.0 && near > slot.0 {
@@ -204,7 +207,7 @@ impl Film {
         }
         let seen = |(_, found, unsure): &(f64, Option<(usize, DVec3, f64)>, bool)| {
             let Some((index, shares, area)) = *found else { return Seen { unsure: *unsure, ..Seen::default() } };
-            self.seen(frame, index, shares, area > 0.0, &normals[index], *unsure)
+            self.seen(frame, index, shares, (area > 0.0) != is_mirrored, &normals[index], *unsure)
         };
         nearest.iter().map(seen).collect()
     }
@@ -299,21 +302,43 @@ fn tones_and_ink_are_those_of_f64() {
         let settings = Settings { toon: toon(strength, width), ..Settings::default() };
         let Some(mut film) = Film::new(which, vertices, [320, 180], 22..26, settings, false) else { return };
         film.set_light(light, Background::Clear(GREY));
-        let picture = film.output(1, false);
-        let expected = film.expected(2);
-        let (mut looked, mut wrong, mut worst) = (0, 0, 0.0_f64);
-        for (found, expected) in picture.iter().zip(&expected) {
-            let Some(expected) = expected else { continue };
-            let off = (0..4).map(|c| (f64::from(found[c]) - expected[c]).abs()).fold(0.0, f64::max);
-            looked += 1;
-            wrong += usize::from(off > 1e-5);
-            worst = worst.max(off);
-        }
-        eprintln!("{which:?}, strength {strength}: {looked} pixels, {wrong} differ, at most by {worst:.1e}");
-        let covered = expected.iter().flatten().filter(|colour| colour[3] == 1.0).count();
-        assert!(looked > 40_000 && covered > 40, "{looked}, {covered}");
-        assert_eq!(wrong, 0);
+        compare_with_f64(&format!("{which:?}, strength {strength}"), &mut film);
     }
+}
+
+#[test]
+fn tones_and_ink_are_those_of_f64_through_other_views() {
+    let changes: [(&str, fn(View, usize) -> View); 3] = [
+        ("moved", |view, frame| views::jittered(views::moved(view), frame)),
+        ("mirrored", |view, _| views::mirrored(views::squeezed(view))),
+        ("orthographic", |view, frame| views::jittered(views::parallel_around(view, 4.0, 3.0), frame)),
+    ];
+    for (name, change) in changes {
+        for (vertices, strength) in [(1500, 0.0), (100, 1e-9)] {
+            let settings = Settings { toon: toon(strength, 1.5), ..Settings::default() };
+            let film = Film::new(Builtin::Crossing, vertices, [320, 180], 22..26, settings, false);
+            let Some(mut film) = film else { return };
+            film.animation.change = change;
+            compare_with_f64(&format!("{name}, strength {strength}"), &mut film);
+        }
+    }
+}
+
+fn compare_with_f64(name: &str, film: &mut Film) {
+    let picture = film.output(1, false);
+    let expected = film.expected(2);
+    let (mut looked, mut wrong, mut worst) = (0, 0, 0.0_f64);
+    for (found, expected) in picture.iter().zip(&expected) {
+        let Some(expected) = expected else { continue };
+        let off = (0..4).map(|c| (f64::from(found[c]) - expected[c]).abs()).fold(0.0, f64::max);
+        looked += 1;
+        wrong += usize::from(off > 1e-5);
+        worst = worst.max(off);
+    }
+    eprintln!("{name}: {looked} pixels, {wrong} differ, at most by {worst:.1e}");
+    let covered = expected.iter().flatten().filter(|colour| colour[3] == 1.0).count();
+    assert!(looked > 40_000 && covered > 40, "{name}: {looked}, {covered}");
+    assert_eq!(wrong, 0, "{name}");
 }
 
 #[test]

@@ -4,9 +4,11 @@ use celfx::blur::motion::{Motion, Pose, Window};
 use celfx::blur::settings::Space;
 use celfx::blur::{Desc, Settings};
 use celfx::low_level::blur::params::Piece;
+use celfx::view::View;
 
 use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
+use crate::common::views;
 use crate::scenes::{Animation, grid, interval, natural, spline, swing};
 
 /// What a piece is off from frame i in pixels, as the device computes it.
@@ -108,13 +110,20 @@ fn offsets_are_exact_far_from_the_picture() {
 #[test]
 fn poses_make_the_pieces_of_the_interval() {
     let sides = [9, 7];
-    for (strength, space, held, cut) in [
-        (1.0, Space::Homogeneous, 0..0, None),
-        (3.0, Space::Homogeneous, 4..7, None),
-        (2.0, Space::Screen, 10..11, Some(13)),
-        (3.0, Space::Homogeneous, 0..0, Some(7)),
+    let camera: fn(View, usize) -> View = |view, _| view;
+    for (strength, space, held, cut, change) in [
+        (1.0, Space::Homogeneous, 0..0, None, camera),
+        (3.0, Space::Homogeneous, 4..7, None, camera),
+        (2.0, Space::Screen, 10..11, Some(13), camera),
+        (3.0, Space::Homogeneous, 0..0, Some(7), camera),
+        (2.0, Space::Homogeneous, 4..7, None, |view, frame| views::jittered(views::moved(view), frame)),
+        (2.0, Space::Homogeneous, 0..0, None, |view, frame| {
+            views::jittered(views::parallel_around(views::mirrored(view), 4.0, 3.0), frame)
+        }),
+        (1.0, Space::Screen, 0..0, None, |view, _| views::moved(views::parallel(view, 4.0, 3.0))),
     ] {
-        let (mesh, mut animation) = (grid(sides), swing(sides, 16, [960, 540], 0.3).through_window(WINDOW));
+        let animation = Animation { change, ..swing(sides, 16, [960, 540], 0.3) };
+        let (mesh, mut animation) = (grid(sides), animation.through_window(WINDOW));
         for frame in held {
             animation.poses[frame] = animation.poses[frame - 1].clone();
             animation.cameras[frame] = animation.cameras[frame - 1];
@@ -138,7 +147,7 @@ fn poses_make_the_pieces_of_the_interval() {
             knots: Some(&knots),
         };
         rig.frame(&shot).expect("a frame");
-        let (points, screen) = (animation.poses[0].len(), space == Space::Screen);
+        let (points, screen) = (animation.poses[0].len(), space == Space::Screen || animation.is_parallel());
         let mut worst = 0.0_f32;
         for s in 0..interval.segments.len() {
             for (point, piece) in rig.pieces(s).iter().enumerate() {

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use crate::common::flame::{FlameRig, ball, desc};
 use crate::common::scenes::{camera, random};
+use crate::common::views;
 use crate::oracle::{Shot, Tally, check};
 
 const SIZE: [u32; 2] = [96, 72];
@@ -119,6 +120,31 @@ fn cameras() {
     let rolled = Camera { up: DVec3::new(1.0, 0.3, -0.2), ..from(-2.0, 2.0, -2.0) };
     see("rolled", &mut usual, rolled, &mut total);
     total.assert_few("cameras", SHARE);
+}
+
+#[test]
+fn projections_of_any_kind() {
+    let mut total = Tally::default();
+    let particles = ball(PARTICLES, 1);
+    for (settings, names) in [(base(), 0..11), (Settings { shape: Shape::Cube, ..base() }, 5..11)] {
+        let Some(mut rig) = rig(settings) else { return };
+        for (name, view) in views::of(&camera(20.0), SIZE, camera(20.0).eye.length()).drain(names) {
+            let tally = check(name, &mut rig, &Shot { view: Some(view), ..Shot::new(&particles, camera(20.0)) });
+            assert!(tally.hits * 50 > tally.samples, "{name}: {tally:?} is empty");
+            total.add(tally);
+        }
+    }
+    // Sprites below a pixel, whose sides differ, and of a size in pixels.
+    for settings in [Settings { size: Some(0.02), ..base() }, Settings { size: None, size_pixels: Some(3.0), ..base() }]
+    {
+        let Some(mut rig) = rig(settings) else { return };
+        for (name, view) in views::of(&camera(20.0), SIZE, camera(20.0).eye.length()) {
+            if name == "squeezed" || name == "orthographic turned" {
+                total.add(check(name, &mut rig, &Shot { view: Some(view), ..Shot::new(&particles, camera(20.0)) }));
+            }
+        }
+    }
+    total.assert_few("projections", SHARE);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::cases::{self, Case, apart, near, parallel, plain, rgb, settings, usual, wide};
 use crate::common::flame::FlameRig;
+use crate::common::views;
 use crate::table::{Weighed, both};
 
 /// Of 8 bits.
@@ -46,9 +47,22 @@ fn walled() -> Case {
 /// and sums over a table's node up to a thousand texels. Measured: 3e-6.
 const SINGLE: f64 = 1e-5;
 
+/// Seen through projections of every kind.
+fn projections() -> Vec<Case> {
+    let case = plain();
+    let views = views::of(&case.camera, case.desc.size, case.camera.eye.length());
+    let cube = Settings { shape: Shape::Cube, ..settings() };
+    let turned = views.last().expect("views").1;
+    let of = |(name, view)| Case { name, view: Some(view), ..case.clone() };
+    // Every second: each differs from a camera in another way, or in several.
+    let mut cases: Vec<Case> = views.into_iter().skip(2).step_by(2).map(of).collect();
+    cases.push(Case { view: Some(turned), ..Case::new("cube, turned", case.desc.size, 40, cube, case.camera) });
+    cases
+}
+
 #[test]
 fn the_device_integrates_its_table() {
-    for case in ways() {
+    for case in ways().into_iter().chain(projections()) {
         let Some((mut rig, weighed, image)) = both(&case) else { return };
         check_weights(&case, &mut rig, &weighed);
         let mean = rig.mean();

@@ -12,7 +12,7 @@ use celfx::flame::{Desc, Settings};
 use celfx::low_level::flame::layout;
 use celfx::low_level::flame::params::Control;
 use celfx::offline::{EffectBuffer, Scene};
-use celfx::view::{Camera, View};
+use celfx::view::{Camera, Projection, View};
 use glam::DVec3;
 
 use crate::common::flame::{FlameRig, ball, desc, scene};
@@ -191,6 +191,11 @@ impl Case {
     /// What it is seen through.
     pub fn seen(&self) -> View {
         self.view.unwrap_or_else(|| self.camera.view(self.desc.size))
+    }
+
+    /// The same, taken apart.
+    pub fn projection(&self) -> Projection {
+        Projection::of_valid(&self.seen(), self.desc.size)
     }
 
     /// As the references take it.

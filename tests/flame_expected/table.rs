@@ -34,7 +34,7 @@ impl Space {
         let settings = &case.desc.settings;
         let (spread, cube) = (f64::from(settings.spread.unwrap_or_default()), settings.shape == Shape::Cube);
         let depth = if cube { spread * 3.0_f64.sqrt() } else { spread };
-        Space { spread, depth, sprite: settings.sprite().into(), cube, rotation: case.camera.rotation() }
+        Space { spread, depth, sprite: settings.sprite().into(), cube, rotation: case.projection().axes }
     }
 
     fn reach(&self) -> f64 {
@@ -153,12 +153,10 @@ impl<'a> Model<'a> {
         };
         let last = mask.sorted(6);
         let all = |threshold: f32| passing(&last, 6, threshold)[0];
-        let rotation = case.camera.rotation();
-        let views: Vec<DVec3> = particles
-            .iter()
-            .map(|p| rotation * (DVec3::from_array(p.centre.map(f64::from)) - case.camera.eye))
-            .collect();
-        let pixel = 2.0 * case.camera.half_extent(case.desc.size).y / f64::from(case.desc.size[1]);
+        let projection = case.projection();
+        let position = |p: &Particle| DVec3::from_array(p.centre.map(f64::from));
+        let views: Vec<DVec3> = particles.iter().map(|p| projection.to_view(position(p))).collect();
+        let pixel = projection.focal.min_element().recip();
         let weigh = |(particle, view): (&Particle, &DVec3)| {
             let threshold = match particle.alpha > 0.0 {
                 true => settings.threshold / particle.alpha as f32,
@@ -169,7 +167,7 @@ impl<'a> Model<'a> {
             let last_class = (KERNEL_CLASSES - 1) as f32;
             let class = ((place * last_class).clamp(1.0, last_class) + 0.5) as usize;
             let share = f64::from(all(threshold)) / f64::from(all(of_class(class)).max(1));
-            let pixel = pixel * view.z;
+            let pixel = pixel * projection.widening(view.z);
             let fill = (space.sprite / pixel).clamp(0.0, 1.0).powi(2);
             let below = (space.reach() < f64::from(NARROW) * pixel)
                 .then(|| Narrow { pixel, chance: fill * f64::from(all(threshold)) / last.len() as f64 });
@@ -201,7 +199,7 @@ impl<'a> Model<'a> {
     /// The image.
     fn render(&self, bins: Bins) -> Expected {
         let mask = Mask::from_texels(vec![0.0; SIDE * SIDE]);
-        let near = self.case.camera.near;
+        let near = self.case.projection().near;
         integrate(&self.case.frame(&mask, 0), self.particles, bins, |index, slope, borders, depths| {
             for (depth, ends) in depths.iter_mut().zip(borders.windows(2)) {
                 *depth = self.optical(index, slope, [ends[0].max(near), ends[1].max(near)]);
@@ -215,11 +213,14 @@ impl<'a> Model<'a> {
         let (view, weighed) = (self.views[index], &self.weighed[index]);
         let radius = self.space.depth;
         let zeta = bin.map(|z| (z - view.z).clamp(-radius, radius));
-        let centre = view.z * slope - view.truncate();
+        let projection = self.case.projection();
+        let centre = projection.widening(view.z) * slope - view.truncate();
+        // Parallel rays do not slant.
+        let slope = if projection.is_orthographic { DVec2::ZERO } else { slope };
         if bin[0] >= bin[1] {
             return 0.0;
         }
-        let near = self.case.camera.near - view.z;
+        let near = projection.near - view.z;
         if let Some(narrow) = weighed.below {
             let x = self.narrow(narrow, centre, [zeta[0], zeta[1], near]);
             return weighed.weight * -(-x).ln_1p();

@@ -18,7 +18,7 @@ use crate::handles::handle;
 
 pub const SIZE: [u32; 2] = [200, 150];
 pub const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: false };
+const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
 const TRAITS: DeviceTraits = DeviceTraits { image_side: 16_384, ..DeviceTraits::LEAST };
 
 pub fn buffer() -> HostBuffer {

@@ -194,6 +194,33 @@ fn a_held_pose_is_one_knot() {
     assert!(!shot.interval(&Settings::default(), 30).clusters.is_empty());
 }
 
+/// What a picture is moved by within a pixel moves nothing in it: all is as the later frame has it.
+#[test]
+fn jitter_is_no_motion() {
+    let jitter = |f: usize| [(0.618 * f as f64).fract() - 0.5, (0.414 * f as f64).fract() - 0.5];
+    for wanders in [false, true] {
+        let mut shot = wandering(40);
+        if !wanders {
+            shot.poses = vec![shot.poses[20].clone(); 40];
+        }
+        let still = shot.views();
+        let moved: Vec<View> = still.iter().enumerate().map(|(f, view)| View { jitter: jitter(f), ..*view }).collect();
+        let [still, moved] = [still, moved].map(|views| {
+            let window = Window { frame: 20, poses: &shot.poses(&views), current: 20, between: &[] };
+            Motion::new(&Settings::default(), SIZE).unwrap().interval(&shot.mesh, &window, 1).unwrap()
+        });
+        assert_eq!(moved.labels, still.labels);
+        assert_eq!(wanders, !moved.clusters.is_empty());
+        for (moved, still) in moved.motion.iter().zip(&still.motion) {
+            for c in 0..4 {
+                // Floats of up to 2000 pixels.
+                let by = if c < 2 { jitter(21)[c] } else { 0.0 };
+                assert!((f64::from(moved[c]) - f64::from(still[c]) - by).abs() < 2e-4, "{moved:?} {still:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_cut_separates_trajectories() {
     let shot = wandering(40);
