@@ -257,7 +257,7 @@ fn for_each_use(step: &Step, pass: &Pass, mut f: impl FnMut(Resource, &Usage)) {
     };
     match step.command {
         Command::Fill { buffer, .. } | Command::Update { buffer, .. } => copies(None, buffer.into()),
-        Command::Clear { image, .. } => copies(None, image.into()),
+        Command::Clear { image, .. } => f(image.into(), &Usage::COLOUR),
         Command::CopyBuffer { from, to, .. } => copies(Some(from.into()), to.into()),
         Command::CopyRange { from, to, .. } => copies(Some(from.0.into()), to.0.into()),
         Command::CopyImage { from, to, .. } => copies(Some(from.into()), to.into()),

@@ -56,6 +56,8 @@ pub struct HostImage {
     pub samples: vk::SampleCountFlags,
     /// Width and height of the level in pixels, both at least 1.
     pub extent: [u32; 2],
+    /// Where the picture's upper left pixel lies in it: all of the picture does. What lies beside it is not touched.
+    pub offset: [u32; 2],
     /// The mip level.
     pub base_mip: u32,
     /// The layer.
@@ -67,7 +69,7 @@ pub struct HostImage {
 }
 
 impl HostImage {
-    /// The only layer of the only level of an image with one sample a pixel.
+    /// The only layer of the only level of an image with one sample a pixel, from its upper left pixel on.
     pub fn new(
         image: vk::Image,
         view: vk::ImageView,
@@ -77,7 +79,18 @@ impl HostImage {
         state_out: ImageState,
     ) -> HostImage {
         let samples = vk::SampleCountFlags::TYPE_1;
-        HostImage { image, view, format, samples, extent, base_mip: 0, base_layer: 0, state_in, state_out }
+        HostImage {
+            image,
+            view,
+            format,
+            samples,
+            extent,
+            offset: [0; 2],
+            base_mip: 0,
+            base_layer: 0,
+            state_in,
+            state_out,
+        }
     }
 }
 
@@ -104,7 +117,7 @@ pub enum Background {
     Keep,
     /// Linear RGBA, premultiplied; none beyond [`crate::view::BRIGHTEST`].
     Clear([f32; 4]),
-    /// An image of the target's size and format. Usage: `TRANSFER_SRC`; target: `TRANSFER_DST`.
+    /// An image of the target's format. Usage: `TRANSFER_SRC`; target: `TRANSFER_DST`.
     Copy(HostImage),
 }
 

@@ -57,12 +57,14 @@ pub enum Command {
         /// Number of bytes.
         bytes: usize,
     },
-    /// Clears a colour image.
+    /// Clears a colour image: an attachment that nothing is drawn into.
     Clear {
         /// The image.
         image: ImageId,
         /// Value in bits.
         value: [u32; 4],
+        /// Pixels.
+        extent: [u32; 2],
     },
     /// Copies the start of a buffer.
     CopyBuffer {

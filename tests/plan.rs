@@ -170,7 +170,7 @@ fn images_of_the_host_change_with_barriers() {
     }];
     let mut plan = Plan::default();
     plan.step(PassId(0), Command::Dispatch { threads: [1; 3] });
-    plan.step(PassId(1), Command::Clear { image: TARGET, value: [0; 4] });
+    plan.step(PassId(1), Command::Clear { image: TARGET, value: [0; 4], extent: [1, 1] });
     plan.step(PassId(2), Command::Draw { vertices: 4 });
     plan.step(PassId(2), Command::Draw { vertices: 4 });
     let state = |layout| ImageState { stage: FRAGMENT, access: vk::AccessFlags2::SHADER_SAMPLED_READ, layout };

@@ -9,6 +9,6 @@ layout(binding = 2) uniform texture2D background_image;
 layout(location = 0) out vec4 colour;
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    ivec2 pixel = ivec2(gl_FragCoord.xy) - ivec2(constants.corner);
     colour = over_background(texelFetch(drawn, pixel, 0), pixel);
 }

@@ -7,7 +7,7 @@ layout(location = 0) out vec4 colour;
 
 // The pixel's place in the picture.
 uint replace() {
-    uvec2 at = uvec2(gl_FragCoord.xy);
+    uvec2 at = uvec2(gl_FragCoord.xy) - params.corner;
     uint index = index_of(ivec2(at));
     colour = picture[index];
     // Nothing has been made of a tile that is not worked on.

@@ -7,7 +7,7 @@
 layout(std430, binding = 1) readonly buffer Surface { Covering surface[]; };
 
 void main() {
-    Covering own = surface[index_of(ivec2(gl_FragCoord.xy))];
+    Covering own = surface[index_of(ivec2(gl_FragCoord.xy) - ivec2(params.corner))];
     if (isinf(own.depth) || isinf(own.behind)) {
         discard;
     }

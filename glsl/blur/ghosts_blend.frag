@@ -12,7 +12,7 @@ layout(location = 0) out vec4 colour;
 void main() {
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
-        ivec2 at = sample_of(ivec2(gl_FragCoord.xy), i);
+        ivec2 at = sample_of(ivec2(gl_FragCoord.xy) - ivec2(params.corner), i);
         if (is_behind(at, texelFetch(ghost_depth, at, 0).x)) {
             sum += 0.25 * texelFetch(ghost, at, 0);
         }

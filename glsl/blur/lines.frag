@@ -12,7 +12,7 @@ layout(location = 0) out vec4 drawn;
 void main() {
     float covered = 0.0;
     for (int i = 0; i < 4; ++i) {
-        covered += is_behind(sample_of(ivec2(gl_FragCoord.xy), i), gl_FragCoord.z) ? 0.25 : 0.0;
+        covered += is_behind(sample_of(ivec2(gl_FragCoord.xy) - ivec2(params.corner), i), gl_FragCoord.z) ? 0.25 : 0.0;
     }
     // How much of the pixel is between the line's sides.
     float side = 0.5 * constants.width * (1.0 - share);

@@ -61,6 +61,7 @@ layout(binding = 0) uniform BlurParams {
     vec4 background;           // colour where no frame shows anything but the mesh, if there is no image of it
     SegmentTimes segments[MOST_SEGMENTS];
     uvec2 size;                // of the picture, in pixels
+    uvec2 corner;              // of the picture, in the target
     uvec2 tiles;               // of the picture, across and down
     uint seed;
     uint generation;           // of the teeth

@@ -2,6 +2,7 @@
 layout(push_constant) uniform BackgroundConstants {
     vec4 background;
     uint has_image;  // 1: it is an image
+    uvec2 corner;    // of the picture, in the target
 } constants;
 
 vec4 over_background(vec4 own, ivec2 pixel) {

@@ -7,10 +7,11 @@ layout(std430, binding = 2) readonly buffer LampBuffer { Lamp lamp; };
 layout(location = 0) out vec4 brighter;
 
 void main() {
-    float depth = scene[pixel_index(uvec2(gl_FragCoord.xy))];
+    vec2 at = gl_FragCoord.xy - vec2(params.corner);
+    float depth = scene[pixel_index(uvec2(at))];
     if (!(depth < uintBitsToFloat(INFINITY_BITS))) {
         discard;
     }
-    vec3 away = vec3(widening(depth) * ray_at(gl_FragCoord.xy), depth - lamp.base) - vec3(lamp.middle, lamp.depth);
+    vec3 away = vec3(widening(depth) * ray_at(at), depth - lamp.base) - vec3(lamp.middle, lamp.depth);
     brighter = vec4(vec3(lamp.colour[0], lamp.colour[1], lamp.colour[2]) / (1.0 + dot(away, away) / lamp.squared_width), 0.0);
 }

@@ -64,8 +64,8 @@ layout(binding = 0) uniform FlameParams {
     uint is_orthographic;
     float pixel_footprint;    // the wider side of a pixel at a depth of 1, in metres; orthographic: at any depth
     float squash;             // pixels of a sprite across over those down
-    uint unused;
     uvec2 size;               // of the picture in pixels
+    uvec2 corner;             // of the picture, in the target
     uvec2 tiles;              // across and down
     uint cell_count;          // cells of all levels
     uint cell_level_count;

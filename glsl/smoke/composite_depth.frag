@@ -22,7 +22,7 @@ layout(std430, binding = 4) readonly buffer Edges { Edge edges[]; };
 layout(location = 0) out vec4 colour;
 
 void main() {
-    uvec2 at = uvec2(gl_FragCoord.xy);
+    uvec2 at = uvec2(gl_FragCoord.xy) - params.corner;
     uint index = pixel_index(at);
     colour = picture[index];
     if (colour.a == 0.0) {

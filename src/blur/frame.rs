@@ -8,7 +8,7 @@ pub use crate::blur::motion::{FrameView, Knot};
 use crate::blur::settings::Completion;
 use crate::error::{Error, Result};
 use crate::host::{Background, Content, HostBuffer, HostImage};
-use crate::host::{check_background, check_buffer as holds, check_depth, check_distinct, check_image};
+use crate::host::{check_background, check_beside, check_buffer as holds, check_depth, check_distinct, check_image};
 use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
 use crate::view::Light;
 
@@ -378,7 +378,8 @@ impl Frame<'_> {
     fn validate_depth(&self, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
         let depth = self.depth.as_ref().map(|DepthInput { host, view }| (host, &view.view));
         check_depth("depth", depth, desc.size, desc.depth)?;
-        let Some(DepthInput { view, .. }) = &self.depth else { return Ok(()) };
+        let Some(DepthInput { host, view }) = &self.depth else { return Ok(()) };
+        check_beside(Some(host), &self.target)?;
         view.view.validate()?;
         self.needs(view.frame, desc, resident)?;
         let others = self.interval.as_ref().map(|interval| &interval.views[2]);

@@ -8,7 +8,7 @@ use crate::blur::frame::{self, Frame, FrameView, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 use crate::blur::motion::clip_rows;
 use crate::blur::settings::{Settings, Toon};
-use crate::host::Background;
+use crate::host::{Background, HostImage};
 use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
@@ -16,12 +16,13 @@ use crate::view::{self, Light, LightSource, Projection};
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.
-    pub fn new(background: Background) -> BackgroundConstants {
-        match background {
-            Background::Clear(background) => BackgroundConstants { background, has_image: 0 },
-            Background::Copy(_) => BackgroundConstants { background: [0.0; 4], has_image: 1 },
-            Background::Keep => BackgroundConstants { background: [0.0; 4], has_image: 0 },
-        }
+    pub fn new(background: Background, target: &HostImage) -> BackgroundConstants {
+        let (background, has_image) = match background {
+            Background::Clear(colour) => (colour, 0),
+            Background::Copy(_) => ([0.0; 4], 1),
+            Background::Keep => ([0.0; 4], 0),
+        };
+        BackgroundConstants { background, has_image, corner: target.offset, ..Zeroable::zeroed() }
     }
 }
 
@@ -177,12 +178,12 @@ impl BlurParams {
             is_drawn: frame.images.is_none().into(),
             is_clipped: settings.is_clipped().into(),
             is_whole: (desc.layers || desc.depth.is_some()).into(),
-            ..BlurParams::of_views(desc, &interval.views, frame.background)
+            ..BlurParams::of_views(desc, &interval.views, frame)
         }
     }
 
     /// Parameters of a frame that stands still, as the kernels read them.
-    pub fn of_views(desc: &Desc, views: &[FrameView; 4], background: Background) -> BlurParams {
+    pub fn of_views(desc: &Desc, views: &[FrameView; 4], frame: &Frame) -> BlurParams {
         let seen = views.map(|view| Projection::of_valid(&view.view, desc.size));
         let [_, previous, next, _] = &seen;
         let [from, to] = [views[1], views[2]].map(|of| DVec2::from_array(of.view.jitter));
@@ -190,6 +191,7 @@ impl BlurParams {
             views: seen.map(|projection| View::new(&projection, desc.size)),
             pose_places: views.map(|view| pose_place(&view, desc)),
             size: desc.size,
+            corner: frame.target.offset,
             tiles: desc.size.map(|side| side.div_ceil(TILE)),
             seed: desc.seed,
             points: desc.points,
@@ -203,7 +205,7 @@ impl BlurParams {
             jitter_change: (to - from).as_vec2().to_array(),
             ..BlurParams::zeroed()
         };
-        match background {
+        match frame.background {
             Background::Clear(colour) => params.background = colour,
             Background::Copy(_) => params.has_background_image = 1,
             Background::Keep => {}

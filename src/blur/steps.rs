@@ -226,7 +226,7 @@ impl Steps<'_> {
     fn surface(&mut self, frame: &Frame, input: &DepthInput, there: There) {
         let Desc { size: [width, height], triangles, points, .. } = *self.desc;
         if !there.is_projected {
-            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame.background);
+            let params = BlurParams::of_views(self.desc, &[input.view; 4], frame);
             self.plan.update(self.passes.depth_params, PARAMS, &params);
             self.plan.step(self.passes.depth_project, Command::Dispatch { threads: [points, 4, 1] });
         }
@@ -240,7 +240,7 @@ impl Steps<'_> {
         };
         self.plan.step(pass, Command::CopyImage { from, to: FRAMES[1], extent: self.desc.size });
         let pixels = Command::Dispatch { threads: [width, height, 1] };
-        self.plan.step_with(self.passes.surface, pixels, &BackgroundConstants::new(background));
+        self.plan.step_with(self.passes.surface, pixels, &BackgroundConstants::new(background, &frame.target));
     }
 
     fn colours(&mut self, mesh: &TopologyInput) {

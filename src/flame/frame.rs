@@ -42,7 +42,7 @@ pub struct Frame {
     /// Adds this frame's repetitions to those of the frame before, of which nothing else may have changed: particles,
     /// view, scene. Not with `adaptive`.
     pub accumulate: bool,
-    /// Where it goes. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background.
+    /// Where it goes. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background that is an image.
     pub target: HostImage,
     /// The background.
     pub background: Background,

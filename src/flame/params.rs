@@ -71,8 +71,8 @@ impl FlameParams {
             is_orthographic: projection.is_orthographic.into(),
             pixel_footprint: projection.focal.min_element().recip() as f32,
             squash: if settings.size_pixels.is_some() { 1.0 } else { (projection.focal.x / projection.focal.y) as f32 },
-            unused: 0,
             size: desc.size,
+            corner: frame.target.offset,
             tiles: layout.tiles,
             cell_count: layout.cells,
             cell_level_count: layout.levels.len() as u32,
@@ -106,6 +106,7 @@ impl FlameParams {
             table_last: table.entries.len() as f32 - 1.0,
             table_shift: [red, green, blue, 0.0],
             cell_levels,
+            ..FlameParams::zeroed()
         }
     }
 }

@@ -87,7 +87,7 @@ impl Steps<'_> {
         let (image, from, extent) = (TARGET, BACKGROUND, self.desc.size);
         let command = match background {
             Background::Keep => return self.plan.skip(self.passes.background, "the target is kept"),
-            Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits) },
+            Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits), extent },
             Background::Copy(_) => Command::CopyImage { from, to: image, extent },
         };
         self.plan.step(self.passes.background, command);

@@ -110,14 +110,9 @@ fn blend(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
         .alpha_blend_op(vk::BlendOp::ADD)
 }
 
-/// The same, as a viewport.
-pub(crate) fn viewport(extent: [u32; 2]) -> vk::Viewport {
-    let [width, height] = extent.map(|side| side as f32);
-    vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 }
-}
-
-/// The whole of an attachment.
-pub(crate) fn area(extent: [u32; 2]) -> vk::Rect2D {
-    let [width, height] = extent;
-    vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }
+/// The whole of an area.
+pub(crate) fn viewport(area: &vk::Rect2D) -> vk::Viewport {
+    let [x, y] = [area.offset.x, area.offset.y].map(|side| side as f32);
+    let [width, height] = [area.extent.width, area.extent.height].map(|side| side as f32);
+    vk::Viewport { x, y, width, height, min_depth: 0.0, max_depth: 1.0 }
 }

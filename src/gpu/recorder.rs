@@ -10,7 +10,7 @@ use crate::gpu::debug;
 use crate::gpu::kernels::push_range;
 use crate::gpu::pipelines::{Bound, Pipelines};
 use crate::gpu::profiler::{Mode, Timing};
-use crate::gpu::raster::{area, viewport};
+use crate::gpu::raster::viewport;
 use crate::gpu::resources::{BufferSlot, ImageSlot, Resources, range_of};
 use crate::host::{Host, HostImage, ImageState};
 use crate::plan::{BufferId, Command, ImageId, Kernel, Pass, Plan, Raster, Step, Usage};
@@ -343,17 +343,17 @@ impl Walk<'_> {
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(vk::ClearValue { depth_stencil })
         });
-        let mut info = vk::RenderingInfo::default()
-            .render_area(area(raster.extent))
-            .layer_count(1)
-            .color_attachments(colour.as_slice());
+        let attached = raster.colour.map(|colour| colour.image).or(raster.depth.map(|depth| depth.image));
+        let area = self.area(attached, raster.extent);
+        let mut info =
+            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(colour.as_slice());
         if let Some(depth) = &depth {
             info = info.depth_attachment(depth);
         }
         // SAFETY: the caller's.
         unsafe {
-            device.cmd_set_viewport(self.commands, 0, &[viewport(raster.extent)]);
-            device.cmd_set_scissor(self.commands, 0, &[area(raster.extent)]);
+            device.cmd_set_viewport(self.commands, 0, &[viewport(&area)]);
+            device.cmd_set_scissor(self.commands, 0, &[area]);
             device.cmd_begin_rendering(self.commands, &info);
             match step.command {
                 Command::DrawIndirect { arguments, offset } => {
@@ -365,6 +365,18 @@ impl Walk<'_> {
             }
             device.cmd_end_rendering(self.commands);
         }
+    }
+
+    /// Where a picture of this size lies in what is attached.
+    fn area(&self, attached: Option<ImageId>, [width, height]: [u32; 2]) -> vk::Rect2D {
+        let [x, y] = attached.map_or([0; 2], |id| self.resources.offset(id)).map(|side| side as i32);
+        vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } }
+    }
+
+    /// Where a picture begins in an image that is copied.
+    fn corner(&self, id: ImageId) -> vk::Offset3D {
+        let [x, y] = self.resources.offset(id).map(|side| side as i32);
+        vk::Offset3D { x, y, z: 0 }
     }
 
     /// The layout of an image while it is used so.
@@ -401,18 +413,26 @@ impl Walk<'_> {
                     let (buffer, offset, _) = self.resources.buffer(buffer);
                     device.cmd_update_buffer(self.commands, buffer, offset, &self.plan.data[from..from + bytes]);
                 }
-                Command::Clear { image, value } => {
-                    let value = vk::ClearColorValue { uint32: value };
-                    let range = [self.resources.range(image)];
-                    let layout = self.layout(image, &Usage::COPY_TARGET);
-                    device.cmd_clear_color_image(self.commands, self.resources.image(image), layout, &value, &range);
+                Command::Clear { image, value, extent } => {
+                    let colour = [vk::RenderingAttachmentInfo::default()
+                        .image_view(self.resources.attachment_view(image, 0))
+                        .image_layout(self.layout(image, &Usage::COLOUR))
+                        .load_op(vk::AttachmentLoadOp::CLEAR)
+                        .store_op(vk::AttachmentStoreOp::STORE)
+                        .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32: value } })];
+                    let area = self.area(Some(image), extent);
+                    let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colour);
+                    device.cmd_begin_rendering(self.commands, &info);
+                    device.cmd_end_rendering(self.commands);
                 }
                 Command::CopyBuffer { from, to, bytes } => self.copy((from, 0), (to, 0), bytes),
                 Command::CopyRange { from, to, bytes } => self.copy(from, to, bytes),
                 Command::CopyImage { from, to, extent: [width, height] } => {
                     let regions = [vk::ImageCopy::default()
                         .src_subresource(self.layer(from, vk::ImageAspectFlags::COLOR))
+                        .src_offset(self.corner(from))
                         .dst_subresource(self.layer(to, vk::ImageAspectFlags::COLOR))
+                        .dst_offset(self.corner(to))
                         .extent(vk::Extent3D { width, height, depth: 1 })];
                     let source = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
                     let target = (self.resources.image(to), self.layout(to, &Usage::COPY_TARGET));
@@ -423,6 +443,7 @@ impl Walk<'_> {
                     let regions = [vk::BufferImageCopy::default()
                         .buffer_offset(buffer_offset)
                         .image_subresource(self.layer(from, vk::ImageAspectFlags::DEPTH))
+                        .image_offset(self.corner(from))
                         .image_extent(vk::Extent3D { width, height, depth: 1 })];
                     let (image, layout) = (self.resources.image(from), self.layout(from, &Usage::COPY_SOURCE));
                     device.cmd_copy_image_to_buffer(self.commands, image, layout, to, &regions);

@@ -179,6 +179,14 @@ impl Resources {
         }
     }
 
+    /// Where the picture begins in an image.
+    pub fn offset(&self, id: ImageId) -> [u32; 2] {
+        match &self.images[usize::from(id.0)] {
+            ImageSlot::Host(Some(image)) => image.offset,
+            ImageSlot::Host(None) | ImageSlot::Own(_) => [0; 2],
+        }
+    }
+
     /// The view that a render pass attaches.
     pub fn attachment_view(&self, id: ImageId, layer: u32) -> vk::ImageView {
         match &self.images[usize::from(id.0)] {

@@ -20,7 +20,7 @@ fn refuse<T>(name: &'static str, why: String) -> Result<T> {
     Err(Error::HostResource { name, why })
 }
 
-/// Refuses an image that is not of this size and format, and states that no image can be in.
+/// Refuses an image in which a picture of this size does not lie, or of another format, and states that no image can be in.
 pub(crate) fn check_image(
     name: &'static str,
     image: &HostImage,
@@ -30,10 +30,13 @@ pub(crate) fn check_image(
 ) -> Result<()> {
     let is_undefined = |layout| matches!(layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED);
     match image {
-        _ if image.extent != size || image.format != format => {
-            let why = format!("{:?} pixels of {:?}; expected {size:?} of {format:?}", image.extent, image.format);
-            refuse(name, why)
+        _ if (0..2)
+            .any(|axis| image.offset[axis].checked_add(size[axis]).is_none_or(|end| end > image.extent[axis])) =>
+        {
+            let (extent, offset) = (image.extent, image.offset);
+            refuse(name, format!("{extent:?} pixels, in which {size:?} from {offset:?} on do not lie"))
         }
+        _ if image.format != format => refuse(name, format!("{:?}; expected {format:?}", image.format)),
         _ if image.samples != vk::SampleCountFlags::TYPE_1 => {
             refuse(name, format!("{:?} samples a pixel; resolve it into an image with one", image.samples))
         }
@@ -73,6 +76,16 @@ pub(crate) fn check_background(background: &Background, size: [u32; 2], format: 
             Err(Error::setting("frame.background", format!("{colour:?}"), "linear RGBA, none beyond 1e6"))
         }
         Background::Clear(_) | Background::Keep => Ok(()),
+    }
+}
+
+/// Refuses depth that is attached beside the target and lies elsewhere: all of a render pass do in the same place.
+pub(crate) fn check_beside(depth: Option<&HostImage>, target: &HostImage) -> Result<()> {
+    match depth {
+        Some(depth) if depth.offset != target.offset => {
+            refuse("depth", format!("offset {:?}; expected {:?}, as the target's", depth.offset, target.offset))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostImage};
-use crate::host::{check_background, check_buffer, check_depth, check_target};
+use crate::host::{check_background, check_beside, check_buffer, check_depth, check_target};
 use crate::smoke::desc::Desc;
 use crate::view::{FARTHEST, Light, View};
 
@@ -46,7 +46,7 @@ pub struct Frame {
     pub light: Light,
     /// This frame's volume; none if it is the last one recorded. The first frame needs one.
     pub volume: Option<VolumeInput>,
-    /// Where it goes; none only moves the particles on. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background.
+    /// Where it goes; none only moves the particles on. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background that is an image.
     pub target: Option<HostImage>,
     /// The background.
     pub background: Background,
@@ -148,7 +148,10 @@ impl Frame {
             check_buffer("edges", edges, 16 * pixels)?;
         }
         match &self.target {
-            Some(target) => check_target(target, &self.background, desc.size, desc.target_format),
+            Some(target) => {
+                check_beside(self.depth.as_ref(), target)?;
+                check_target(target, &self.background, desc.size, desc.target_format)
+            }
             None => check_background(&self.background, desc.size, desc.target_format),
         }
     }

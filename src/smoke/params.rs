@@ -38,6 +38,7 @@ impl SmokeParams {
     pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, shape: &Shape, frames: u32) -> SmokeParams {
         let mut params = SmokeParams::zeroed();
         params.set_picture(desc, layout, &Projection::of_valid(&frame.view, desc.size));
+        params.corner = frame.target.map_or([0; 2], |target| target.offset);
         params.set_volume(&desc.settings, shape);
         params.set_light(desc, layout, &frame.light, shape);
         params.set_particles(desc, layout, frame.dt, frames);

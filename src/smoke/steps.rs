@@ -56,8 +56,8 @@ pub struct Steps<'a> {
 impl Steps<'_> {
     /// The steps of `frame`.
     pub fn fill(mut self, frame: &Frame, params: &SmokeParams, tables: &Tables) {
-        if let Some(target) = &frame.target {
-            self.background(&frame.background, target.extent);
+        if frame.target.is_some() {
+            self.background(&frame.background);
         }
         if self.desc.settings.particles == 0 {
             if self.desc.layers && frame.target.is_some() {
@@ -120,13 +120,15 @@ impl Steps<'_> {
         }
     }
 
-    fn background(&mut self, background: &Background, extent: [u32; 2]) {
-        debug_assert_eq!(extent, self.desc.size);
+    fn background(&mut self, background: &Background) {
+        let extent = self.desc.size;
         match background {
             Background::Keep => self.plan.skip(self.passes.background, "the target is kept"),
             Background::Clear(colour) => {
-                self.plan
-                    .step(self.passes.background, Command::Clear { image: TARGET, value: colour.map(f32::to_bits) });
+                self.plan.step(
+                    self.passes.background,
+                    Command::Clear { image: TARGET, value: colour.map(f32::to_bits), extent },
+                );
             }
             Background::Copy(_) => {
                 self.plan.step(self.passes.background, Command::CopyImage { from: BACKGROUND, to: TARGET, extent });

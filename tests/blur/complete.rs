@@ -20,8 +20,7 @@ use glam::{DQuat, DVec3};
 use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::scenes::random;
 use crate::common::views;
-use crate::scenes::Animation;
-use celfx::view::View;
+use crate::scenes::{Animation, Change};
 
 const SIZE: [u32; 2] = [240, 136];
 const I: usize = 2;
@@ -342,8 +341,8 @@ fn save(name: &str, picture: &[[f32; 4]]) {
 #[test]
 fn completion_is_the_references() {
     let all = [Completion::None, Completion::Surface, Completion::Gradient];
-    let camera: fn(View, usize) -> View = |view, _| view;
-    let mirrored: fn(View, usize) -> View = |view, frame| views::jittered(views::mirrored(view), frame);
+    let camera: Change = |view, _| view;
+    let mirrored: Change = |view, frame| views::jittered(views::mirrored(view), frame);
     for (which, start, with_outer, completions, change) in [
         (Builtin::Crossing, 0.6, false, &all[..], camera),
         (Builtin::Run, 0.2, true, &all, camera),

@@ -3,12 +3,13 @@
 use ash::vk;
 use celfx::blur::motion::{Motion, Window};
 use celfx::blur::reference::raster::{Clip, Raster, Shape, raster};
+use celfx::blur::settings::{Ghosts, Lines};
 use celfx::blur::{Background, DepthFormat, Desc, Interval, Settings};
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::Vertex;
 use celfx::view::{Camera, Light, Projection};
 
-use crate::common::blur::{BlurRig, Shot, desc, incomplete};
+use crate::common::blur::{BESIDE, BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
 use crate::common::views;
 use crate::scenes::{Animation, grid, swing};
@@ -30,6 +31,11 @@ struct Scene {
 impl Scene {
     /// `depth`: how the host holds depth, if it does.
     fn new(settings: Settings, depth: Option<(bool, f32)>, toon: bool) -> Option<Scene> {
+        Scene::in_larger_images(settings, depth, toon, [0; 2])
+    }
+
+    /// One whose pictures begin so far from the upper left of their images.
+    fn in_larger_images(settings: Settings, depth: Option<(bool, f32)>, toon: bool, corner: [u32; 2]) -> Option<Scene> {
         let (mesh, mut animation) = (grid(SIDES), swing(SIDES, 8, SIZE, 0.3));
         let seen = animation.all_seen();
         let window = Window { frame: I as u32, poses: &animation.poses(&seen), current: I, between: &[] };
@@ -37,7 +43,7 @@ impl Scene {
         let interval = motion.interval(&mesh, &window, 1).expect("an interval");
         let format = depth.map(|(reversed, _)| DepthFormat { format: vk::Format::D32_SFLOAT, reversed });
         let desc = Desc { depth: format, toon, ..desc(SIZE, &mesh, settings) };
-        let mut rig = BlurRig::new(desc, mesh)?;
+        let mut rig = BlurRig::in_larger_images(desc, mesh, corner)?;
         rig.toon = toon.then(|| (Light::default(), Background::Clear([0.25, 0.5, 0.75, 1.0])));
         if let Some((reversed, far)) = depth {
             animation.cameras.iter_mut().for_each(|camera| camera.far = far.into());
@@ -302,6 +308,41 @@ fn depth_is_that_of_orthographic_views_too() {
             // Some roundings of numbers up to 12.
             let worst = of_mesh.iter().map(|depth| (depth - expected).abs()).fold(0.0, f32::max);
             assert!(worst < 2e-6, "{reversed}, {moves}: {worst} off");
+        }
+    }
+}
+
+/// Target, images, background and depth are parts of larger images: the same, and what lies beside stays.
+#[test]
+fn a_part_of_larger_images_is_as_a_whole_one() {
+    let lines = Lines { count: 6, length: 2.0, width: 8.0, ..Lines::default() };
+    let settings = Settings { ghosts: Ghosts { count: 2, step: 0.5, opacity: 0.6 }, lines, ..Settings::default() };
+    for toon in [false, true] {
+        let outputs = [[0, 0], [7, 5]].map(|corner| {
+            let mut scene = Scene::in_larger_images(settings.clone(), Some((true, f32::INFINITY)), toon, corner)?;
+            let backdrop = |i: u32| [0, 1, 2, 3].map(|c| if c == 3 { 1.0 } else { random(9, i, c) });
+            scene.rig.set_backdrop(&(0..PIXELS as u32).map(backdrop).collect::<Vec<_>>());
+            let mut parts = Vec::new();
+            for moves in [true, false] {
+                scene.render(moves, moves);
+                let is_drawn = ["blur.lines", "blur.ghosts"].iter().all(|name| scene.rig.steps().contains(name));
+                assert_eq!(is_drawn, moves);
+                parts.push((scene.rig.picture(), scene.rig.host_depths()));
+                let (colours, depths) = scene.rig.beside();
+                assert!(colours.iter().all(|colour| *colour == BESIDE), "toon {toon}, moves {moves}");
+                assert!(depths.iter().all(|depth| *depth == scene.rig.wall), "toon {toon}, moves {moves}");
+                assert_eq!(colours.is_empty(), corner == [0, 0]);
+            }
+            Some(parts)
+        });
+        let [Some(whole), Some(part)] = outputs else { return };
+        for (moves, (whole, part)) in [true, false].into_iter().zip(whole.iter().zip(&part)) {
+            let off = |i: usize| (0..4).map(|c| (whole.0[i][c] - part.0[i][c]).abs()).fold(0.0, f32::max);
+            // A rasteriser may round elsewhere what it interpolates along a speed line; all else is the same to the bit.
+            let worst = (0..PIXELS).map(off).fold(0.0, f32::max);
+            let differing = (0..PIXELS).filter(|i| off(*i) > 0.0).count();
+            assert!(worst < 1e-5 && differing < PIXELS / 200, "toon {toon}, moves {moves}: {worst}, {differing}");
+            assert!(whole.1 == part.1, "toon {toon}, moves {moves}: depth to the bit");
         }
     }
 }

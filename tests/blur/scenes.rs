@@ -24,12 +24,15 @@ pub fn mesh(vertices: usize, triangles: &[[u32; 3]]) -> Mesh {
     Mesh::new(&MeshInput { vertices, triangles, objects: None, weld: None, normals: None, rest: None }).expect("a mesh")
 }
 
+/// What is made of a frame's view.
+pub type Change = fn(View, usize) -> View;
+
 /// Frames of a mesh and of what sees it.
 pub struct Animation {
     pub poses: Vec<Vec<[f32; 3]>>,
     pub cameras: Vec<Camera>,
     /// What is made of a frame's view.
-    pub change: fn(View, usize) -> View,
+    pub change: Change,
     pub size: [u32; 2],
 }
 

@@ -9,8 +9,7 @@ use glam::{DVec2, DVec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::views;
-use crate::scenes::{Animation, grid, swing};
-use celfx::view::View;
+use crate::scenes::{Animation, Change, grid, swing};
 
 const SIDES: [u32; 2] = [9, 7];
 const SIZE: [u32; 2] = [160, 120];
@@ -19,7 +18,7 @@ const I: usize = 3;
 const NEAR: f64 = 1.0 / 64.0;
 
 /// A camera's, and others that see as much.
-const VIEWS: [fn(View, usize) -> View; 4] = [
+const VIEWS: [Change; 4] = [
     |view, _| view,
     |view, frame| views::jittered(views::moved(view), frame),
     |view, frame| views::jittered(views::mirrored(views::squeezed(view)), frame),
@@ -88,7 +87,7 @@ impl Scene {
     }
 
     /// One whose frames are seen through other views.
-    fn through(settings: Settings, change: fn(View, usize) -> View) -> Option<Scene> {
+    fn through(settings: Settings, change: Change) -> Option<Scene> {
         let (mesh, animation) = (grid(SIDES), Animation { change, ..swing(SIDES, 8, SIZE, 0.3) });
         let seen = animation.all_seen();
         let window = Window { frame: I as u32, poses: &animation.poses(&seen), current: I, between: &[] };

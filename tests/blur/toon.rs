@@ -10,12 +10,12 @@ use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::BASE_MASK;
 use celfx::simulate::mesh::Builtin;
 use celfx::toon::{Operator, Outline, Tone};
-use celfx::view::{Light, LightSource, View};
+use celfx::view::{Light, LightSource};
 use glam::{DVec2, DVec3, Quat, Vec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::views;
-use crate::scenes::Animation;
+use crate::scenes::{Animation, Change};
 
 const GREY: [f32; 4] = [0.1, 0.2, 0.3, 0.5];
 
@@ -308,7 +308,7 @@ fn tones_and_ink_are_those_of_f64() {
 
 #[test]
 fn tones_and_ink_are_those_of_f64_through_other_views() {
-    let changes: [(&str, fn(View, usize) -> View); 3] = [
+    let changes: [(&str, Change); 3] = [
         ("moved", |view, frame| views::jittered(views::moved(view), frame)),
         ("mirrored", |view, _| views::mirrored(views::squeezed(view))),
         ("orthographic", |view, frame| views::jittered(views::parallel_around(view, 4.0, 3.0), frame)),

@@ -4,12 +4,11 @@ use celfx::blur::motion::{Motion, Pose, Window};
 use celfx::blur::settings::Space;
 use celfx::blur::{Desc, Settings};
 use celfx::low_level::blur::params::Piece;
-use celfx::view::View;
 
 use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::scenes::random;
 use crate::common::views;
-use crate::scenes::{Animation, grid, interval, natural, spline, swing};
+use crate::scenes::{Animation, Change, grid, interval, natural, spline, swing};
 
 /// What a piece is off from frame i in pixels, as the device computes it.
 fn offset(start: [f32; 4], piece: &Piece, first: bool, screen: bool, u: f32) -> [f32; 2] {
@@ -110,7 +109,7 @@ fn offsets_are_exact_far_from_the_picture() {
 #[test]
 fn poses_make_the_pieces_of_the_interval() {
     let sides = [9, 7];
-    let camera: fn(View, usize) -> View = |view, _| view;
+    let camera: Change = |view, _| view;
     for (strength, space, held, cut, change) in [
         (1.0, Space::Homogeneous, 0..0, None, camera),
         (3.0, Space::Homogeneous, 4..7, None, camera),

@@ -19,7 +19,7 @@ use celfx::low_level::plan::BufferId;
 use celfx::offline::TARGET_FORMAT;
 use celfx::view::Light;
 
-use super::host;
+use super::host::{self, Place};
 use super::{TestDevice, device};
 
 /// An effect of this picture size for this mesh, with every layer kept.
@@ -75,8 +75,12 @@ pub struct BlurRig {
     /// What it holds before a frame.
     pub wall: f32,
     has_backdrop: bool,
+    /// How far from the upper left of their images pictures begin.
+    corner: [u32; 2],
 }
 
+/// What lies beside pictures in larger images.
+pub const BESIDE: [f32; 4] = [0.75, 0.25, 0.5, 0.875];
 /// Frames that may be on their way at once.
 pub const SLOTS: usize = 2;
 /// Images of a slot.
@@ -96,8 +100,9 @@ fn decode(format: vk::Format, channel: usize, byte: u8) -> f32 {
     if format == vk::Format::R8G8B8A8_SRGB && channel < 3 { straight } else { value }
 }
 
-fn make_images(device: &mut TestDevice, desc: &Desc) -> Vec<Image> {
-    (0..SLOTS * IMAGES).map(|_| host::image(device, desc.size, desc.target_format)).collect()
+fn make_images(device: &mut TestDevice, desc: &Desc, corner: [u32; 2]) -> Vec<Image> {
+    let extent = Place { size: desc.size, corner }.extent();
+    (0..SLOTS * IMAGES).map(|_| host::image(device, extent, desc.target_format)).collect()
 }
 
 impl BlurRig {
@@ -107,9 +112,19 @@ impl BlurRig {
     }
 
     pub fn with_effort(desc: Desc, mesh: Mesh, effort: Effort) -> Option<BlurRig> {
+        BlurRig::make(desc, mesh, effort, [0; 2])
+    }
+
+    /// One whose pictures lie in larger images.
+    pub fn in_larger_images(desc: Desc, mesh: Mesh, corner: [u32; 2]) -> Option<BlurRig> {
+        BlurRig::make(desc, mesh, Effort::Needed, corner)
+    }
+
+    fn make(desc: Desc, mesh: Mesh, effort: Effort, corner: [u32; 2]) -> Option<BlurRig> {
         let mut device = device()?;
-        let images = make_images(&mut device, &desc);
-        let depth = desc.depth.map(|DepthFormat { format, .. }| host::image(&mut device, desc.size, format));
+        let images = make_images(&mut device, &desc, corner);
+        let extent = Place { size: desc.size, corner }.extent();
+        let depth = desc.depth.map(|DepthFormat { format, .. }| host::image(&mut device, extent, format));
         let (host, kernels, allocator) = device.making();
         // SAFETY: the handles are the device's own.
         let blur =
@@ -129,6 +144,7 @@ impl BlurRig {
             has_backdrop: false,
             slot: 0,
             are_closed: true,
+            corner,
         };
         rig.clear_images();
         Some(rig)
@@ -139,7 +155,8 @@ impl BlurRig {
         let pixels = (self.desc().size[0] * self.desc().size[1]) as usize;
         for slot in (0..SLOTS).rev() {
             self.slot = slot;
-            (0..2).for_each(|frame| self.set_image(frame, &vec![[0.0; 4]; pixels]));
+            (0..if self.corner == [0; 2] { 2 } else { 3 })
+                .for_each(|i| self.write_image((i + 1) % 3, &vec![[0.0; 4]; pixels]));
         }
     }
 
@@ -153,9 +170,13 @@ impl BlurRig {
             self.images.drain(..).for_each(|mut image| image.destroy(&host, allocator));
         }
         let desc = self.desc().clone();
-        self.images = make_images(&mut self.device, &desc);
+        self.images = make_images(&mut self.device, &desc, self.corner);
         (self.outer, self.has_backdrop) = ([false; 2], false);
         self.clear_images();
+    }
+
+    fn place(&self) -> Place {
+        Place { size: self.desc().size, corner: self.corner }
     }
 
     /// An image under everything.
@@ -180,7 +201,12 @@ impl BlurRig {
 
     /// The image of frame i (0) or i + 1 (1).
     pub fn set_image(&mut self, frame: usize, pixels: &[[f32; 4]]) {
-        let (size, format) = (self.desc().size, self.desc().target_format);
+        self.write_image(1 + frame, pixels);
+    }
+
+    fn write_image(&mut self, image: usize, pixels: &[[f32; 4]]) {
+        let (place, format) = (self.place(), self.desc().target_format);
+        let (size, pixels) = (place.extent(), &place.around(pixels, BESIDE)[..]);
         let bytes: Vec<u8> = match format == TARGET_FORMAT {
             true => bytemuck::cast_slice(pixels).to_vec(),
             false => pixels.iter().flat_map(|pixel| [0, 1, 2, 3].map(|c| encode(format, c, pixel[c]))).collect(),
@@ -188,7 +214,7 @@ impl BlurRig {
         let (host, allocator) = self.device.parts();
         // SAFETY: the handles are the device's own, and every submission has been waited for.
         let from = unsafe { self.uploads[0][0].write(&host, allocator, "test", &bytes) };
-        let (from, image) = (from.expect("an upload"), self.images[IMAGES * self.slot + 1 + frame].handle);
+        let (from, image) = (from.expect("an upload"), self.images[IMAGES * self.slot + image].handle);
         host::run(&mut self.device, |host, commands| {
             // SAFETY: as above.
             unsafe { record_picture(host, commands, &from, image, size) };
@@ -205,21 +231,28 @@ impl BlurRig {
     }
 
     fn host_image(&self, place: usize, state_in: ImageState) -> HostImage {
-        let Desc { size, target_format, .. } = *self.desc();
         let image = &self.images[IMAGES * self.slot + place];
-        host::host_image(image, size, target_format, state_in, COPIED_FROM)
+        self.place().given(image, self.desc().target_format, state_in, COPIED_FROM)
     }
 
     fn host_depth(&self, view: FrameView) -> Option<DepthInput> {
-        let (size, format) = (self.desc().size, self.desc().depth?.format);
-        let image = host::host_image(self.depth.as_ref()?, size, format, CLEARED, COPIED_FROM);
+        let format = self.desc().depth?.format;
+        let image = self.place().given(self.depth.as_ref()?, format, CLEARED, COPIED_FROM);
         Some(DepthInput { host: image, view })
+    }
+
+    /// What lies beside the picture in the target, and beside the host's depth.
+    pub fn beside(&mut self) -> (Vec<[f32; 4]>, Vec<f32>) {
+        let (place, target) = (self.place(), &self.images[IMAGES * self.slot]);
+        let colours = host::read_image(&mut self.device, target, place.extent());
+        let depth = self.depth.as_ref().expect("a depth");
+        (place.parts(&colours).1, place.parts(&host::read_image(&mut self.device, depth, place.extent())).1)
     }
 
     /// What the last frame left in the host's depth.
     pub fn host_depths(&mut self) -> Vec<f32> {
-        let size = self.desc().size;
-        host::read_image(&mut self.device, self.depth.as_ref().expect("a depth"), size)
+        let place = self.place();
+        place.parts(&host::read_image(&mut self.device, self.depth.as_ref().expect("a depth"), place.extent())).0
     }
 
     /// Makes an output.
@@ -298,7 +331,8 @@ impl BlurRig {
             toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
             outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
             depth: self.host_depth(shot.views[2]),
-            target: self.host_image(0, ImageState::default()),
+            // What lies beside the picture stays.
+            target: self.host_image(0, if self.corner == [0; 2] { ImageState::default() } else { COPIED_FROM }),
             background: match self.has_backdrop {
                 true => Background::Copy(self.host_image(5, COPIED_FROM)),
                 false => self.toon.map_or(Background::Keep, |(_, background)| background),
@@ -314,12 +348,13 @@ impl BlurRig {
 
     /// The picture.
     pub fn picture(&mut self) -> Vec<[f32; 4]> {
-        let (size, format) = (self.desc().size, self.desc().target_format);
+        let (place, format) = (self.place(), self.desc().target_format);
         let target = &self.images[IMAGES * self.slot];
         if format == TARGET_FORMAT {
-            return host::read_image(&mut self.device, target, size);
+            return place.parts(&host::read_image(&mut self.device, target, place.extent())).0;
         }
-        let rows: Vec<[u8; 4]> = host::read_image(&mut self.device, target, size);
+        let rows: Vec<[u8; 4]> = host::read_image(&mut self.device, target, place.extent());
+        let (rows, _) = place.parts(&rows);
         rows.iter().map(|row| [0, 1, 2, 3].map(|c| decode(format, c, row[c]))).collect()
     }
 

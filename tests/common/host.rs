@@ -136,6 +136,48 @@ pub fn image(device: &mut TestDevice, extent: [u32; 2], format: vk::Format) -> I
     .expect("an image")
 }
 
+/// Where a picture lies in a larger image: `corner` pixels from the upper left, as many more than that below and to the right.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Place {
+    pub size: [u32; 2],
+    pub corner: [u32; 2],
+}
+
+impl Place {
+    /// Of the image.
+    pub fn extent(&self) -> [u32; 2] {
+        [0, 1].map(|axis| self.size[axis] + 2 * self.corner[axis])
+    }
+
+    /// Pixels of the picture, and those beside it.
+    pub fn parts<T: Copy>(&self, pixels: &[T]) -> (Vec<T>, Vec<T>) {
+        let width = self.extent()[0] as usize;
+        assert_eq!(pixels.len(), width * self.extent()[1] as usize);
+        let is_inside = |i: usize| {
+            let at = [(i % width) as u32, (i / width) as u32];
+            (0..2).all(|axis| (self.corner[axis]..self.corner[axis] + self.size[axis]).contains(&at[axis]))
+        };
+        let part = |inside: bool| (0..pixels.len()).filter(|i| is_inside(*i) == inside).map(|i| pixels[i]).collect();
+        (part(true), part(false))
+    }
+
+    /// The image's pixels, with this picture, and `beside` around it.
+    pub fn around<T: Copy>(&self, picture: &[T], beside: T) -> Vec<T> {
+        let mut pixels = vec![beside; (self.extent()[0] * self.extent()[1]) as usize];
+        let width = self.size[0] as usize;
+        for (y, row) in picture.chunks(width).enumerate() {
+            let start = (y + self.corner[1] as usize) * self.extent()[0] as usize + self.corner[0] as usize;
+            pixels[start..start + width].copy_from_slice(row);
+        }
+        pixels
+    }
+
+    /// An image as an effect is given it.
+    pub fn given(&self, image: &Image, format: vk::Format, from: ImageState, to: ImageState) -> HostImage {
+        HostImage { offset: self.corner, ..host_image(image, self.extent(), format, from, to) }
+    }
+}
+
 /// An image as an effect is given it.
 pub fn host_image(
     image: &Image,

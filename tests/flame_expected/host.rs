@@ -3,17 +3,18 @@
 use ash::vk;
 use celfx::data::Particles;
 use celfx::error::Error;
-use celfx::flame::{Background, Desc, Flame, Frame, ParticleInput, Settings};
+use celfx::flame::{Background, DepthFormat, Desc, Flame, Frame, ParticleInput, SceneDepth, SceneFormat, Settings};
 use celfx::host::{Host, HostImage, ImageState};
 use celfx::low_level::gpu::buffer::Buffer;
 use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
+use celfx::view::Projection;
 
 use crate::cases::{Case, plain};
 use crate::common::allocations::allocated;
 use crate::common::flame::ball;
-use crate::common::host::{self, DISCARDED};
+use crate::common::host::{self, DISCARDED, Place};
 use crate::common::{TestDevice, device, scenes};
 
 pub const FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
@@ -21,7 +22,7 @@ const SKY: [f32; 4] = [0.2, 0.5, 0.9, 1.0];
 
 /// What one frame in flight needs of a host.
 pub struct Slot {
-    size: [u32; 2],
+    place: Place,
     pub target: Image,
     backdrop: Image,
     rows: Buffer,
@@ -31,18 +32,23 @@ pub struct Slot {
 
 impl Slot {
     pub fn new(device: &mut TestDevice, size: [u32; 2], particles: u32) -> Slot {
+        Slot::in_larger_images(device, Place { size, corner: [0; 2] }, particles)
+    }
+
+    pub fn in_larger_images(device: &mut TestDevice, place: Place, particles: u32) -> Slot {
+        let extent = place.extent();
         Slot {
-            size,
-            target: host::image(device, size, FORMAT),
-            backdrop: host::image(device, size, FORMAT),
+            place,
+            target: host::image(device, extent, FORMAT),
+            backdrop: host::image(device, extent, FORMAT),
             rows: host::source(device, 16 * u64::from(particles)),
             ids: host::source(device, 4 * u64::from(particles)),
-            picture: host::sink(device, 4 * u64::from(size[0]) * u64::from(size[1])),
+            picture: host::sink(device, 4 * u64::from(extent[0]) * u64::from(extent[1])),
         }
     }
 
     fn image(&self, image: &Image, state_in: ImageState, state_out: ImageState) -> HostImage {
-        host::host_image(image, self.size, FORMAT, state_in, state_out)
+        self.place.given(image, FORMAT, state_in, state_out)
     }
 
     /// Frame `number` over the target as it is, its particles written, with ids.
@@ -57,7 +63,7 @@ impl Slot {
             ids: Some(host::fill(&mut self.ids, &ids)),
         };
         Frame {
-            view: scenes::camera(25.0 + 3.0 * f64::from(number)).view(self.size),
+            view: scenes::camera(25.0 + 3.0 * f64::from(number)).view(self.place.size),
             particles: Some(given),
             number,
             accumulate: false,
@@ -83,11 +89,19 @@ impl Slot {
     /// Copies the picture to where the host reads it.
     pub unsafe fn show(&self, host: &Host, commands: vk::CommandBuffer) {
         // SAFETY: the caller's; the effect left the image in the state that copies want.
-        unsafe { host::show(host, commands, (self.target.handle, self.target.aspect), self.size, &self.picture) };
+        unsafe {
+            host::show(host, commands, (self.target.handle, self.target.aspect), self.place.extent(), &self.picture)
+        };
     }
 
     pub fn pixels(&self) -> Vec<[u8; 4]> {
-        host::values(&self.picture, (self.size[0] * self.size[1]) as usize)
+        self.parts().0
+    }
+
+    /// The picture, and what lies beside it.
+    fn parts(&self) -> (Vec<[u8; 4]>, Vec<[u8; 4]>) {
+        let [width, height] = self.place.extent();
+        self.place.parts(&host::values(&self.picture, (width * height) as usize))
     }
 
     pub fn destroy(mut self, device: &mut TestDevice) {
@@ -347,4 +361,61 @@ fn memory_is_what_is_allocated_and_all_of_it_is_given_back() {
         destroy(&mut device, flame);
         assert_eq!(given_out(&mut device).0, before, "bytes are left behind");
     }
+}
+
+/// Target, backdrop and depth are parts of larger images: the same, and what lies beside stays.
+#[test]
+fn a_part_of_larger_images_is_as_a_whole_one() {
+    let Some(mut device) = device() else { return };
+    let particles = ball(80, 7);
+    let depth_format = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
+    let scene = Some(SceneFormat::Image(depth_format));
+    let desc = Desc { scene, ..effect([48, 36], Settings { light: 0.5, ..settings() }) };
+    let mut flame = make(&mut device, desc.clone());
+    let mut wholes = Vec::new();
+    for corner in [[0, 0], [9, 2]] {
+        let place = Place { size: desc.size, corner };
+        // Depth may lie elsewhere than the target: it is copied.
+        let of_depth = Place { corner: [2 * corner[1], corner[0]], ..place };
+        let mut slot = Slot::in_larger_images(&mut device, place, 80);
+        let mut depth = host::image(&mut device, of_depth.extent(), depth_format.format);
+        // A wall in the right half, through the middle of the fire.
+        let view = scenes::camera(25.0).view(desc.size);
+        let terms = Projection::of_valid(&view, desc.size).depth_terms;
+        let wall = (terms[0] + terms[1] / scenes::camera(25.0).eye.length()) as f32;
+        let walls: Vec<f32> = (0..48 * 36).map(|i| if i % 48 < 24 { 0.0 } else { wall }).collect();
+        let walls = of_depth.around(&walls, 1.0);
+        let mut words = host::source(&mut device, 4 * walls.len() as u64);
+        host::fill(&mut words, &walls);
+        for background in 0..3 {
+            let frame = slot.frame(&particles, 0);
+            let depth_image = of_depth.given(&depth, depth_format.format, CLEARED, COPIED_FROM);
+            let backdrop = slot.image(&slot.backdrop, CLEARED, COPIED_FROM);
+            let background =
+                [Background::Keep, Background::Clear([0.1, 0.2, 0.3, 1.0]), Background::Copy(backdrop)][background];
+            let frame = Frame { scene: Some(SceneDepth::Image(depth_image)), background, ..frame };
+            host::run(&mut device, |host, commands| {
+                // SAFETY: everything is the test's own and waited for.
+                unsafe {
+                    slot.draw(host, commands);
+                    host::change(host, commands, (depth.handle, depth.aspect), DISCARDED, CLEARED);
+                    let regions = [host::image_copy(depth.aspect, of_depth.extent())];
+                    let (from, to) = (words.handle, depth.handle);
+                    host.device.cmd_copy_buffer_to_image(commands, from, to, CLEARED.layout, &regions);
+                    flame.record(host, commands, &frame, &mut Timing::None).expect("a frame");
+                    slot.show(host, commands);
+                }
+            });
+            let (picture, beside) = slot.parts();
+            let sky = SKY.map(|c| (255.0 * if c == 1.0 { c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }).round() as u8);
+            assert!(beside.iter().all(|pixel| *pixel == sky), "what lies beside has changed: {beside:?}");
+            assert!(picture.iter().any(|pixel| *pixel != picture[0]), "no fire");
+            wholes.push(picture);
+        }
+        slot.destroy(&mut device);
+        host::destroy(&mut device, [&mut words], [&mut depth]);
+    }
+    destroy(&mut device, flame);
+    let (whole, part) = wholes.split_at(3);
+    assert!(whole == part, "to the bit");
 }

@@ -138,7 +138,7 @@ impl<K: Kind> Walker<'_, K> {
                     let (buffer, offset, _) = self.effect.buffer(buffer);
                     device.cmd_update_buffer(commands, buffer, offset, &plan.data[from..from + bytes]);
                 }
-                Command::Clear { image, value } => {
+                Command::Clear { image, value, .. } => {
                     let (image, range) = self.effect.image(image);
                     let colour = vk::ClearColorValue { uint32: value };
                     device.cmd_clear_color_image(commands, image, vk::ImageLayout::GENERAL, &colour, &[range]);

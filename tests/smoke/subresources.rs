@@ -8,7 +8,7 @@ use celfx::offline::TARGET_FORMAT;
 use celfx::profile::Timing;
 use celfx::smoke::{Background, Desc, Frame, Smoke};
 
-use crate::common::host::{self, HOST_READ, TRANSFER_WRITTEN};
+use crate::common::host::{self, HOST_READ, Place, TRANSFER_WRITTEN};
 use crate::common::{TestDevice, device};
 use crate::host::{SIZE, Slot, effect};
 
@@ -26,16 +26,19 @@ struct Array {
     aspect: vk::ImageAspectFlags,
     level: u32,
     layer: u32,
+    /// Where the picture lies in that level.
+    place: Place,
 }
 
 impl Array {
-    fn new(device: &TestDevice, format: vk::Format, [level, layer]: [u32; 2]) -> Array {
+    fn new(device: &TestDevice, format: vk::Format, [level, layer]: [u32; 2], corner: [u32; 2]) -> Array {
+        let place = Place { size: SIZE, corner };
         let host = device.host();
         let (aspect, usage) = match format {
             vk::Format::D32_SFLOAT => (vk::ImageAspectFlags::DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT),
             _ => (vk::ImageAspectFlags::COLOR, vk::ImageUsageFlags::COLOR_ATTACHMENT),
         };
-        let [width, height] = SIZE.map(|side| side << level);
+        let [width, height] = place.extent().map(|side| side << level);
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
@@ -60,7 +63,7 @@ impl Array {
                 .format(format)
                 .subresource_range(range);
             let view = host.device.create_image_view(&info, None).expect("a view");
-            Array { image, memory, view, format, aspect, level, layer }
+            Array { image, memory, view, format, aspect, level, layer, place }
         }
     }
 
@@ -109,13 +112,14 @@ impl Array {
 
     /// As the effect is given it.
     fn given(&self) -> HostImage {
-        let only = HostImage::new(self.image, self.view, self.format, SIZE, CLEARED, COPIED_FROM);
-        HostImage { base_mip: self.level, base_layer: self.layer, ..only }
+        let (extent, offset) = (self.place.extent(), self.place.corner);
+        let only = HostImage::new(self.image, self.view, self.format, extent, CLEARED, COPIED_FROM);
+        HostImage { base_mip: self.level, base_layer: self.layer, offset, ..only }
     }
 
     /// Copies each layer of a level, one after the other.
     unsafe fn show(&self, host: &Host, commands: vk::CommandBuffer, level: u32, to: &Buffer) {
-        let [width, height] = SIZE.map(|side| (side << self.level) >> level);
+        let [width, height] = self.place.extent().map(|side| (side << self.level) >> level);
         let layers = vk::ImageSubresourceLayers {
             aspect_mask: self.aspect,
             mip_level: level,
@@ -152,7 +156,8 @@ fn render(device: &mut TestDevice, arrays: &[Array; 2]) -> (Vec<[f32; 4]>, Vec<f
     let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, desc) }.expect("an effect");
     let mut slot = Slot::new(device, SIZE);
     let [target, depth] = arrays;
-    let pixels = u64::from(SIZE[0] * SIZE[1] * LAYERS);
+    let [width, height] = target.place.extent();
+    let pixels = u64::from(width * height * LAYERS);
     let mut found = [host::sink(device, 16 * pixels), host::sink(device, 4 * pixels)];
     let good = slot.frame(0);
     let frame = Frame {
@@ -184,21 +189,39 @@ fn render(device: &mut TestDevice, arrays: &[Array; 2]) -> (Vec<[f32; 4]>, Vec<f
 #[test]
 fn a_layer_of_a_level_is_a_target_like_any_other() {
     let Some(mut device) = device() else { return };
-    let places = [[[0, 0], [0, 0]], [[1, 2], [0, 1]], [[0, 1], [1, 2]]];
+    let places = [
+        ([0, 0], [0, 0], [0, 0]),
+        ([1, 2], [0, 1], [0, 0]),
+        ([0, 1], [1, 2], [0, 0]),
+        ([0, 0], [0, 0], [3, 6]),
+        ([1, 1], [0, 2], [40, 1]),
+    ];
     let mut expected = None;
-    for [of_target, of_depth] in places {
-        let arrays = [Array::new(&device, TARGET_FORMAT, of_target), Array::new(&device, DEPTH.format, of_depth)];
+    for (of_target, of_depth, corner) in places {
+        let arrays = [
+            Array::new(&device, TARGET_FORMAT, of_target, corner),
+            Array::new(&device, DEPTH.format, of_depth, corner),
+        ];
+        let place = arrays[0].place;
         let (colours, depths) = render(&mut device, &arrays);
         arrays.into_iter().for_each(|array| array.destroy(&device));
-        let pixels = (SIZE[0] * SIZE[1]) as usize;
+        let pixels = (place.extent()[0] * place.extent()[1]) as usize;
         let (mut picture, mut depth) = (Vec::new(), Vec::new());
         for (layer, (colours, depths)) in (0..).zip(colours.chunks(pixels).zip(depths.chunks(pixels))) {
             match layer == of_target[1] {
-                true => picture = colours.to_vec(),
+                true => {
+                    let (inside, beside) = place.parts(colours);
+                    assert!(beside.iter().all(|colour| *colour == [SENTINEL; 4]), "beside the picture");
+                    picture = inside;
+                }
                 false => assert!(colours.iter().all(|colour| *colour == [SENTINEL; 4]), "layer {layer} has changed"),
             }
             match layer == of_depth[1] {
-                true => depth = depths.to_vec(),
+                true => {
+                    let (inside, beside) = place.parts(depths);
+                    assert!(beside.iter().all(|depth| *depth == 1.0), "beside the depth");
+                    depth = inside;
+                }
                 false => assert!(depths.iter().all(|depth| *depth == 1.0), "depth of layer {layer} has changed"),
             }
         }

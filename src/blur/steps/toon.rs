@@ -55,7 +55,7 @@ impl Steps<'_> {
     pub(super) fn toon(&mut self, frame: &Frame) -> There {
         let Some(toon) = self.toon_frames(frame) else { return There::default() };
         if toon.first().is_some() {
-            let params = BlurParams::of_views(self.desc, &[toon.input.view; 4], frame.background);
+            let params = BlurParams::of_views(self.desc, &[toon.input.view; 4], frame);
             self.plan.update(self.passes.params, PARAMS, &params);
         }
         self.begin_toon(&toon);
@@ -108,7 +108,7 @@ impl Steps<'_> {
             self.see_frame(index);
             self.draw_frame(index, &drawn);
         }
-        let constants = BackgroundConstants::new(frame.background);
+        let constants = BackgroundConstants::new(frame.background, &frame.target);
         let begin = self.passes.toon_background[toon.next.place(self.desc)];
         self.plan.step_with(begin, Command::Draw { vertices: 4 }, &constants);
     }

@@ -94,7 +94,7 @@ impl Kind for VignetteKind {
         std::mem::take(&mut self.passes.list)
     }
 
-    fn plan(&mut self, desc: &Desc, _: &HostImage, plan: &mut Plan) -> Result<()> {
+    fn plan(&mut self, desc: &Desc, target: &HostImage, plan: &mut Plan) -> Result<()> {
         let Passes { params, darkness, composite, .. } = self.passes;
         let Desc { size, strength, radius, .. } = *desc;
         if strength == 0.0 {
@@ -102,7 +102,7 @@ impl Kind for VignetteKind {
             plan.skip(composite, "no darkness");
             return Ok(());
         }
-        plan.update(params, PARAMS, &VignetteParams { size, strength, radius });
+        plan.update(params, PARAMS, &VignetteParams { size, corner: target.offset, strength, radius });
         plan.step(darkness, Command::Dispatch { threads: [size[0], size[1], 1] });
         plan.step(composite, Command::Draw { vertices: QUAD_VERTICES });
         Ok(())
