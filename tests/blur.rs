@@ -16,6 +16,8 @@ mod extent;
 mod host;
 #[path = "blur/normals.rs"]
 mod normals;
+#[path = "blur/occluders.rs"]
+mod occluders;
 #[path = "blur/plan.rs"]
 mod plan;
 #[path = "blur/refine.rs"]

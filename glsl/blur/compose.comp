@@ -37,17 +37,17 @@ vec4 next_at(ivec2 pixel) {
 }
 
 bool is_beside(ivec2 pixel) {
-    return texelFetch(depth_next, pixel, 0).x == 0.0 && is_empty(pixel);
+    return seen_at(2u, pixel) == 0u && is_empty(pixel);
 }
 
-// Whether frames are drawn by this effect: over the background, and with all ink on the mesh.
+// Whether frames are drawn by this effect, with all ink on the mesh.
 bool is_drawn() {
     return params.is_drawn != 0u;
 }
 
 // A frame's pixel, finished.
 vec4 finished_at(vec4 own, ivec2 pixel) {
-    return is_drawn() ? own + (1.0 - own.w) * background_at(pixel) : own;
+    return params.is_over_background != 0u ? own + (1.0 - own.w) * background_at(pixel) : own;
 }
 
 // What goes along with the mesh around a pixel.
@@ -138,19 +138,44 @@ float outline_share(vec4 beside, vec4 without) {
     return clamp(4.0 * max(max(apart.x, apart.y), max(apart.z, apart.w)), 0.0, 1.0);
 }
 
+// How near the mesh is in frame i + 1 within reach of its outlines.
+float nearest_beside(ivec2 pixel) {
+    float nearest = 0.0;
+    int reach = int(params.skirt);
+    for (int y = -reach; y <= reach; ++y) {
+        for (int x = -reach; x <= reach; ++x) {
+            ivec2 other = pixel + ivec2(x, y);
+            bool is_mesh = is_in_picture(other) && seen_at(2u, other) > 0u;
+            nearest = is_mesh ? max(nearest, texelFetch(depth_next, other, 0).x) : nearest;
+        }
+    }
+    return nearest;
+}
+
 void main() {
     ivec2 pixel = ivec2(tile_origin(gl_WorkGroupID) + gl_LocalInvocationID.xy);
     if (!is_in_picture(pixel)) {
         return;
     }
     uint cover = cover_at(pixel);
-    bool is_next = is_free(2u, cover);
-    vec4 behind = is_next ? finished_at(texelFetch(frame_next, pixel, 0), pixel)
-        : is_free(1u, cover) ? finished_at(texelFetch(frame_previous, pixel, 0), pixel) : background_at(pixel);
     float farthest = 1.0;
+    float front = texelFetch(depth_next, pixel, 0).x;
+    // What the host has drawn there.
+    float scene_next = seen_at(2u, pixel) == 0u ? front : 0.0;
+    float scene_previous = seen_at(1u, pixel) == 0u ? texelFetch(depth_previous, pixel, 0).x : 0.0;
+    front -= scene_next;
     for (int i = 0; i < 4; ++i) {
-        farthest = min(farthest, nearness_at(sample_of(pixel, i)));
+        float nearness = nearness_at(sample_of(pixel, i));
+        farthest = min(farthest, nearness);
+        front = max(front, nearness);
     }
+    bool is_next = is_free(2u, cover);
+    // What is before the mesh is not behind it, and may have gone on.
+    bool is_previous = !is_next && is_free(1u, cover);
+    front = is_previous && scene_previous > 0.0 ? max(front, nearest_beside(pixel)) : front;
+    is_previous = is_previous && !(front > 0.0 && scene_previous > front);
+    vec4 behind = is_next ? finished_at(texelFetch(frame_next, pixel, 0), pixel)
+        : is_previous ? finished_at(texelFetch(frame_previous, pixel, 0), pixel) : background_at(pixel);
     Skirt skirt = skirt_of(pixel, farthest);
     vec4 sum = vec4(0.0);
     vec4 of_mesh = vec4(0.0);
@@ -162,13 +187,16 @@ void main() {
         ivec2 at = sample_of(pixel, i);
         uint index = index_of_sample(at);
         uint state = sample_states[index];
-        vec4 colour = (state & MASK) == NOTHING_SEEN ? vec4(0.0) : sample_colours[index];
-        bool is_part = (state & MASK) != NOTHING_SEEN && !(is_next && (state & STILL) != 0u);
-        vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
         float nearness = nearness_at(at);
+        bool is_hidden = scene_next > nearness;
+        bool is_seen = (state & MASK) != NOTHING_SEEN && !is_hidden;
+        nearness = is_hidden ? 0.0 : nearness;
+        vec4 colour = is_seen ? sample_colours[index] : vec4(0.0);
+        bool is_part = is_seen && !(is_next && (state & STILL) != 0u);
+        vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
         parts[i] = colour;
         seen[i] = nearness;
-        if (is_before(skirt.nearness, nearness, STEP)) {
+        if (is_before(skirt.nearness, max(nearness, scene_next), STEP)) {
             vec4 beside = around(skirt, 0.5 * (vec2(at) + 0.5));
             float share = outline_share(beside, own);
             parts[i] = share * beside + (1.0 - share * beside.w) * colour;
@@ -189,14 +217,15 @@ void main() {
     picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & ~SIGN_BIT | mark));
     if (DEPTH == 1u) {
         float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));
-        vec4 front = front_of(seen, nearest);
+        vec4 nearest_part = front_of(seen, nearest);
         vec4 covered = vec4(greaterThan(seen, vec4(0.0)));
         bool is_own = is_behind && is_next && nearest > 0.0;
-        vec4 part = is_own ? dot(front, vec4(1.0)) / dot(covered, vec4(1.0)) * part_of_next(pixel, 0.25 * dot(covered, vec4(1.0)))
-            : 0.25 * (front.x * parts[0] + front.y * parts[1] + front.z * parts[2] + front.w * parts[3]);
+        vec4 part = is_own ? dot(nearest_part, vec4(1.0)) / dot(covered, vec4(1.0)) * part_of_next(pixel, 0.25 * dot(covered, vec4(1.0)))
+            : 0.25 * (nearest_part.x * parts[0] + nearest_part.y * parts[1] + nearest_part.z * parts[2] + nearest_part.w * parts[3]);
         // What the mesh has left is as far away as the mesh is there in frame i + 1, or what has been carried along.
         float farthest_seen = opaque > 0.9995 ? min(min(seen.x, seen.y), min(seen.z, seen.w)) : 0.0;
-        float left = skirt.nearness > 0.0 ? depth_of(skirt.nearness) : depth_at(2u, pixel);
+        float there = seen_at(2u, pixel) > 0u ? depth_at(2u, pixel) : INFINITY;
+        float left = skirt.nearness > 0.0 ? depth_of(skirt.nearness) : there;
         covers(index, nearest > 0.0 ? part : vec4(0.0), nearest, nearest > 0.0 ? depth_of(farthest_seen) : left);
     }
     if (LAYERS == 1u) {

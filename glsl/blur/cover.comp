@@ -24,7 +24,7 @@ layout(std430, binding = 11) readonly buffer Clip { vec4 clip[]; };
 #include "edges.glsl"
 #include "depths.glsl"
 
-// What is before something else is nearer than this would be there if it went on as it does: by this share of its depth,
+// What of the mesh is before something else is nearer than this would be there if it went on as it does: by this share of its depth,
 // and as much as a surface turned away by 63 degrees is within the way.
 const float LEAST_STEP = 0.003;
 const float LEAST_SLOPE = 2.0;
@@ -53,6 +53,7 @@ uint shown_at(uint frame, ivec2 at) {
     vec3 b = clip[first + base.y].xyz;
     vec3 c = clip[first + base.z].xyz;
     float focal = params.views[frame].eye.w;
+    float scene = nearness(frame, at);
     float skirt = params.skirt;
     int reach = int(skirt);
     for (int y = -reach; y <= reach; ++y) {
@@ -60,9 +61,10 @@ uint shown_at(uint frame, ivec2 at) {
             ivec2 other = at + ivec2(x, y);
             bool is_near = float(x * x + y * y) <= skirt * skirt && is_in_picture(other);
             vec3 edges = edges_at(a, b, c, vec2(other) + 0.5);
-            float own = seen > 0u ? nearness_of_plane(edges, vec3(a.z, b.z, c.z)) : 0.0;
+            float own = seen > 0u ? nearness_of_plane(edges, vec3(a.z, b.z, c.z)) : scene;
             float least = 1.0 - LEAST_STEP - LEAST_SLOPE * length(vec2(x, y)) / focal;
-            if (is_near && is_before(nearness(frame, other), own, least)) {
+            bool is_mesh = seen_at(frame, other) > 0u;
+            if (is_near && is_mesh && is_before(nearness(frame, other), own, least)) {
                 result |= is_moving(seen_at(frame, other)) ? OUTLINE | COVERED : OUTLINE;
             }
         }

@@ -4,6 +4,8 @@
 #include "common/bits.glsl"
 #include "common/widening.glsl"
 
+const float SAME_DEPTH = 0.003;  // share of its depth by which a surface may be off and still be the same
+
 float nearness_of(float depth) {
     return params.is_orthographic != 0u ? (params.far - depth) / (params.far - params.near) : params.near / depth;
 }

@@ -18,7 +18,6 @@ layout(std430, binding = 15) readonly buffer Tiles { uint tiles[]; };
 #include "tiles.glsl"
 #include "depths.glsl"
 
-const float SAME_DEPTH = 0.003;   // share of its depth by which a surface may be off and still be the same
 const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
 
 #include "edges.glsl"

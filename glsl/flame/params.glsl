@@ -35,10 +35,6 @@ const uint RADIANCE = 0u;      // what the entries of the colour table are, as `
 const uint CHROMATICITY = 1u;
 const uint RAMP = 2u;
 
-const uint UNORM_16 = 0u;  // what the host's depth image holds
-const uint UNORM_24 = 1u;
-const uint FLOATS = 2u;
-
 const uint SUM_VECTORS = 4u;         // of a pixel's sums: vectors of four words
 const uint UNFINISHED_VECTORS = 2u;  // of a bin of the expected image that is not finished
 const uint UNLAID_VECTORS = 3u;      // of its last two bins, between dispatches; one more with layers

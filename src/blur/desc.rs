@@ -37,6 +37,9 @@ pub struct Desc {
     pub toon: bool,
     /// How the host's depth images hold depth, if they are to hide the mesh and to take its depth.
     pub depth: Option<DepthFormat>,
+    /// How depth images of frames i - 1 to i + 2 hold depth, if frames bring them beside their images: what hides the mesh there
+    /// is not taken for it.
+    pub occluders: Option<DepthFormat>,
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
     pub most_triangles: u32,
@@ -70,6 +73,7 @@ impl Desc {
             outer: false,
             toon: false,
             depth: None,
+            occluders: None,
             most_triangles: MOST_TRIANGLES.max(triangles),
             segments: Desc::segments_of(&settings),
             frames_resident: 4,

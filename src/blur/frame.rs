@@ -208,12 +208,17 @@ pub struct Frame<'a> {
     /// Images of frames i - 1 and i + 2, as these: they show places that neither of these does. Without: what follows
     /// from colours elsewhere. They need [`Desc::outer`]; with that, frames that are drawn have them by themselves.
     pub outer: [Option<HostImage>; 2],
+    /// Depth of what the images of frames i - 1 to i + 2 show, with the mesh or without: where something is before the mesh, an image
+    /// does not show it, and the place is completed. Drawn through the interval's views; each is given exactly if its image is
+    /// and the effect was made for them. Usage: `TRANSFER_SRC`.
+    pub occluders: [Option<HostImage>; 4],
     /// Where it goes. Usage: `COLOR_ATTACHMENT` and `TRANSFER_DST`.
     pub target: HostImage,
     /// The host's depth, given exactly if the effect was made for one.
     pub depth: Option<DepthInput>,
     /// The background where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`]
-    /// is nothing at all. An image is as the images of the frames are.
+    /// is nothing at all. An image lies under the images of the frames, too, as far as their alpha lets it through: so they may show
+    /// the mesh alone. It is as they are.
     pub background: Background,
 }
 
@@ -349,6 +354,7 @@ impl Frame<'_> {
                 }
             }
         }
+        self.validate_occluders(desc)?;
         check_background(&self.background, desc.size, desc.target_format)?;
         check_distinct("background", self.background.image().as_ref(), &self.target)
     }
@@ -357,6 +363,37 @@ impl Frame<'_> {
     fn validate_image(&self, name: &'static str, image: &HostImage, desc: &Desc) -> Result<()> {
         check_image(name, image, desc.size, desc.target_format, Content::Kept)?;
         check_distinct(name, Some(image), &self.target)
+    }
+
+    fn validate_occluders(&self, desc: &Desc) -> Result<()> {
+        let inner = self.images.is_some();
+        let images = [self.outer[0].is_some(), inner, inner, self.outer[1].is_some()];
+        let views = self.interval.as_ref().map(|interval| &interval.views);
+        for (i, depth) in self.occluders.iter().enumerate() {
+            let made = desc.occluders.filter(|_| images[i]);
+            // Where nothing moves nothing is looked at, and there is no view.
+            match (depth, views) {
+                (Some(image), Some(views)) => check_depth("occluders", Some((image, &views[i].view)), desc.size, made)?,
+                (Some(image), None) if made.is_some() => {
+                    check_image(
+                        "occluders",
+                        image,
+                        desc.size,
+                        desc.occluders.map_or(image.format, |d| d.format),
+                        Content::Kept,
+                    )?;
+                }
+                (depth, _) if depth.is_some() != made.is_some() => {
+                    let expected = if made.is_some() { "expected" } else { "not expected" };
+                    return refuse(
+                        "occluders",
+                        format!("{expected} of frame {}: beside each image", ["i - 1", "i", "i + 1", "i + 2"][i]),
+                    );
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Whether this output brings the pose of a frame.

@@ -73,6 +73,7 @@ buffers! {
     SAMPLE_SIDES = "SampleSides",
     LISTS = "Lists",
     SURFACE = "Surface",
+    SCENE_WORDS = "SceneWords",
 }
 
 /// Words before the flags of tiles: their number, and dispatches over them.
@@ -157,8 +158,11 @@ pub const HOST_OUTER: [ImageId; 2] = [ImageId(IMAGES + 3), ImageId(IMAGES + 4)];
 pub const HOST_DEPTH: ImageId = ImageId(IMAGES + 5);
 /// The host's background.
 pub const HOST_BACKGROUND: ImageId = ImageId(IMAGES + 6);
+/// The host's depth images of frames i - 1 to i + 2.
+pub const HOST_SCENES: [ImageId; 4] =
+    [ImageId(IMAGES + 7), ImageId(IMAGES + 8), ImageId(IMAGES + 9), ImageId(IMAGES + 10)];
 /// Images of the host's.
-pub const HOST_IMAGES: usize = 7;
+pub const HOST_IMAGES: usize = 11;
 
 /// The resource of a shader's binding: each buffer and image goes by one name everywhere.
 pub fn resource(binding: &Binding) -> Option<Resource> {
@@ -295,6 +299,7 @@ impl Layout {
         }
         self.set(PICTURE, 16 * pixels);
         self.set(SURFACE, if desc.depth.is_some() { size_of::<Covering>() as u64 * pixels } else { 0 });
+        self.set(SCENE_WORDS, if desc.occluders.is_some() { 4 * pixels } else { 0 });
         self.set(TOON_BUFFER, if desc.toon { BASE_COLOURS + 48 * u64::from(desc.triangles) } else { 0 });
         self.set(
             TRAILING,

@@ -135,6 +135,9 @@ impl Kind for BlurKind {
         for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
             resources.set_host_image(id, frame.images.map(|images| images[place]));
         }
+        for (id, image) in layout::HOST_SCENES.into_iter().zip(frame.occluders) {
+            resources.set_host_image(id, image);
+        }
         resources.set_host_image(layout::HOST_DEPTH, frame.depth.map(|depth| depth.host));
         resources.set_host_image(layout::HOST_BACKGROUND, frame.background.image());
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
@@ -171,7 +174,8 @@ impl Kind for BlurKind {
 
     fn formats(desc: &Desc) -> Vec<NamedFormat> {
         let depth = desc.depth.map(|depth| depth_format(depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT));
-        [target_format(desc.target_format)].into_iter().chain(depth).collect()
+        let occluders = desc.occluders.map(|depth| depth_format(depth, vk::FormatFeatureFlags::TRANSFER_SRC));
+        [target_format(desc.target_format)].into_iter().chain(depth).chain(occluders).collect()
     }
 }
 

@@ -55,6 +55,17 @@ passes! {
     visibility: [PassId; 2] = [0, 1].map(|i| {
         drawing("blur.visibility", &glsl::visibility_vertex::SHADER, SEEN[i], SEEN_DEPTH[i], desc.size)
     });
+    scenes = HOST_SCENES.into_iter().fold(Pass::transfer("blur.occluders"), |pass, from| pass.copies(from, SCENE_WORDS)).times(4);
+    /// Of frames i - 1 to i + 2, before their meshes; none without depth images.
+    occluders: Vec<PassId> = match desc.occluders {
+        Some(_) => SEEN_FRAMES.map(|(image, depth)| occluders(desc, image, depth)).into(),
+        None => Vec::new(),
+    };
+    /// The mesh behind them.
+    hidden_visibility: Vec<PassId> = match desc.occluders {
+        Some(_) => SEEN_FRAMES.map(|(image, depth)| behind_occluders(desc, image, depth)).into(),
+        None => Vec::new(),
+    };
     /// At pixel centres, and at four samples a pixel.
     distort: [PassId; 2] = [(DISTORTED, DISTORTED_DEPTH, 1), (SAMPLED, SAMPLED_DEPTH, 2)].map(|(image, depth, scale)| {
         let extent = desc.size.map(|side| scale * side);
@@ -64,7 +75,7 @@ passes! {
     frames = copies("blur.frames", HOST_FRAMES, FRAMES);
     /// Frames i - 1 and i + 2.
     outer_visibility: [PassId; 2] = [0, 1].map(|i| {
-        let extent = if desc.outer { desc.size } else { [1, 1] };
+        let extent = extent_of(desc, OUTER_SEEN[i]);
         drawing("blur.visibility", &glsl::visibility_vertex::SHADER, OUTER_SEEN[i], OUTER_DEPTH[i], extent)
     });
     /// As `outer_visibility`.
@@ -122,6 +133,9 @@ passes! {
     /// Frames i - 1 and i + 2.
     toon_outer_frames: [PassId; 2] = OUTER_FRAMES.map(|image| from_toon("blur.frames", &[image]));
     behind = copies("blur.background", [HOST_BACKGROUND], [BACKGROUND]);
+    /// Of an image that lies over one.
+    frame_behind = copies("blur.background", [HOST_FRAMES[1]], [FRAMES[1]]);
+    frame_background = begin(desc, FRAMES[1]);
     ghost = ghost(desc).specialise([in_screen(desc)]).times(desc.settings.ghosts.count as usize);
     ghost_blend = {
         let (vertex, fragment) = (&glsl::composite_vertex::SHADER, &glsl::ghosts_blend_fragment::SHADER);
@@ -144,6 +158,14 @@ passes! {
     /// None where the host has no depth.
     depth: Option<PassId> = desc.depth.map(|format| depth(desc, format));
 }
+
+/// Triangle-id buffers and depth of frames i - 1 to i + 2.
+const SEEN_FRAMES: [(ImageId, ImageId); 4] = [
+    (OUTER_SEEN[0], OUTER_DEPTH[0]),
+    (SEEN[0], SEEN_DEPTH[0]),
+    (SEEN[1], SEEN_DEPTH[1]),
+    (OUTER_SEEN[1], OUTER_DEPTH[1]),
+];
 
 /// Frames i - 1 to i + 2, as far as they are drawn.
 const DRAWN_FRAMES: usize = 4;
@@ -169,16 +191,40 @@ fn copies<R: Into<Resource>, const N: usize>(name: &'static str, from: [R; N], t
 
 /// Triangles by their numbers. The first of those that are equally near stays.
 fn drawing(name: &'static str, vertex: &'static Shader, image: ImageId, depth: ImageId, extent: [u32; 2]) -> Pass {
+    Pass::raster(name, triangles(vertex, image, depth, extent))
+}
+
+fn triangles(vertex: &'static Shader, image: ImageId, depth: ImageId, extent: [u32; 2]) -> Raster {
     let (format, blend) = (vk::Format::R32_UINT, Blend::Replace);
-    let raster = Raster {
+    Raster {
         topology: Topology::Triangles,
         vertex,
         fragment: &glsl::name_fragment::SHADER,
         colour: Some(ColourAttachment { image, format, clear: Some([0; 4]), blend }),
         depth: Some(DepthAttachment::nearest(depth)),
         extent,
-    };
-    Pass::raster(name, raster)
+    }
+}
+
+/// Depth of what the host has drawn of a frame.
+fn occluders(desc: &Desc, image: ImageId, depth: ImageId) -> Pass {
+    let colour = ColourAttachment { image, format: vk::Format::R32_UINT, clear: Some([0; 4]), blend: Blend::Replace };
+    let raster = Raster { colour: Some(colour), ..quad(&glsl::occluders_fragment::SHADER, None, None, desc) };
+    let extent = extent_of(desc, image);
+    Pass::raster("blur.occluders", Raster { depth: Some(DepthAttachment::nearest(depth)), extent, ..raster })
+}
+
+/// A frame's mesh behind that.
+fn behind_occluders(desc: &Desc, image: ImageId, depth: ImageId) -> Pass {
+    let raster = triangles(&glsl::visibility_vertex::SHADER, image, depth, extent_of(desc, image));
+    let colour = raster.colour.map(|colour| ColourAttachment { clear: None, ..colour });
+    let depth = raster.depth.map(|depth| DepthAttachment { clear: None, ..depth });
+    Pass::raster("blur.visibility", Raster { colour, depth, ..raster })
+}
+
+/// Size of a triangle-id buffer: what no frame brings is never drawn.
+fn extent_of(desc: &Desc, image: ImageId) -> [u32; 2] {
+    if desc.outer || !OUTER_SEEN.contains(&image) { desc.size } else { [1, 1] }
 }
 
 /// A frame at four samples a pixel.
@@ -215,7 +261,7 @@ fn toon(desc: &Desc, image: ImageId) -> Pass {
     whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise([inked, ink_reach(toon)])
 }
 
-/// A frame that has been drawn, as the target's first content.
+/// A frame over the background, as the target's first content.
 fn begin(desc: &Desc, drawn: ImageId) -> Pass {
     let fragment = &glsl::background_fragment::SHADER;
     whole("blur.background", fragment, TARGET, desc).bind(glsl::background_fragment::DRAWN, drawn)

@@ -6,18 +6,19 @@ use std::mem::offset_of;
 use std::ops::Range;
 
 use crate::blur::desc::Desc;
-use crate::blur::frame::{DepthInput, Drawn, Frame, IntervalInput, PoseInput, TopologyInput, Trajectories};
+use crate::blur::frame::{DepthInput, Drawn, Frame, FrameView, IntervalInput, PoseInput, TopologyInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
     self, BackgroundConstants, BlurParams, ChooseConstants, Control, FRONTS_A_WORD, GhostConstants, Knot,
-    LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, ROUNDS, Round, RoundConstants, SeamConstants,
-    SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
+    LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, OccluderConstants, ROUNDS, Round,
+    RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
 };
 use crate::blur::passes::Passes;
 use crate::blur::settings::{Completion, Settings};
-use crate::host::Background;
+use crate::host::{Background, words_of};
 use crate::plan::{Command, PassId, Plan, Shader};
 use crate::shaders::blur as glsl;
+use crate::view::Projection;
 
 mod toon;
 
@@ -76,16 +77,21 @@ pub fn drawn(desc: &Desc, frame: &Frame) -> [Option<Drawn>; 4] {
 impl Steps<'_> {
     /// Fills it.
     pub fn fill(&mut self, frame: &Frame) {
-        if frame.images.is_some() {
-            let (from, to, extent) = (HOST_FRAMES[1], TARGET, self.desc.size);
-            self.plan.step(self.passes.background, Command::CopyImage { from, to, extent });
-            self.plan.skip(self.passes.toon_params, "images are given");
+        let extent = self.desc.size;
+        let has_image_behind = matches!(frame.background, Background::Copy(_));
+        if has_image_behind {
+            self.plan.step(self.passes.behind, Command::CopyImage { from: HOST_BACKGROUND, to: BACKGROUND, extent });
         }
-        if matches!(frame.background, Background::Copy(_))
-            && (frame.images.is_none() || still(self.desc, frame).is_none())
-        {
-            let (from, to, extent) = (HOST_BACKGROUND, BACKGROUND, self.desc.size);
-            self.plan.step(self.passes.behind, Command::CopyImage { from, to, extent });
+        if frame.images.is_some() {
+            self.plan.skip(self.passes.toon_params, "images are given");
+            let from = HOST_FRAMES[1];
+            if has_image_behind {
+                self.plan.step(self.passes.frame_behind, Command::CopyImage { from, to: FRAMES[1], extent });
+                let constants = BackgroundConstants::new(frame.background, &frame.target);
+                self.plan.step_with(self.passes.frame_background, Command::Draw { vertices: 4 }, &constants);
+            } else {
+                self.plan.step(self.passes.background, Command::CopyImage { from, to: TARGET, extent });
+            }
         }
         match &frame.mesh {
             Some(mesh) => {
@@ -130,7 +136,7 @@ impl Steps<'_> {
         let there = toon.map_or(projected, |toon| toon.there(projected));
         self.refine();
         self.frames(frame, outer);
-        self.draw(outer);
+        self.draw(frame, &interval.views, outer);
         if !self.desc.settings.smears() {
             // The target has frame i + 1, and only what is behind the mesh is missing.
             self.skip_picture("strength is 0");
@@ -149,10 +155,11 @@ impl Steps<'_> {
     fn skip_motion(&mut self, reason: &'static str) {
         let Passes { params, interval, trajectory, extent, seams, begin, visibility: [visibility, _], .. } =
             self.passes;
-        let Passes { distort: [distort, _], layers, frames, ghost, lines, .. } = self.passes;
-        for pass in
-            [params, interval, trajectory, extent, seams, begin, visibility, distort, layers, frames, ghost, lines]
-        {
+        let Passes { distort: [distort, _], layers, frames, ghost, lines, scenes, .. } = self.passes;
+        for pass in [
+            scenes, params, interval, trajectory, extent, seams, begin, visibility, distort, layers, frames, ghost,
+            lines,
+        ] {
             self.plan.skip(*pass, reason);
         }
     }
@@ -399,12 +406,30 @@ impl Steps<'_> {
         }
     }
 
-    fn draw(&mut self, outer: [bool; 2]) {
-        let inner = self.passes.visibility.into_iter().zip([1, 2]);
-        let outer = self.passes.outer_visibility.into_iter().zip([0, 3]).zip(outer).filter(|(_, is_there)| *is_there);
-        for (pass, frame) in inner.chain(outer.map(|(pass, _)| pass)) {
-            let command = Command::Draw { vertices: 3 * self.desc.triangles };
-            self.plan.step_with(pass, command, &VisibilityConstants { frame });
+    /// The mesh in frame i - 1 (0) to i + 2 (3), behind what the host has drawn before it.
+    fn see(&mut self, frame: &Frame, views: &[FrameView; 4], index: usize) {
+        let [[before, after], [previous, next]] = [self.passes.outer_visibility, self.passes.visibility];
+        let mut pass = [before, previous, next, after][index];
+        if let (Some(_), Some(made)) = (frame.occluders[index], self.desc.occluders) {
+            let extent = self.desc.size;
+            let copy = Command::CopyDepth { from: HOST_SCENES[index], to: SCENE_WORDS, extent };
+            self.plan.step(self.passes.scenes, copy);
+            let terms = Projection::of_valid(&views[index].view, extent).terms();
+            let constants = OccluderConstants { terms, kind: words_of(made.format) };
+            self.plan.step_with(self.passes.occluders[index], Command::Draw { vertices: 4 }, &constants);
+            pass = self.passes.hidden_visibility[index];
+        }
+        let command = Command::Draw { vertices: 3 * self.desc.triangles };
+        self.plan.step_with(pass, command, &VisibilityConstants { frame: index as u32 });
+    }
+
+    fn draw(&mut self, frame: &Frame, views: &[FrameView; 4], outer: [bool; 2]) {
+        if self.desc.occluders.is_none() {
+            self.plan.skip(self.passes.scenes, "images come without depth");
+        }
+        let outer = [0, 3].into_iter().zip(outer).filter(|(_, is_there)| *is_there);
+        for index in [1, 2].into_iter().chain(outer.map(|(index, _)| index)) {
+            self.see(frame, views, index);
         }
         let draw = Command::DrawIndirect { arguments: CONTROL, offset: offset_of!(Control, draw) as u64 };
         for pass in self.passes.distort {

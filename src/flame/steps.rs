@@ -2,8 +2,6 @@
 
 use std::mem::offset_of;
 
-use ash::vk;
-
 use crate::effect::DeviceTraits;
 use crate::flame::colour::Table;
 use crate::flame::desc::{Desc, SceneFormat};
@@ -11,12 +9,12 @@ use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
 use crate::flame::limits::{Cost, Stage, is_raster, iterations, kernels};
 use crate::flame::params::{
-    AccumulateConstants, AdaptConstants, AddConstants, Control, FLOATS, FlameParams, Given, KernelTable, MASK_LEVELS,
-    MASK_SIDE, MipsConstants, PartsConstants, RasterConstants, RebuildConstants, SceneConstants, UNORM_16, UNORM_24,
+    AccumulateConstants, AdaptConstants, AddConstants, Control, FlameParams, Given, KernelTable, MASK_LEVELS,
+    MASK_SIDE, MipsConstants, PartsConstants, RasterConstants, RebuildConstants, SceneConstants,
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::Shape;
-use crate::host::Background;
+use crate::host::{Background, words_of};
 use crate::plan::{Command, PassId, Plan, Shader};
 use crate::scan;
 use crate::shaders::flame as glsl;
@@ -139,11 +137,7 @@ impl Steps<'_> {
             (Some(SceneDepth::Image(_)), Some(SceneFormat::Image(made))) => {
                 let (from, to, extent) = (HOST_DEPTH, SCENE_WORDS, self.desc.size);
                 self.plan.step(self.passes.scene_copy, Command::CopyDepth { from, to, extent });
-                let kind = match made.format {
-                    vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => UNORM_16,
-                    vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => UNORM_24,
-                    _ => FLOATS,
-                };
+                let kind = words_of(made.format);
                 let constants = SceneConstants { kind };
                 self.plan.step_with(self.passes.scene, Command::Dispatch { threads: [pixels, 1, 1] }, &constants);
             }

@@ -5,6 +5,7 @@ use ash::vk::Handle as _;
 
 use super::{Background, DepthFormat, FormatUse, Host, HostBuffer, HostImage};
 use crate::error::{Error, Result};
+use crate::shaders::common::constants::{FLOATS, UNORM_16, UNORM_24};
 use crate::view::{BRIGHTEST, View};
 
 /// What happens to what an image holds.
@@ -144,6 +145,15 @@ pub(crate) fn target_format(format: vk::Format) -> NamedFormat {
 /// What a depth image's format must be good for.
 pub(crate) fn depth_format(format: DepthFormat, features: vk::FormatFeatureFlags) -> NamedFormat {
     ("depth.format", FormatUse { format: format.format, features })
+}
+
+/// What a depth image of this format is made of when it is copied to a buffer.
+pub(crate) fn words_of(format: vk::Format) -> u32 {
+    match format {
+        vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => UNORM_16,
+        vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => UNORM_24,
+        _ => FLOATS,
+    }
 }
 
 /// The aspects of an image of this format.

@@ -41,6 +41,7 @@ const SEGMENTS: [celfx::blur::motion::Segment; 3] = [
 
 fn desc(settings: Settings) -> Desc {
     Desc {
+        occluders: None,
         size: [200, 150],
         target_format: vk::Format::R32G32B32A32_SFLOAT,
         points: 1000,
@@ -96,6 +97,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
         }),
         images: Some([image(desc); 2]),
         toon: None,
+        occluders: [None; 4],
         outer: [Some(image(desc)); 2],
         target: image(desc),
         depth: None,

@@ -77,6 +77,8 @@ pub struct BlurRig {
     has_backdrop: bool,
     /// How far from the upper left of their images pictures begin.
     corner: [u32; 2],
+    /// Depth images of frames i - 1 to i + 2.
+    occluders: [Option<Image>; 4],
 }
 
 /// What lies beside pictures in larger images.
@@ -145,6 +147,7 @@ impl BlurRig {
             slot: 0,
             are_closed: true,
             corner,
+            occluders: [const { None }; 4],
         };
         rig.clear_images();
         Some(rig)
@@ -235,10 +238,42 @@ impl BlurRig {
         self.place().given(image, self.desc().target_format, state_in, COPIED_FROM)
     }
 
+    fn host_occluders(&self) -> [Option<HostImage>; 4] {
+        let format = self.desc().occluders.map(|occluders| occluders.format);
+        let given = |image: &Image| self.place().given(image, format.unwrap_or_default(), COPIED_FROM, COPIED_FROM);
+        self.occluders.each_ref().map(|image| image.as_ref().map(given))
+    }
+
     fn host_depth(&self, view: FrameView) -> Option<DepthInput> {
         let format = self.desc().depth?.format;
         let image = self.place().given(self.depth.as_ref()?, format, CLEARED, COPIED_FROM);
         Some(DepthInput { host: image, view })
+    }
+
+    /// The depth image of frame i - 1 (0) to i + 2 (3), as its format holds it.
+    pub fn set_occluders(&mut self, frame: usize, depths: &[f32]) {
+        let (place, format) = (self.place(), self.desc().occluders.expect("occluders").format);
+        let depths = place.around(depths, 1.0);
+        let image = match self.occluders[frame].take() {
+            Some(image) => image,
+            None => host::image(&mut self.device, place.extent(), format),
+        };
+        let (host, allocator) = self.device.parts();
+        // SAFETY: the handles are the device's own, and every submission has been waited for.
+        let from = unsafe { self.uploads[0][0].write(&host, allocator, "test", bytemuck::cast_slice(&depths)) };
+        let from = from.expect("an upload");
+        host::run(&mut self.device, |host, commands| {
+            // SAFETY: as above.
+            unsafe {
+                let whole = (image.handle, image.aspect);
+                host::change(host, commands, whole, host::DISCARDED, CLEARED);
+                let regions = [host::image_copy(image.aspect, place.extent()).buffer_offset(from.offset)];
+                let to = image.handle;
+                host.device.cmd_copy_buffer_to_image(commands, from.buffer, to, CLEARED.layout, &regions);
+                host::change(host, commands, whole, CLEARED, COPIED_FROM);
+            }
+        });
+        self.occluders[frame] = Some(image);
     }
 
     /// What lies beside the picture in the target, and beside the host's depth.
@@ -330,6 +365,7 @@ impl BlurRig {
             images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
             toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
             outer: [0, 1].map(|i| self.outer[i].then(|| self.host_image(3 + i, COPIED_FROM))),
+            occluders: self.host_occluders(),
             depth: self.host_depth(shot.views[2]),
             // What lies beside the picture stays.
             target: self.host_image(0, if self.corner == [0; 2] { ImageState::default() } else { COPIED_FROM }),
@@ -407,7 +443,12 @@ impl Drop for BlurRig {
         unsafe {
             self.blur.iter_mut().for_each(|blur| blur.destroy(&host, allocator));
             self.uploads.iter_mut().flatten().for_each(|upload| upload.destroy(&host, allocator));
-            self.images.iter_mut().chain(&mut self.depth).for_each(|image| image.destroy(&host, allocator));
+            let occluders = self.occluders.iter_mut().flatten();
+            self.images
+                .iter_mut()
+                .chain(&mut self.depth)
+                .chain(occluders)
+                .for_each(|image| image.destroy(&host, allocator));
         }
     }
 }

@@ -101,6 +101,7 @@ fn a_frame_of_blur() {
     let view = |frame| blur::FrameView { frame, view: Camera::default().view(SIZE) };
     let settings = blur::Settings::default();
     let desc = blur::Desc {
+        occluders: None,
         size: SIZE,
         target_format: FORMAT,
         points: 10_000,
@@ -137,6 +138,7 @@ fn a_frame_of_blur() {
         }),
         images: None,
         toon: Some(blur::ToonInput { view: view(number + 2), light: Light::default() }),
+        occluders: [None; 4],
         outer: [None; 2],
         target: image(FORMAT),
         depth: None,

@@ -315,6 +315,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 (settings.space, settings.refine) = (Space::Screen, Refine::Length);
             }
             let desc = blur::Desc {
+                occluders: has_depth.then_some(DEPTH),
                 size: SIZE,
                 target_format: FORMAT,
                 points: 1000,
@@ -353,13 +354,14 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 interval: Some(interval),
                 images: Some([image(FORMAT); 2]),
                 toon: None,
+                occluders: [has_depth.then(depth); 4],
                 outer: [Some(image(FORMAT)); 2],
                 target: image(FORMAT),
                 depth: has_depth.then_some(host),
                 background: Background::Keep,
             };
             let given = blur::Frame { mesh: None, poses: None, ..first };
-            let drawn = blur::Frame { images: None, toon, outer: [None; 2], ..given };
+            let drawn = blur::Frame { images: None, toon, outer: [None; 2], occluders: [None; 4], ..given };
             let posed = blur::IntervalInput {
                 trajectories: blur::Trajectories::Poses(&knots),
                 counts: blur::Counts { seams: 0, ..interval.counts },

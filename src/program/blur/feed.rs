@@ -114,6 +114,7 @@ impl Feed for BlurFeed {
             images: before.zip(after).map(|(before, after)| [before, after]),
             toon: is_drawn.then_some(ToonInput { view, light: scene.light }),
             outer: frame.outer_images().map(|number| image(number?)),
+            occluders: [None; 4],
             target,
             depth: place.depth.map(|depth| DepthInput { host: depth, view }),
             background: place.background,

@@ -37,6 +37,7 @@ fn variant(
         outer: true,
         toon: true,
         depth: depth.then_some(DEPTH),
+        occluders: depth.then_some(DEPTH),
         most_triangles: 64,
         segments: if many { 32 } else { 1 },
         frames_resident: 4,
