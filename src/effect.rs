@@ -20,7 +20,6 @@
 use std::fmt;
 
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
@@ -33,7 +32,7 @@ pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::{Kept, Resources};
-use crate::host::{Host, Memory, NamedFormat, check_formats};
+use crate::host::{Host, Memory, MemorySource, NamedFormat, check_formats};
 use crate::plan::{BufferId, ImageId, Pass, Plan};
 
 /// How much of a frame's work is done.
@@ -184,7 +183,12 @@ impl<K: Kind> Effect<K> {
     /// # Safety
     /// `host` holds valid handles of a device that [`crate::host::requirements`] are enabled on; `allocator` and `kernels`
     /// are that device's. `kernels` is destroyed after the effect.
-    pub unsafe fn new(host: &Host, kernels: &Kernels, allocator: &mut Allocator, desc: K::Desc) -> Result<Effect<K>> {
+    pub unsafe fn new(
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut dyn MemorySource,
+        desc: K::Desc,
+    ) -> Result<Effect<K>> {
         // SAFETY: the caller's.
         unsafe { Self::with_effort(host, kernels, allocator, desc, Effort::Needed) }
     }
@@ -200,7 +204,7 @@ impl<K: Kind> Effect<K> {
     pub unsafe fn with_effort(
         host: &Host,
         kernels: &Kernels,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         desc: K::Desc,
         effort: Effort,
     ) -> Result<Effect<K>> {
@@ -255,7 +259,7 @@ impl<K: Kind> Effect<K> {
         &mut self,
         host: &Host,
         kernels: &Kernels,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         desc: K::Desc,
     ) -> Result<Retired> {
         // SAFETY: the caller's.
@@ -279,7 +283,7 @@ impl<K: Kind> Effect<K> {
         &mut self,
         host: &Host,
         kernels: &Kernels,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         size: [u32; 2],
     ) -> Result<Retired> {
         // SAFETY: the caller's.
@@ -499,7 +503,7 @@ impl<K: Kind> Effect<K> {
     /// # Safety
     /// The GPU is done with every recorded frame; `host` and `allocator` are those it was made with. Nothing else is called
     /// afterwards.
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         unsafe { self.executor.destroy(host, allocator) };
     }

@@ -70,8 +70,8 @@ pub enum Error {
         name: String,
         /// Its size in bytes.
         bytes: u64,
-        /// The allocator's error.
-        source: gpu_allocator::AllocationError,
+        /// The source's error.
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
 }
 

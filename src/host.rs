@@ -9,11 +9,13 @@
 //! [`Requirements::features`], for instance with [`Features::enable`] on its own create chain.
 
 mod check;
+mod memory;
 
 use ash::vk;
 
 pub use crate::gpu::capabilities::check_device;
 pub(crate) use check::*;
+pub use memory::{Allocation, CallbackAllocation, CallbackRequest, MemoryCallbacks, MemoryRequest, MemorySource};
 
 /// The host's Vulkan objects, borrowed for the length of a call.
 #[derive(Clone, Copy)]

@@ -3,11 +3,17 @@
 
 mod common;
 
+use std::ffi::c_void;
+
 use ash::vk;
+use ash::vk::Handle as _;
 use celfx::blur::{self, Blur, Mesh, MeshInput};
 use celfx::effect::{Effect, Kernels, Kind};
 use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
-use celfx::host::{Background, DepthFormat, Host, HostBuffer, HostImage, ImageState};
+use celfx::host::{
+    Background, CallbackAllocation, CallbackRequest, DepthFormat, Host, HostBuffer, HostImage, ImageState, Memory,
+    MemoryCallbacks,
+};
 use celfx::profile::Timing;
 use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
 use celfx::view::Camera;
@@ -238,4 +244,97 @@ fn effects_go_between_threads() {
     sync::<Kernels>();
     send::<Mesh>();
     sync::<blur::Motion>();
+}
+
+/// A host's own memory: a pair of functions, each allocation of its own.
+struct OwnMemory<'a> {
+    host: Host<'a>,
+    types: vk::PhysicalDeviceMemoryProperties,
+    /// Allocations that are out, and bytes.
+    out: (usize, u64),
+    most: u64,
+    /// Refuses what comes when so many are out.
+    limit: usize,
+}
+
+unsafe extern "C" fn allocate(
+    user: *mut c_void,
+    request: *const CallbackRequest,
+    to: *mut CallbackAllocation,
+) -> vk::Result {
+    // SAFETY: both are the test's own, and valid during the call.
+    let (own, request) = unsafe { (&mut *user.cast::<OwnMemory>(), &*request) };
+    // SAFETY: a string of the library's.
+    let name = unsafe { std::ffi::CStr::from_ptr(request.name) };
+    assert!(!name.is_empty() && request.properties == vk::MemoryPropertyFlags::DEVICE_LOCAL);
+    if own.out.0 == own.limit {
+        return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+    }
+    let fits = |index: &u32| {
+        let kind = own.types.memory_types[*index as usize].property_flags;
+        request.requirements.memory_type_bits >> index & 1 == 1 && kind.contains(request.properties)
+    };
+    let kind = (0..own.types.memory_type_count).find(fits).expect("a type");
+    let size = request.requirements.size;
+    let info = vk::MemoryAllocateInfo::default().allocation_size(size).memory_type_index(kind);
+    // SAFETY: valid handles.
+    let memory = unsafe { own.host.device.allocate_memory(&info, None) }.expect("memory");
+    own.out = (own.out.0 + 1, own.out.1 + size);
+    own.most = own.most.max(own.out.1);
+    // What a source knows an allocation by comes back as it was.
+    let known = memory.as_raw() as *mut c_void;
+    // SAFETY: the library's, to be filled in.
+    unsafe { to.write(CallbackAllocation { memory, offset: 0, size, mapped: std::ptr::null_mut(), own: known }) };
+    vk::Result::SUCCESS
+}
+
+unsafe extern "C" fn free(user: *mut c_void, given: *const CallbackAllocation) {
+    // SAFETY: both are the test's own, and valid during the call.
+    let (own, given) = unsafe { (&mut *user.cast::<OwnMemory>(), &*given) };
+    assert_eq!(given.own as u64, given.memory.as_raw());
+    own.out = (own.out.0 - 1, own.out.1 - given.size);
+    // SAFETY: nothing uses it any more.
+    unsafe { own.host.device.free_memory(given.memory, None) };
+}
+
+/// Each effect takes what it said it would from the host's functions, gives all of it back, and leaves nothing where there is
+/// not enough.
+#[test]
+fn memory_comes_from_the_hosts_own_functions() {
+    let Some(device) = device() else { return };
+    let host = device.host();
+    // SAFETY: valid handles.
+    let types = unsafe { host.instance.get_physical_device_memory_properties(host.physical_device) };
+    let kernels = device.kernels();
+    fn check<K: Kind>(own: &mut OwnMemory, kernels: &celfx::effect::Kernels, desc: &K::Desc, memory: Memory) {
+        let mut callbacks = MemoryCallbacks { user: (&raw mut *own).cast(), allocate, free };
+        let host = own.host;
+        // SAFETY: the device's own handles; nothing is ever recorded.
+        unsafe {
+            let effect = Effect::<K>::new(&host, kernels, &mut callbacks, desc.clone()).expect("an effect");
+            let (count, taken) = own.out;
+            let apart = taken.abs_diff(memory.total()) as f64 / taken as f64;
+            // Pages of 4 KiB round up what is as small as here.
+            assert!(count > 10 && apart < 0.5, "{}: {taken} bytes, {memory:?} said", K::NAME);
+            effect.retire().destroy(&host, &mut callbacks);
+            assert_eq!(own.out, (0, 0), "{}: all is given back", K::NAME);
+            own.limit = count / 2;
+            let refused =
+                Effect::<K>::new(&host, kernels, &mut callbacks, desc.clone()).expect_err("not enough memory");
+            assert!(refused.to_string().starts_with("no memory for "), "{refused}");
+            assert_eq!(own.out, (0, 0), "{}: nothing is left behind", K::NAME);
+            own.limit = usize::MAX;
+        }
+    }
+    let mut own = OwnMemory { host, types, out: (0, 0), most: 0, limit: usize::MAX };
+    let memory = |memory: celfx::error::Result<Memory>| memory.expect("sizes");
+    let (smoke, flame, blur) = (smoke_desc(), flame_desc(), blur_desc());
+    // SAFETY: valid handles.
+    let traits = unsafe { kernels.traits(&host) };
+    let said = [Smoke::memory(&smoke, &traits), Flame::memory(&flame, &traits), Blur::memory(&blur, &traits)];
+    let [of_smoke, of_flame, of_blur] = said.map(memory);
+    check::<smoke::SmokeKind>(&mut own, kernels, &smoke, of_smoke);
+    check::<flame::FlameKind>(&mut own, kernels, &flame, of_flame);
+    check::<blur::BlurKind>(&mut own, kernels, &blur, of_blur);
+    assert!(own.most > 0);
 }

@@ -7,7 +7,7 @@ mod common;
 use ash::vk;
 use celfx::error::Result;
 use celfx::host::{HostBuffer, HostImage, ImageState};
-use celfx::low_level::gpu::buffer::{Buffer, BufferDesc};
+use celfx::low_level::gpu::buffer::{Buffer, BufferDesc, READ_BACK, UPLOADED};
 use celfx::low_level::gpu::headless::{Commands, Headless, Submission};
 use celfx::low_level::gpu::image::{Image, ImageDesc};
 use celfx::profile::Clock;
@@ -15,7 +15,6 @@ use celfx::profile::{Timing, queries};
 use celfx::simulate::smoke::Builtin;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, VolumeInput};
 use celfx::view::{Camera, Light};
-use gpu_allocator::MemoryLocation;
 
 const SIZE: [u32; 2] = [160, 120];
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
@@ -49,7 +48,7 @@ impl Slot {
     fn new(device: &mut Headless) -> Result<Slot> {
         let voxels = Builtin::Plume.volume(0, 24.0).density.len() as u64;
         let pixels = u64::from(SIZE[0]) * u64::from(SIZE[1]);
-        let buffer = |name, size, usage, location| BufferDesc { name, size, usage, location };
+        let buffer = |name, size, usage, properties| BufferDesc { name, size, usage, properties };
         let (from, to) = (vk::BufferUsageFlags::TRANSFER_SRC, vk::BufferUsageFlags::TRANSFER_DST);
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
@@ -62,8 +61,8 @@ impl Slot {
         unsafe {
             Ok(Slot {
                 target: Image::new(&host, allocator, &target)?,
-                density: Buffer::new(&host, allocator, &buffer("density", 4 * voxels, from, MemoryLocation::CpuToGpu))?,
-                picture: Buffer::new(&host, allocator, &buffer("picture", 4 * pixels, to, MemoryLocation::GpuToCpu))?,
+                density: Buffer::new(&host, allocator, &buffer("density", 4 * voxels, from, UPLOADED))?,
+                picture: Buffer::new(&host, allocator, &buffer("picture", 4 * pixels, to, READ_BACK))?,
                 queries: host.device.create_query_pool(&info, None).expect("queries"),
                 written: 0,
                 submission: None,

@@ -1,12 +1,19 @@
 //! Buffers with a name and memory of their own.
 
 use ash::vk;
-use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
 
 use crate::error::{Error, Result};
 use crate::gpu::debug;
-use crate::host::Host;
+use crate::host::{Allocation, Host, MemoryRequest, MemorySource};
+
+/// Memory that the host writes and the device reads.
+pub const UPLOADED: vk::MemoryPropertyFlags = vk::MemoryPropertyFlags::from_raw(
+    vk::MemoryPropertyFlags::HOST_VISIBLE.as_raw() | vk::MemoryPropertyFlags::HOST_COHERENT.as_raw(),
+);
+
+/// Memory that the device writes and the host reads.
+pub const READ_BACK: vk::MemoryPropertyFlags =
+    vk::MemoryPropertyFlags::from_raw(UPLOADED.as_raw() | vk::MemoryPropertyFlags::HOST_CACHED.as_raw());
 
 /// Description of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,8 +24,8 @@ pub struct BufferDesc {
     pub size: u64,
     /// Its usage.
     pub usage: vk::BufferUsageFlags,
-    /// Where it lives.
-    pub location: MemoryLocation,
+    /// Properties of its memory.
+    pub properties: vk::MemoryPropertyFlags,
 }
 
 impl BufferDesc {
@@ -28,13 +35,13 @@ impl BufferDesc {
             | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
-        BufferDesc { name, size, usage, location: MemoryLocation::GpuOnly }
+        BufferDesc { name, size, usage, properties: vk::MemoryPropertyFlags::DEVICE_LOCAL }
     }
 
     /// A uniform buffer in device memory, written by updates.
     pub fn uniform(name: &'static str, size: u64) -> BufferDesc {
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-        BufferDesc { name, size, usage, location: MemoryLocation::GpuOnly }
+        BufferDesc { name, size, usage, properties: vk::MemoryPropertyFlags::DEVICE_LOCAL }
     }
 }
 
@@ -55,31 +62,22 @@ impl Buffer {
     ///
     /// # Safety
     /// `host` holds valid handles, and `allocator` belongs to its device.
-    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: &BufferDesc) -> Result<Buffer> {
+    pub unsafe fn new(host: &Host, allocator: &mut dyn MemorySource, desc: &BufferDesc) -> Result<Buffer> {
         let info = vk::BufferCreateInfo::default().size(desc.size).usage(desc.usage);
         // SAFETY: the caller's.
         let handle = unsafe { host.device.create_buffer(&info, None) };
         let handle = handle.map_err(Error::vulkan("vkCreateBuffer", desc.name))?;
         // SAFETY: `handle` was just made.
         let requirements = unsafe { host.device.get_buffer_memory_requirements(handle) };
-        let request = AllocationCreateDesc {
-            name: desc.name,
-            requirements,
-            location: desc.location,
-            linear: true,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-        };
+        let properties = desc.properties;
+        let request = MemoryRequest { name: desc.name, requirements, properties, linear: true };
         let mut buffer = Buffer { handle, size: desc.size, desc: *desc, allocation: None };
-        let bound = allocator
-            .allocate(&request)
-            .map_err(|source| Error::Allocation { name: desc.name.into(), bytes: requirements.size, source })
-            .and_then(|allocation| {
-                // SAFETY: fresh memory that fits the buffer's requirements.
-                let result =
-                    unsafe { host.device.bind_buffer_memory(handle, allocation.memory(), allocation.offset()) };
-                buffer.allocation = Some(allocation);
-                result.map_err(Error::vulkan("vkBindBufferMemory", desc.name))
-            });
+        let bound = allocator.allocate(&request).and_then(|allocation| {
+            // SAFETY: fresh memory that fits the buffer's requirements.
+            let result = unsafe { host.device.bind_buffer_memory(handle, allocation.memory, allocation.offset) };
+            buffer.allocation = Some(allocation);
+            result.map_err(Error::vulkan("vkBindBufferMemory", desc.name))
+        });
         if let Err(error) = bound {
             // SAFETY: never used.
             unsafe { buffer.destroy(host, allocator) };
@@ -92,26 +90,28 @@ impl Buffer {
 
     /// Its memory, if the host can see it.
     pub fn mapped(&self) -> Option<&[u8]> {
-        self.allocation.as_ref()?.mapped_slice().map(|bytes| &bytes[..self.size as usize])
+        let mapped = self.allocation.as_ref()?.mapped?;
+        // SAFETY: the source has mapped all of the allocation, which the buffer borrows.
+        Some(unsafe { std::slice::from_raw_parts(mapped.as_ptr(), self.size as usize) })
     }
 
     /// Its memory for writing, if the host can see it.
     pub fn mapped_mut(&mut self) -> Option<&mut [u8]> {
-        let size = self.size as usize;
-        self.allocation.as_mut()?.mapped_slice_mut().map(|bytes| &mut bytes[..size])
+        let mapped = self.allocation.as_mut()?.mapped?;
+        // SAFETY: as above, and nothing else refers to it.
+        Some(unsafe { std::slice::from_raw_parts_mut(mapped.as_ptr(), self.size as usize) })
     }
 
     /// Destroys the buffer and gives its memory back.
     ///
     /// # Safety
     /// The GPU is done with it; `host` and `allocator` are those it was made with.
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         unsafe { host.device.destroy_buffer(self.handle, None) };
         self.handle = vk::Buffer::null();
         if let Some(allocation) = self.allocation.take() {
-            // Freeing an allocation that the allocator made does not fail.
-            let _ = allocator.free(allocation);
+            allocator.free(allocation);
         }
     }
 }

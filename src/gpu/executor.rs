@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
@@ -13,7 +12,7 @@ use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream, check};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Kept, Resources};
-use crate::host::{Host, Memory};
+use crate::host::{Host, Memory, MemorySource};
 use crate::plan::{BufferId, ImageId, Pass, Plan, Step};
 
 /// Passes, and what they run with on the device.
@@ -55,7 +54,7 @@ impl Executor {
     pub unsafe fn new(
         host: &Host,
         kernels: &Kernels,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         description: Description,
     ) -> Result<Executor> {
         let mut resources = Resources::default();
@@ -76,7 +75,7 @@ impl Executor {
     pub(crate) unsafe fn on(
         host: &Host,
         kernels: &Kernels,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         passes: Vec<Pass>,
         mut resources: Resources,
     ) -> Result<Executor> {
@@ -100,7 +99,7 @@ impl Executor {
         &mut self,
         host: &Host,
         kernels: &Kernels,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         description: Description,
     ) -> Result<(Retired, Kept)> {
         let kept = Kept::new(&self.resources, &description.buffers, &description.images);
@@ -288,7 +287,7 @@ impl Executor {
     /// # Safety
     /// The GPU is done with every recorded plan; `host` and `allocator` are those it was made with. Nothing else is called
     /// afterwards.
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         unsafe {
             self.pipelines.destroy(host);
@@ -331,7 +330,7 @@ impl Retired {
     /// # Safety
     /// The GPU is done with every frame recorded before they were handed back; `host` and `allocator` are those they were
     /// made with.
-    pub unsafe fn destroy(mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         unsafe {
             self.pipelines.destroy(host);
@@ -349,7 +348,7 @@ fn same_bindings(a: &[Pass], b: &[Pass]) -> bool {
 /// All but what is kept, for which there is an empty place.
 unsafe fn create(
     host: &Host,
-    allocator: &mut Allocator,
+    allocator: &mut dyn MemorySource,
     description: &Description,
     kept: &Kept,
     resources: &mut Resources,

@@ -1,12 +1,10 @@
 //! Images with a name, memory and views of their own.
 
 use ash::vk;
-use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
 
 use crate::error::{Error, Result};
 use crate::gpu::debug;
-use crate::host::Host;
+use crate::host::{Allocation, Host, MemoryRequest, MemorySource};
 
 /// Description of an image: two-dimensional, one mip level, single-sampled, optimal tiling.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +72,7 @@ impl Image {
     ///
     /// # Safety
     /// `host` holds valid handles, and `allocator` belongs to its device.
-    pub unsafe fn new(host: &Host, allocator: &mut Allocator, desc: &ImageDesc) -> Result<Image> {
+    pub unsafe fn new(host: &Host, allocator: &mut dyn MemorySource, desc: &ImageDesc) -> Result<Image> {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(desc.format)
@@ -104,23 +102,14 @@ impl Image {
         Ok(image)
     }
 
-    unsafe fn complete(&mut self, host: &Host, allocator: &mut Allocator, desc: &ImageDesc) -> Result<()> {
+    unsafe fn complete(&mut self, host: &Host, allocator: &mut dyn MemorySource, desc: &ImageDesc) -> Result<()> {
         // SAFETY: `self.handle` is valid and unbound.
         let requirements = unsafe { host.device.get_image_memory_requirements(self.handle) };
-        let request = AllocationCreateDesc {
-            name: desc.name,
-            requirements,
-            location: MemoryLocation::GpuOnly,
-            linear: false,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-        };
-        let allocation = allocator.allocate(&request).map_err(|source| Error::Allocation {
-            name: desc.name.into(),
-            bytes: requirements.size,
-            source,
-        })?;
+        let properties = vk::MemoryPropertyFlags::DEVICE_LOCAL;
+        let request = MemoryRequest { name: desc.name, requirements, properties, linear: false };
+        let allocation = allocator.allocate(&request)?;
         // SAFETY: fresh memory that fits the image's requirements.
-        let bound = unsafe { host.device.bind_image_memory(self.handle, allocation.memory(), allocation.offset()) };
+        let bound = unsafe { host.device.bind_image_memory(self.handle, allocation.memory, allocation.offset) };
         self.allocation = Some(allocation);
         bound.map_err(Error::vulkan("vkBindImageMemory", desc.name))?;
         // SAFETY: the image is bound.
@@ -162,7 +151,7 @@ impl Image {
     ///
     /// # Safety
     /// The GPU is done with it; `host` and `allocator` are those it was made with.
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's; null handles are ignored.
         unsafe {
             for view in self.layer_views.drain(..) {
@@ -174,8 +163,7 @@ impl Image {
         self.view = vk::ImageView::null();
         self.handle = vk::Image::null();
         if let Some(allocation) = self.allocation.take() {
-            // Freeing an allocation that the allocator made does not fail.
-            let _ = allocator.free(allocation);
+            allocator.free(allocation);
         }
     }
 }

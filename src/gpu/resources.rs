@@ -1,12 +1,11 @@
 //! The resources behind plans' ids: the effect's own buffers and images, and those that the host hands over each frame.
 
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::image::{Image, ImageDesc};
-use crate::host::{Host, HostBuffer, HostImage, aspect_of};
+use crate::host::{Host, HostBuffer, HostImage, MemorySource, aspect_of};
 use crate::plan::{BufferId, ImageId};
 
 /// A buffer as the recorder sees it.
@@ -88,7 +87,12 @@ impl Resources {
     ///
     /// # Safety
     /// As [`Buffer::new`].
-    pub unsafe fn add_buffer(&mut self, host: &Host, allocator: &mut Allocator, desc: &BufferDesc) -> Result<BufferId> {
+    pub unsafe fn add_buffer(
+        &mut self,
+        host: &Host,
+        allocator: &mut dyn MemorySource,
+        desc: &BufferDesc,
+    ) -> Result<BufferId> {
         // SAFETY: the caller's.
         let buffer = unsafe { Buffer::new(host, allocator, desc)? };
         self.buffers.push(BufferSlot::Own(buffer));
@@ -99,7 +103,12 @@ impl Resources {
     ///
     /// # Safety
     /// As [`Image::new`].
-    pub unsafe fn add_image(&mut self, host: &Host, allocator: &mut Allocator, desc: &ImageDesc) -> Result<ImageId> {
+    pub unsafe fn add_image(
+        &mut self,
+        host: &Host,
+        allocator: &mut dyn MemorySource,
+        desc: &ImageDesc,
+    ) -> Result<ImageId> {
         // SAFETY: the caller's.
         let image = unsafe { Image::new(host, allocator, desc)? };
         self.images.push(ImageSlot::Own(image));
@@ -207,7 +216,7 @@ impl Resources {
     ///
     /// # Safety
     /// The GPU is done with all of it; `host` and `allocator` are those it was made with.
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         for slot in &mut self.buffers.drain(..) {
             if let BufferSlot::Own(mut buffer) = slot {
                 // SAFETY: the caller's.

@@ -1,12 +1,10 @@
 //! Transfers of a host without a window: volumes and pictures to the device, frames and layers from it.
 
 use ash::vk;
-use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocator;
 
 use crate::error::{Error, Result};
-use crate::gpu::buffer::{Buffer, BufferDesc};
-use crate::host::{Host, HostBuffer, ImageState};
+use crate::gpu::buffer::{Buffer, BufferDesc, READ_BACK, UPLOADED};
+use crate::host::{Host, HostBuffer, ImageState, MemorySource};
 
 /// The state of an image that is copied from.
 pub const COPIED_FROM: ImageState = ImageState {
@@ -35,14 +33,14 @@ impl Upload {
     pub unsafe fn write(
         &mut self,
         host: &Host,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         name: &'static str,
         bytes: &[u8],
     ) -> Result<HostBuffer> {
         let size = bytes.len() as u64;
-        let (usage, location) = (vk::BufferUsageFlags::TRANSFER_SRC, MemoryLocation::CpuToGpu);
+        let (usage, properties) = (vk::BufferUsageFlags::TRANSFER_SRC, UPLOADED);
         // SAFETY: the caller's.
-        let buffer = unsafe { grown(&mut self.0, host, allocator, BufferDesc { name, size, usage, location })? };
+        let buffer = unsafe { grown(&mut self.0, host, allocator, BufferDesc { name, size, usage, properties })? };
         let memory = buffer.mapped_mut().and_then(|memory| memory.get_mut(..bytes.len()));
         let unmapped = || Error::HostResource { name, why: "its memory cannot be mapped".into() };
         memory.ok_or_else(unmapped)?.copy_from_slice(bytes);
@@ -55,7 +53,7 @@ impl Upload {
     ///
     /// # Safety
     /// As for [`Upload::write`].
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         if let Some(mut buffer) = self.0.take() {
             // SAFETY: the caller's.
             unsafe { buffer.destroy(host, allocator) };
@@ -79,7 +77,13 @@ impl Download {
     /// # Safety
     /// The device is done with what was read back before; `host` holds valid handles and is always the same one, and
     /// `allocator` belongs to its device.
-    pub unsafe fn fit(&mut self, host: &Host, allocator: &mut Allocator, name: &'static str, size: u64) -> Result<()> {
+    pub unsafe fn fit(
+        &mut self,
+        host: &Host,
+        allocator: &mut dyn MemorySource,
+        name: &'static str,
+        size: u64,
+    ) -> Result<()> {
         // SAFETY: the caller's.
         unsafe { grown(&mut self.0, host, allocator, readback(name, size)).map(drop) }
     }
@@ -98,7 +102,7 @@ impl Download {
     ///
     /// # Safety
     /// As for [`Download::fit`].
-    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         if let Some(mut buffer) = self.0.take() {
             // SAFETY: the caller's.
             unsafe { buffer.destroy(host, allocator) };
@@ -113,7 +117,7 @@ impl Download {
 unsafe fn grown<'a>(
     buffer: &'a mut Option<Buffer>,
     host: &Host,
-    allocator: &mut Allocator,
+    allocator: &mut dyn MemorySource,
     desc: BufferDesc,
 ) -> Result<&'a mut Buffer> {
     // A buffer of no bytes does not exist.
@@ -132,7 +136,7 @@ unsafe fn grown<'a>(
 
 /// A buffer that the device writes and the host reads.
 pub fn readback(name: &'static str, size: u64) -> BufferDesc {
-    BufferDesc { name, size, usage: vk::BufferUsageFlags::TRANSFER_DST, location: MemoryLocation::GpuToCpu }
+    BufferDesc { name, size, usage: vk::BufferUsageFlags::TRANSFER_DST, properties: READ_BACK }
 }
 
 /// Where a copy of an image or of a range of a buffer starts in the buffer that it goes to.

@@ -1,12 +1,11 @@
 //! The depth that a mesh, smoke and fire share, so that they hide each other.
 
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 
 use crate::error::Result;
 use crate::gpu::image::{Image, ImageDesc};
 use crate::gpu::transfer::{CLEARED, record_depth};
-use crate::host::{DepthFormat, Host, HostImage, ImageState};
+use crate::host::{DepthFormat, Host, HostImage, ImageState, MemorySource};
 
 /// As [`crate::view::Camera::view`] projects it.
 pub(super) const FORMAT: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
@@ -33,7 +32,7 @@ impl SharedDepth {
     ///
     /// # Safety
     /// As [`Image::new`].
-    pub(super) unsafe fn new(host: &Host, allocator: &mut Allocator, extent: [u32; 2]) -> Result<SharedDepth> {
+    pub(super) unsafe fn new(host: &Host, allocator: &mut dyn MemorySource, extent: [u32; 2]) -> Result<SharedDepth> {
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST;
@@ -64,7 +63,7 @@ impl SharedDepth {
     ///
     /// # Safety
     /// As [`Image::destroy`].
-    pub(super) unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    pub(super) unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         unsafe { self.image.destroy(host, allocator) };
     }

@@ -3,8 +3,6 @@
 use std::any::Any;
 use std::fmt;
 
-use gpu_allocator::vulkan::Allocator;
-
 use super::Scene;
 use crate::effect::{Effect, Effort, Kind};
 use crate::error::Result;
@@ -12,7 +10,7 @@ use crate::gpu::executor::Executor;
 use crate::gpu::headless::Headless;
 use crate::gpu::profiler::Timing;
 use crate::gpu::recorder::Stream;
-use crate::host::{Background, DepthFormat, Host, HostBuffer, HostImage};
+use crate::host::{Background, DepthFormat, Host, HostBuffer, HostImage, MemorySource};
 use crate::plan::BufferId;
 
 /// Description of an effect, and how it is fed.
@@ -120,7 +118,7 @@ pub trait Feed: Default + 'static {
     ///
     /// # Safety
     /// The device is done with every frame; `host` and `allocator` are those that everything was made with.
-    unsafe fn destroy(&mut self, _: &Host, _: &mut Allocator) {}
+    unsafe fn destroy(&mut self, _: &Host, _: &mut dyn MemorySource) {}
 }
 
 /// An effect and its [`Feed`].
@@ -155,7 +153,7 @@ pub(crate) trait Player {
     ///
     /// # Safety
     /// As [`Effect::destroy`].
-    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator);
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource);
 }
 
 struct Fed<F: Feed> {
@@ -212,7 +210,7 @@ impl<F: Feed<Kind: 'static>> Player for Fed<F> {
         self.feed.finished();
     }
 
-    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         unsafe {
             self.effect.destroy(host, allocator);

@@ -5,11 +5,10 @@ use std::collections::VecDeque;
 
 use ash::vk;
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
-use celfx::low_level::gpu::buffer::{Buffer, BufferDesc};
+use celfx::low_level::gpu::buffer::{Buffer, BufferDesc, UPLOADED};
 use celfx::low_level::gpu::headless::Submission;
 use celfx::low_level::gpu::image::{Image, ImageDesc};
 use celfx::low_level::gpu::transfer::{COPIED_FROM, readback};
-use gpu_allocator::MemoryLocation;
 
 use super::TestDevice;
 
@@ -191,8 +190,8 @@ pub fn host_image(
 
 /// A buffer that the host writes and the device copies from.
 pub fn source(device: &mut TestDevice, bytes: u64) -> Buffer {
-    let (usage, location) = (vk::BufferUsageFlags::TRANSFER_SRC, MemoryLocation::CpuToGpu);
-    buffer(device, &BufferDesc { name: "test", size: bytes.max(16), usage, location })
+    let (usage, properties) = (vk::BufferUsageFlags::TRANSFER_SRC, UPLOADED);
+    buffer(device, &BufferDesc { name: "test", size: bytes.max(16), usage, properties })
 }
 
 /// A buffer that the device copies to and the host reads.

@@ -1,7 +1,5 @@
 //! How a scene becomes a frame of a blur.
 
-use gpu_allocator::vulkan::Allocator;
-
 use crate::blur::{
     Blur, BlurKind, DepthInput, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, ToonInput, TopologyInput,
     Trajectories,
@@ -11,7 +9,7 @@ use crate::gpu::capabilities::{DeviceTraits, own_memory};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::Image;
 use crate::gpu::transfer::{COPIED_FROM, Upload, at_least_a_row};
-use crate::host::{Host, HostBuffer, HostImage};
+use crate::host::{Host, HostBuffer, HostImage, MemorySource};
 use crate::offline::motion::{BlurFrame, FRAMES_BESIDE};
 use crate::offline::picture::{host_image, put};
 use crate::offline::{BlurScene, Depth, Describe, Feed, Left, Place, Scene, Sharing};
@@ -134,7 +132,7 @@ impl Feed for BlurFeed {
         }
     }
 
-    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         let uploads = self.topology.iter_mut().chain(&mut self.interval).chain([&mut self.poses, &mut self.pictures]);
         // SAFETY: the caller's.
         unsafe {
@@ -193,7 +191,7 @@ impl BlurFeed {
     unsafe fn write(
         &mut self,
         host: &Host,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         frame: &BlurFrame,
         desc: &Desc,
     ) -> Result<Uploaded> {

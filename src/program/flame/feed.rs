@@ -1,13 +1,11 @@
 //! How a scene becomes a frame of fire.
 
-use gpu_allocator::vulkan::Allocator;
-
 use crate::data::Particles;
 use crate::error::Result;
 use crate::flame::{Desc, Flame, FlameKind, Frame, ParticleInput, SceneDepth, SceneFormat};
 use crate::gpu::headless::Headless;
 use crate::gpu::transfer::{Upload, at_least_a_row};
-use crate::host::{Host, HostBuffer};
+use crate::host::{Host, HostBuffer, MemorySource};
 use crate::offline::{Depth, Describe, Feed, Place, Scene, Sharing};
 
 impl Describe for Desc {
@@ -73,7 +71,7 @@ impl Feed for FlameFeed {
         frame.validate(flame.desc(), false)
     }
 
-    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         [&mut self.rows, &mut self.ids, &mut self.depths]
             .into_iter()
@@ -86,7 +84,12 @@ impl FlameFeed {
     ///
     /// # Safety
     /// As [`Upload::write`].
-    unsafe fn write(&mut self, host: &Host, allocator: &mut Allocator, particles: &Particles) -> Result<ParticleInput> {
+    unsafe fn write(
+        &mut self,
+        host: &Host,
+        allocator: &mut dyn MemorySource,
+        particles: &Particles,
+    ) -> Result<ParticleInput> {
         let Particles { position, temperature, id } = particles;
         let rows = position.iter().zip(temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
         let rows: Vec<[f32; 4]> = rows.collect();

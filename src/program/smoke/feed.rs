@@ -1,12 +1,10 @@
 //! How a scene becomes a frame of smoke.
 
-use gpu_allocator::vulkan::Allocator;
-
 use crate::data::Volume;
 use crate::error::Result;
 use crate::gpu::headless::Headless;
 use crate::gpu::transfer::Upload;
-use crate::host::Host;
+use crate::host::{Host, MemorySource};
 use crate::offline::{Depth, Describe, Feed, Left, Place, Scene, Sharing};
 use crate::smoke::{Desc, Frame, Smoke, SmokeKind, VolumeInput};
 
@@ -65,7 +63,7 @@ impl Feed for SmokeFeed {
         left.depth = Some(smoke.depth());
     }
 
-    unsafe fn destroy(&mut self, host: &Host, allocator: &mut Allocator) {
+    unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
         [&mut self.density, &mut self.velocity]
             .into_iter()
@@ -81,7 +79,7 @@ impl SmokeFeed {
     unsafe fn write(
         &mut self,
         host: &Host,
-        allocator: &mut Allocator,
+        allocator: &mut dyn MemorySource,
         volume: &Volume,
         wanted: bool,
     ) -> Result<VolumeInput> {
