@@ -29,12 +29,14 @@ impl Watch for Impatient {
     }
 }
 
-fn request(effect: Option<&str>, only: &str) -> Request {
-    Request { what: benchmarks(effect), quick: true, only: Some(only.into()), page: None, device: common::options() }
+fn request(effect: Option<&str>, only: &[&str]) -> Request {
+    let only = only.iter().map(|only| String::from(*only)).collect();
+    Request { what: benchmarks(effect), quick: true, only, page: None, device: common::options() }
 }
 
-/// Rows of `bench.json` after a benchmark under validation; a message of it is an error.
-fn rows(effect: &str, only: &str, folder: &Path) -> Vec<serde_json::Value> {
+/// Rows of `bench.json` after one benchmark under validation; a message of it is an error. One for all that a test looks
+/// at: each measures the device's limits first.
+fn rows(effect: &str, only: &[&str], folder: &Path) -> Vec<serde_json::Value> {
     let table = run(&request(Some(effect), only), folder, &Silent).expect("a benchmark that succeeds");
     let json = std::fs::read_to_string(folder.join("bench.json")).expect("bench.json");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
@@ -54,6 +56,11 @@ fn rows(effect: &str, only: &str, folder: &Path) -> Vec<serde_json::Value> {
     rows
 }
 
+/// Those of a pass.
+fn of_pass<'a>(rows: &'a [serde_json::Value], pass: &str) -> Vec<&'a serde_json::Value> {
+    rows.iter().filter(|row| row["pass"] == pass).collect()
+}
+
 #[test]
 fn one_workload_of_each_pass() {
     if common::device().is_none() {
@@ -61,11 +68,12 @@ fn one_workload_of_each_pass() {
     }
     let folder = std::env::temp_dir().join(format!("celfx-bench-{}", std::process::id()));
 
+    let all = rows("smoke", &["15x15x20", "/512x512 sigma 4", "shadow/exact/paper"], &folder);
     // All ways to search a radius agree with the brute force to rounding.
-    let grow = rows("smoke", "15x15x20", &folder);
+    let grow = of_pass(&all, "grow");
     let names: Vec<&str> = grow.iter().filter_map(|row| row["variant"].as_str()).collect();
     assert_eq!(names, ["growth", "field", "pyramid", "chosen"]);
-    for row in &grow {
+    for row in grow {
         assert_eq!((&row["workload"], &row["runs"]), (&"15x15x20/500".into(), &1.into()));
         assert!(row["gpu_ms"].as_f64().is_some_and(|ms| ms > 0.0), "{row}");
         // Half an ulp of a coordinate of 2 m, in voxels of 0.12 m, twice.
@@ -73,7 +81,9 @@ fn one_workload_of_each_pass() {
     }
 
     // The exact forms of the masked Gaussian are exact, the wrong one and the one without mask are not.
-    for row in rows("smoke", "/512x512 sigma 4", &folder) {
+    let gaussian = of_pass(&all, "gaussian");
+    assert!(gaussian.len() > 3, "{gaussian:?}");
+    for row in gaussian {
         let error = row["error_max"].as_f64().expect("an error");
         match row["variant"].as_str().expect("a name") {
             "direct" | "per_id_image" | "per_id_tiles" => assert!(error < 2e-6, "{row}"),
@@ -83,7 +93,9 @@ fn one_workload_of_each_pass() {
     }
 
     // Exact shadows differ from those in f64 at borders only; a shadow map blurs them.
-    for row in rows("smoke", "shadow/exact/paper", &folder) {
+    let shadow = of_pass(&all, "shadow");
+    assert_eq!(shadow.len(), 1, "{shadow:?}");
+    for row in shadow {
         assert!(row["error_p99"].as_f64().is_some_and(|error| error == 0.0), "{row}");
     }
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
@@ -97,10 +109,13 @@ fn fire_by_repetitions_by_its_limit_and_by_blending() {
     let folder = std::env::temp_dir().join(format!("celfx-bench-flame-{}", std::process::id()));
     let field = |row: &serde_json::Value, name: &str| row[name].as_f64().expect("a number");
 
-    let repetitions = rows("flame", "R=16/thin", &folder);
+    let accumulated = ["R=16/thin", "expected 32/thin", "ed/thin", "mboit 4/thin", "mboit 6/thin", "wavelet 3/thin"];
+    let all = rows("flame", &[&accumulated[..], &["frame/R=10/paper"]].concat(), &folder);
+    let thin = of_pass(&all, "accumulate");
+    let (repetitions, others) = thin.split_at(3);
     let names: Vec<&str> = repetitions.iter().filter_map(|row| row["variant"].as_str()).collect();
     assert_eq!(names, ["raster R=16", "tiles R=16", "tiles sobol R=16"]);
-    for row in &repetitions {
+    for row in repetitions {
         assert_eq!(
             (&row["effect"], &row["pass"], &row["workload"]),
             (&"flame".into(), &"accumulate".into(), &"thin".into())
@@ -112,19 +127,18 @@ fn fire_by_repetitions_by_its_limit_and_by_blending() {
     // Two ways to the same picture.
     let error = |row: &serde_json::Value| field(row, "error_rms");
     // Which is that of the same samples: sums differ in rounding only.
-    assert!((error(&repetitions[0]) - error(&repetitions[1])).abs() < 1e-6);
+    assert!((error(repetitions[0]) - error(repetitions[1])).abs() < 1e-6);
 
-    let expected = rows("flame", "expected 32/thin", &folder);
-    assert!(error(&expected[0]) < 0.5 * error(&repetitions[1]), "{}", expected[0]);
-    let blended = ["ed/thin", "mboit 4/thin", "mboit 6/thin", "wavelet 3/thin"];
-    let blended: Vec<_> = blended.iter().flat_map(|only| rows("flame", only, &folder)).collect();
+    let (expected, blended) = (others[0], &others[1..]);
+    assert_eq!(expected["variant"], "expected 32");
+    assert!(error(expected) < 0.5 * error(repetitions[1]), "{expected}");
     let names: Vec<&str> = blended.iter().filter_map(|row| row["variant"].as_str()).collect();
     assert_eq!(names, ["sorted", "weighted", "mboit 4", "mboit 6", "wavelet 3"]);
-    for row in &blended {
-        assert!((error(&expected[0])..1.0).contains(&error(row)), "blending is biased: {row}");
+    for row in blended {
+        assert!((error(expected)..1.0).contains(&error(row)), "blending is biased: {row}");
     }
-    let frame = rows("flame", "frame/R=10/paper", &folder);
-    assert_eq!((frame.len(), &frame[0]["pass"]), (1, &"frame".into()));
+    let frame = of_pass(&all, "frame");
+    assert_eq!((frame.len(), all.len()), (1, thin.len() + 1));
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }
 
@@ -137,17 +151,19 @@ fn hulls_windows_and_fine_triangles() {
     let field = |row: &serde_json::Value, name: &str| row[name].as_f64().expect("a number");
 
     // The hull has the bits of brute force.
-    let extent = rows("blur", "extent/hull/", &folder);
+    let all = rows("blur", &["extent/hull/", "1/fox-like", "frame/default/paper"], &folder);
+    let extent = of_pass(&all, "extent");
     assert_eq!((extent.len(), &extent[0]["workload"]), (2, &"10000".into()));
     assert!(extent.iter().all(|row| field(row, "error_max") == 0.0 && field(row, "items") >= 10_000.0), "{extent:?}");
 
-    let refine = rows("blur", "1/fox-like", &folder);
-    assert_eq!((refine.len(), &refine[0]["variant"], &refine[0]["pass"]), (1, &"error 1".into(), &"refine".into()));
-    assert!(field(&refine[0], "error_p99") < 1.5 && field(&refine[0], "items") > 1000.0, "{}", refine[0]);
-    let frame = rows("blur", "frame/default/paper", &folder);
+    let refine = of_pass(&all, "refine");
+    assert_eq!((refine.len(), &refine[0]["variant"]), (1, &"error 1".into()));
+    assert!(field(refine[0], "error_p99") < 1.5 && field(refine[0], "items") > 1000.0, "{}", refine[0]);
+    let frame = of_pass(&all, "frame");
+    assert_eq!(all.len(), extent.len() + 2);
     assert_eq!((frame.len(), &frame[0]["effect"]), (1, &"blur".into()));
     // Edges are a tolerance of a pixel off, and few pixels are beside an edge: a hundredth, at most as much as 1.
-    assert!(field(&frame[0], "error_rms") < 0.1 && field(&frame[0], "cpu_ms") > 0.0, "{}", frame[0]);
+    assert!(field(frame[0], "error_rms") < 0.1 && field(frame[0], "cpu_ms") > 0.0, "{}", frame[0]);
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }
 
@@ -157,7 +173,7 @@ fn an_interruption_writes_nothing() {
         return;
     }
     let folder = std::env::temp_dir().join(format!("celfx-bench-interrupted-{}", std::process::id()));
-    let ended = run(&request(None, ""), &folder, &Impatient);
+    let ended = run(&request(None, &[]), &folder, &Impatient);
     assert!(matches!(ended, Err(celfx::bench::BenchError::Interrupted)), "{ended:?}");
     assert!(!folder.join("bench.json").exists());
     std::fs::remove_dir_all(&folder).expect("the folder is removed");

@@ -34,8 +34,8 @@ pub struct Request {
     pub what: Vec<Benchmark>,
     /// One run each, and workloads and variants that take long are cut.
     pub quick: bool,
-    /// Only rows whose `pass/variant/workload` contains this.
-    pub only: Option<String>,
+    /// Only rows whose `pass/variant/workload` contains one of these; all of them if there is none.
+    pub only: Vec<String>,
     /// Folder for a page of Markdown with the table, `performance-DEVICE.md`.
     pub page: Option<PathBuf>,
     /// The device.
@@ -87,7 +87,7 @@ pub(crate) type Outcome = Result<(), BenchError>;
 pub(crate) struct Session<'a> {
     pub(crate) rig: Rig,
     pub(crate) quick: bool,
-    pub(crate) only: Option<&'a str>,
+    pub(crate) only: &'a [String],
     pub(crate) limits: Limits,
     pub(crate) rows: Vec<Row>,
     /// Notes below the table's rows.
@@ -120,7 +120,10 @@ impl Session<'_> {
         workload: &str,
         variants: &'v [(&'v str, T)],
     ) -> Vec<&'v (&'v str, T)> {
-        let chosen = |name: &str| self.only.is_none_or(|only| format!("{pass}/{name}/{workload}").contains(only));
+        let chosen = |name: &str| {
+            let row = format!("{pass}/{name}/{workload}");
+            self.only.is_empty() || self.only.iter().any(|only| row.contains(only))
+        };
         variants.iter().filter(|(name, _)| chosen(name)).collect()
     }
 }
@@ -135,7 +138,7 @@ pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String
     let rig = Rig::new(Headless::new(&Options { stores: true, ..request.device.clone() })?)?;
     let messages = rig.messages();
     let (device, driver) = rig.device();
-    let (quick, only) = (request.quick, request.only.as_deref());
+    let (quick, only) = (request.quick, &request.only[..]);
     let (rows, notes) = (Vec::new(), Vec::new());
     let mut session = Session { rig, quick, only, limits: Limits::default(), rows, notes, watch };
     session.limits = limits::measure(&mut session)?;

@@ -40,9 +40,9 @@ pub(super) struct Options {
     /// Write a page of Markdown with the table, performance-DEVICE.md, into this folder
     #[arg(long, value_name = "DIR")]
     page: Option<PathBuf>,
-    /// Only rows whose PASS/VARIANT/WORKLOAD contains this
+    /// Only rows whose PASS/VARIANT/WORKLOAD contains this; may be given several times
     #[arg(long, value_name = "TEXT")]
-    only: Option<String>,
+    only: Vec<String>,
 }
 
 /// Name of the benchmark of the device alone; the other name stands for all of them.
