@@ -6,26 +6,36 @@ use crate::bench::measure::Deviation;
 use crate::flame::Settings;
 use crate::flame::reference::kernel::Body;
 use crate::flame::reference::mask::Mask;
-use crate::flame::reference::prepare::{mask_level, prepare};
+use crate::flame::reference::prepare::{Particle, mask_level, prepare};
 use crate::flame::reference::weights::Weights;
 use crate::flame::settings::{Mode, Shape};
 use crate::gpu::headless::{Headless, Options};
 
-/// The fog at a pixel, in f64 and without a table.
-fn fogs(scene: &Scene, at: [usize; 2]) -> Vec<Fog> {
+/// The particles of a scene, each with its weights, which are the same at all pixels.
+fn weighted_particles(scene: &Scene) -> Vec<(Particle, Weights)> {
     let Scene { settings, camera, size, particles, .. } = scene;
     let rows = particles.position.iter().zip(&particles.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
     let prepared =
         prepare(settings, 3000.0, 0, &camera.view(*size), &rows.collect::<Vec<_>>(), particles.id.as_deref());
     let mask = Mask::new(0, settings.variants);
     let level = mask_level(settings, &camera.view(*size), *size, prepared.nearest);
+    let weigh = |p: Particle| {
+        let weights = Weights::new(&mask, level, p.alpha, settings.threshold.into(), 64);
+        (p, weights)
+    };
+    prepared.particles.into_iter().map(weigh).collect()
+}
+
+/// The fog at a pixel, in f64 and without a table.
+fn fogs(scene: &Scene, particles: &[(Particle, Weights)], at: [usize; 2]) -> Vec<Fog> {
+    let Scene { settings, camera, size, .. } = scene;
     let half = camera.half_extent(*size);
     let ray = |axis: usize, side: u32| (2.0 * at[axis] as f64 + 1.0) / f64::from(side) - 1.0;
     let slope = half * DVec2::new(ray(0, size[0]), -ray(1, size[1]));
     let rotation = camera.rotation();
-    let fog = |p: &crate::flame::reference::prepare::Particle| {
+    let fog = |(p, weights): &(Particle, Weights)| {
         let centre = rotation * (DVec3::from_array(p.centre.map(f64::from)) - camera.eye);
-        let body = |weights| Body {
+        let body = Body {
             weights,
             fill: 1.0,
             half: 0.5 * f64::from(settings.sprite()),
@@ -34,18 +44,16 @@ fn fogs(scene: &Scene, at: [usize; 2]) -> Vec<Fog> {
             rotation,
         };
         let beside = centre.z * slope - centre.truncate();
-        let none = Weights::from_values(vec![], 1);
-        if !body(&none).touches(beside, DVec2::ZERO) {
+        if !body.touches(beside, DVec2::ZERO) {
             return None;
         }
-        let weights = Weights::new(&mask, level, p.alpha, settings.threshold.into(), 64);
         let mut share = [0.0];
         let always = [f64::NEG_INFINITY, f64::INFINITY];
-        body(&weights).shares(beside, DVec2::ZERO, always, &[1e3], &mut share);
+        body.shares(beside, DVec2::ZERO, always, &[1e3], &mut share);
         let opacity = 1.0 - (1.0 - share[0]).powi(p.count as i32);
         Some(Fog { depth: centre.z, colour: DVec3::from_array(p.colour), opacity })
     };
-    let mut fogs: Vec<Fog> = prepared.particles.iter().filter_map(fog).collect();
+    let mut fogs: Vec<Fog> = particles.iter().filter_map(fog).collect();
     fogs.sort_by(|a, b| a.depth.total_cmp(&b.depth));
     fogs
 }
@@ -90,10 +98,11 @@ fn all_are_what_their_definitions_say() -> std::result::Result<(), Box<dyn std::
         .iter()
         .map(|position| (rotation * (DVec3::from_array(position.map(f64::from)) - scene.camera.eye)).z);
     let range = depths.fold([f64::MAX, f64::MIN], |[a, b], z| [a.min(z - spread), b.max(z + spread)]);
+    let particles = weighted_particles(&scene);
     let mut differences = RIVALS.map(|_| Vec::new());
     for y in (3..scene.size[1] as usize).step_by(9) {
         for x in (5..scene.size[0] as usize).step_by(9) {
-            let fogs = fogs(&scene, [x, y]);
+            let fogs = fogs(&scene, &particles, [x, y]);
             let place = y * scene.size[0] as usize + x;
             for ((rival, found), differences) in RIVALS.iter().zip(&found).zip(&mut differences) {
                 let expected = blended(*rival, &fogs, range);
