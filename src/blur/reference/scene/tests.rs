@@ -1,3 +1,5 @@
+use std::sync::OnceLock;
+
 use glam::{DVec3, Vec3};
 
 use super::*;
@@ -84,6 +86,14 @@ struct Scene {
     outsides: [Vec<Outside>; 2],
     closed: Vec<bool>,
     still: Vec<bool>,
+    /// The distorted mesh, once something is drawn of it: refining takes longest.
+    triangles: OnceLock<Vec<Triangle>>,
+}
+
+/// The scene that turns slowly. Several tests look at it.
+fn slow() -> &'static Scene {
+    static SCENE: OnceLock<Scene> = OnceLock::new();
+    SCENE.get_or_init(|| Scene::new(SLOWLY))
 }
 
 impl Scene {
@@ -102,24 +112,29 @@ impl Scene {
         let outsides = both.map(|positions| outsides(&mesh, positions, &view, SIZE));
         let normals = [0, 1].map(|k| normals(&mesh, both[k], &outsides[k]));
         let (closed, still) = (closed([&outsides[0], &outsides[1]]), still(&mesh, &interval.labels));
-        Scene { mesh, points, interval, corners, normals, outsides, closed, still }
+        let triangles = OnceLock::new();
+        Scene { mesh, points, interval, corners, normals, outsides, closed, still, triangles }
     }
 
     fn surface(&self) -> Surface<'_> {
         Surface { objects: self.mesh.triangle_objects(), closed: &self.closed, still: &self.still, near: camera().near }
     }
 
+    fn triangles(&self) -> &[Triangle] {
+        self.triangles.get_or_init(|| {
+            let settings = Settings::default();
+            let extents = extents(&self.mesh, &self.interval, 3, settings.strength, settings.seam_smoothing);
+            let rules = Rules { interval: &self.interval, settings: &settings, size: SIZE, seed: 3, budget: 1_000_000 };
+            triangles(&refine(&self.mesh, &extents, &rules), &self.interval.segments, false)
+        })
+    }
+
     fn draw(&self, samples: u32, culls: bool) -> Drawing {
-        let settings = Settings::default();
-        let extents = extents(&self.mesh, &self.interval, 3, settings.strength, settings.seam_smoothing);
-        let rules = Rules { interval: &self.interval, settings: &settings, size: SIZE, seed: 3, budget: 1_000_000 };
-        let refined = refine(&self.mesh, &extents, &rules);
-        let triangles = triangles(&refined, &self.interval.segments, false);
         let hidden = match culls {
             true => hidden(self.corners.each_ref().map(|c| &c[..]), self.outsides.each_ref().map(|o| &o[..])),
             false => vec![false; self.closed.len()],
         };
-        draw(&triangles, &hidden, SIZE, camera().near, samples)
+        draw(self.triangles(), &hidden, SIZE, camera().near, samples)
     }
 
     /// The true colour of a place in a frame.
@@ -145,7 +160,7 @@ impl Scene {
 
 #[test]
 fn corners_are_where_the_camera_sees_them_and_normals_point_outward() {
-    let scene = Scene::new(SLOWLY);
+    let scene = slow();
     let projection = PixelClip::new(&camera().view(SIZE), [0.0; 2], SIZE);
     for (triangle, points) in scene.mesh.triangles().iter().enumerate() {
         for (i, point) in points.iter().enumerate() {
@@ -164,44 +179,47 @@ fn corners_are_where_the_camera_sees_them_and_normals_point_outward() {
 
 #[test]
 fn what_is_turned_away_in_both_frames_is_hardly_ever_seen() {
-    let scene = Scene::new(SLOWLY);
+    let scene = slow();
     let [all, culled] = [false, true].map(|culls| scene.draw(1, culls));
     let seen = all.raster.seen.iter().filter(|name| **name > 0).count();
     let differ = all.raster.seen.iter().zip(&culled.raster.seen).filter(|(a, b)| a != b).count();
     assert!(seen > 5000 && 100 * differ < seen, "{differ} of {seen}");
 }
 
-/// Mean error of the colours of samples that one frame shows, and their number.
-fn error(scene: &Scene, drawing: &Drawing, striped: bool, how: Completion) -> (f64, usize) {
+/// Mean errors of the colours of samples that one frame shows, one of each way, and the number of samples.
+fn errors(scene: &Scene, drawing: &Drawing, striped: bool, ways: [Completion; 3]) -> ([f64; 3], usize) {
     let images = scene.images(striped);
     let frames = [0, 1].map(|k| Frame::new(&scene.corners[k], &scene.normals[k], &images[k], SIZE, camera().near));
     let frames = [&frames[0], &frames[1]];
     let surface = scene.surface();
     let shaded = shade(&surface, drawing, frames, [None; 2]);
-    let colours = complete(&surface, drawing, frames, &shaded, how);
-    let (mut sum, mut count) = (0.0, 0);
-    for (sample, colour) in shaded.iter().zip(&colours).filter(|(sample, _)| [1, 2].contains(&sample.mask)) {
+    let colours = ways.map(|how| complete(&surface, drawing, frames, &shaded, how));
+    let (mut sums, mut count) = ([0.0; 3], 0);
+    for (place, sample) in shaded.iter().enumerate().filter(|(_, sample)| [1, 2].contains(&sample.mask)) {
         let Some(fragment) = sample.fragment.filter(|f| !scene.still[f.base as usize]) else { continue };
         let sides = frames.map(|frame| scene.truth(frame, fragment.base, fragment.weights, striped));
         let expected = mix(fragment.time, sides);
-        sum += (0..3).map(|i| (colour[i] - expected[i]).abs()).sum::<f64>() / 3.0;
+        for (sum, colours) in sums.iter_mut().zip(&colours) {
+            *sum += (0..3).map(|i| (colours[place][i] - expected[i]).abs()).sum::<f64>() / 3.0;
+        }
         count += 1;
     }
-    (sum / count as f64, count)
+    (sums.map(|sum| sum / count as f64), count)
 }
 
 #[test]
 fn the_surface_predicts_better_than_the_other_side_and_the_gradient() {
-    // Sums of a thousand numbers may be rounded otherwise. Both spheres that move have shadows of their own colour, so that little of a tone is common to all.
-    for (turn, most) in [(SLOWLY, [1.0, 1.0]), (FAST, [0.75, 1.0])] {
-        let scene = Scene::new(turn);
+    // Sums of a thousand numbers may be rounded otherwise. Both spheres that move have shadows of their own colour, so that
+    // little of a tone is common to all.
+    let fast = Scene::new(FAST);
+    for (turn, scene, most) in [(SLOWLY, slow(), [1.0, 1.0]), (FAST, &fast, [0.75, 1.0])] {
         let drawing = scene.draw(1, true);
         for (striped, most) in [false, true].into_iter().zip(most) {
-            let [surface, gradient, none] = [Completion::Surface, Completion::Gradient, Completion::None]
-                .map(|how| error(&scene, &drawing, striped, how));
+            let ways = [Completion::Surface, Completion::Gradient, Completion::None];
+            let ([surface, gradient, none], count) = errors(scene, &drawing, striped, ways);
             assert!(
-                surface.1 > 300 && surface.0 <= most * none.0 * (1.0 + 1e-12) && surface.0 < gradient.0,
-                "{turn}, {striped}: {surface:?}, {gradient:?}, {none:?}"
+                count > 300 && surface <= most * none * (1.0 + 1e-12) && surface < gradient,
+                "{turn}, {striped}: {surface}, {gradient}, {none} of {count}"
             );
         }
     }
@@ -209,7 +227,7 @@ fn the_surface_predicts_better_than_the_other_side_and_the_gradient() {
 
 #[test]
 fn the_sphere_that_stays_is_the_next_image() {
-    let scene = Scene::new(SLOWLY);
+    let scene = slow();
     let images = scene.images(true);
     let frames = [0, 1].map(|k| Frame::new(&scene.corners[k], &scene.normals[k], &images[k], SIZE, camera().near));
     let frames = [&frames[0], &frames[1]];
