@@ -517,7 +517,7 @@ mod tests {
         // What a table can say: in each bin, the ray where it is in the middle of the bin, as if along the view axis.
         // Differences of its G are right to second order; its G itself is that of another ray, and a floor is left.
         let settings = Settings { spread: Some(0.25), size: Some(0.25), count: 4.0, ..Settings::default() };
-        let scene = Scene { mask: Mask::new(7, 4), ..Scene::new(settings, [20, 15]) };
+        let scene = Scene { mask: Mask::new(7, 4), ..Scene::new(settings, [12, 9]) };
         let (frame, prepared) = (scene.frame(), scene.prepare(&cloud(30, [0.0, 0.0, -1.5], 0.7)));
         let particles = &prepared.particles;
         let exact = Exact::new(&frame, particles, 128);
