@@ -20,17 +20,18 @@ fn ways() -> Vec<Case> {
     let cube = Settings { shape: Shape::Cube, ..settings() };
     // The whole fire is some pixels wide, a particle's reach a fraction of one.
     let far = Camera { eye: DVec3::new(0.0, 0.0, 160.0), target: DVec3::ZERO, far: 1e3, ..Camera::default() };
+    // What has the same space comes one after the other, so that the reference makes a table for all of it.
     vec![
         plain(),
+        walled(),
+        plain().with(|s| s.bins = 1),
+        plain().with(|s| s.threshold = 0.0),
         wide(),
         near(),
-        Case::new("cube", [33, 41], 40, cube, tall),
         Case::new("far", [24, 18], 40, settings(), far),
-        walled(),
+        Case::new("cube", [33, 41], 40, cube, tall),
         plain().with(|s| s.spread = Some(0.02)),
         plain().with(|s| s.size = Some(0.03)),
-        plain().with(|s| s.threshold = 0.0),
-        plain().with(|s| s.bins = 1),
     ]
 }
 

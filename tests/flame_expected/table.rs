@@ -1,5 +1,9 @@
 //! The table of the expected image and its look-ups in f64, with the nodes, classes and weights of the kernels.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use celfx::flame::reference::expected::{Bins, Expected, integrate};
 use celfx::flame::reference::kernel::FLOOR;
 use celfx::flame::reference::mask::Mask;
@@ -20,6 +24,7 @@ const PLACES_OF_MASK: [usize; 2] = [MASK_PLACES as usize, FINE_MASK_PLACES as us
 const LAST: f64 = (PLACES - 1) as f64;
 
 /// What is the same for all particles of a frame.
+#[derive(Clone, Debug, PartialEq)]
 struct Space {
     spread: f64,
     /// How far render particles go in depth.
@@ -96,6 +101,36 @@ impl Space {
     }
 }
 
+/// Nodes of the classes of a space, by the bits of the shares that they were made of.
+type Known = HashMap<Vec<u64>, Arc<Vec<f64>>>;
+
+thread_local! {
+    /// Those of the last space: tests render a scene several times, and nodes take longest of all.
+    static KNOWN: RefCell<(Option<Space>, Known)> = RefCell::default();
+}
+
+/// Nodes of these classes, each of whose mask's texels these shares pass.
+fn tables(space: &Space, shares: &[Vec<f64>]) -> Vec<Arc<Vec<f64>>> {
+    // Only a cube looks different when the camera turns.
+    let rotation = if space.cube { space.rotation } else { DMat3::IDENTITY };
+    let space = Space { rotation, ..space.clone() };
+    KNOWN.with_borrow_mut(|(known_space, known)| {
+        if known_space.as_ref() != Some(&space) {
+            known.clear();
+        }
+        let key = |shares: &[f64]| shares.iter().map(|share| share.to_bits()).collect::<Vec<u64>>();
+        let new: Vec<_> = shares.iter().filter(|shares| !known.contains_key(&key(shares))).collect();
+        std::thread::scope(|scope| {
+            let space = &space;
+            let built: Vec<_> = new.into_iter().map(|own| (key(own), scope.spawn(move || space.nodes(own)))).collect();
+            known.extend(built.into_iter().map(|(key, nodes)| (key, Arc::new(nodes.join().expect("a table")))));
+        });
+        let tables = shares.iter().map(|shares| Arc::clone(&known[&key(shares)])).collect();
+        *known_space = Some(space);
+        tables
+    })
+}
+
 /// How many of the values of all variants pass in each texel of a level.
 fn passing(sorted: &[f64], level: u32, threshold: f32) -> Vec<u32> {
     let texels = (SIDE >> level).pow(2);
@@ -129,7 +164,7 @@ struct Narrow {
 struct Model<'a> {
     case: &'a Case,
     space: Space,
-    tables: Vec<Vec<f64>>,
+    tables: Vec<Arc<Vec<f64>>>,
     weighed: Vec<Weighed>,
     /// Centres in view space.
     views: Vec<DVec3>,
@@ -182,17 +217,12 @@ impl<'a> Model<'a> {
             particles.iter().zip(&weighed).filter(|(p, _)| p.count > 0).map(|p| p.1.class).collect();
         used.sort_unstable();
         used.dedup();
-        let mut tables = vec![Vec::new(); KERNEL_CLASSES as usize];
-        std::thread::scope(|scope| {
-            let space = &space;
-            let build = |class: usize| {
-                let shares: Vec<f64> =
-                    passing(&sorted, level, of_class(class)).into_iter().map(|n| f64::from(n) / below).collect();
-                (class, scope.spawn(move || space.nodes(&shares)))
-            };
-            let built: Vec<_> = used.into_iter().map(build).collect();
-            built.into_iter().for_each(|(class, nodes)| tables[class] = nodes.join().expect("a table"));
-        });
+        let shares = |class: &usize| {
+            passing(&sorted, level, of_class(*class)).into_iter().map(|n| f64::from(n) / below).collect::<Vec<f64>>()
+        };
+        let shares: Vec<_> = used.iter().map(shares).collect();
+        let mut tables = vec![Arc::default(); KERNEL_CLASSES as usize];
+        used.into_iter().zip(self::tables(&space, &shares)).for_each(|(class, nodes)| tables[class] = nodes);
         Model { case, space, tables, weighed, views, particles }
     }
 
