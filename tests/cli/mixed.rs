@@ -133,14 +133,17 @@ fn a_mesh_hides_the_smoke_behind_it_and_not_the_smoke_before_it() {
         return;
     }
     let folder = folder();
+    let smoke = |place: &str| format!("[smoke]\nvolume = \"smoke.{place}.npz\"\nparticles = 300\n");
+    let [only_behind, only_front] = ["behind", "front"].map(|place| {
+        let only = render(&folder, "only", &smoke(place), &[]);
+        let depth = only.layer("smoke.depth").remove(0);
+        (only.picture, depth)
+    });
     for strength in STRENGTHS {
         let is_blurred = strength == STRENGTHS[0];
-        let smoke = |place: &str| format!("[smoke]\nvolume = \"smoke.{place}.npz\"\nparticles = 300\n");
         let (shares, alone) = (shares(&folder, strength), render(&folder, "alone", BLUR, &options(strength)));
-        for (place, is_behind) in [("behind", true), ("front", false)] {
-            let only = render(&folder, "only", &smoke(place), &[]);
+        for (place, is_behind, (only, depth)) in [("behind", true, &only_behind), ("front", false, &only_front)] {
             let both = render(&folder, place, &format!("{}{BLUR}", smoke(place)), &options(strength));
-            let depth = only.layer("smoke.depth").remove(0);
             let mut counts = [0; 3];
             for pixel in 0..PIXELS {
                 let (share, has_smoke) = (shares[pixel], depth[pixel].is_finite());
@@ -155,7 +158,7 @@ fn a_mesh_hides_the_smoke_behind_it_and_not_the_smoke_before_it() {
                 };
                 counts[kind] += 1;
                 for channel in 0..3 {
-                    let smoke = only.picture[pixel][channel];
+                    let smoke = only[pixel][channel];
                     let background = [0.2, 0.3, 0.5][channel];
                     let (expected, slack) = match kind {
                         0 => (mesh[channel], 0.0),

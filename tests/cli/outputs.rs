@@ -221,8 +221,13 @@ fn memory_that_is_not_there_is_5_and_says_what_for() {
     // Room for many frames, and a mesh.
     let shot = "size = [64, 64]\nframes = [0, 249999]\n[camera]\nfile = \"builtin:run\"\n[blur]\n";
     folder.write("shot.toml", shot);
-    let starts = |mebibytes: &u32| with_memory(&folder, *mebibytes, "--version").0 == Some(0);
-    let least = (8..1024).find(starts).expect("the program starts with a gibibyte");
+    let starts = |mebibytes: u32| with_memory(&folder, mebibytes, "--version").0 == Some(0);
+    assert!(starts(1024), "the program starts with a gibibyte");
+    let (mut too_little, mut least) = (7, 1024);
+    while least - too_little > 1 {
+        let middle = (too_little + least) / 2;
+        *if starts(middle) { &mut least } else { &mut too_little } = middle;
+    }
     // Until it gets so far that it misses a device: there is no limit that it could run into with more.
     let mut failures = 0;
     for mebibytes in least + 1.. {
