@@ -62,6 +62,14 @@ pub fn ball(count: u32, key: u32) -> Particles {
     particles(&(0..count).map(row).collect::<Vec<_>>())
 }
 
+/// The same of three temperatures: for what does not depend on them, and renders many expected images, which take longest
+/// by far to make the table of each class of temperatures.
+pub fn embers(count: u32, key: u32) -> Particles {
+    let mut particles = ball(count, key);
+    particles.temperature.iter_mut().zip([1500.0, 2200.0, 2900.0].into_iter().cycle()).for_each(|(own, t)| *own = t);
+    particles
+}
+
 impl FlameRig {
     /// None where there is no device and tests may do without.
     pub fn new(desc: Desc) -> Option<FlameRig> {

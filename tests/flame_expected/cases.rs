@@ -15,7 +15,7 @@ use celfx::offline::{EffectBuffer, Scene};
 use celfx::view::{Camera, Projection, View};
 use glam::DVec3;
 
-use crate::common::flame::{FlameRig, ball, desc, scene};
+use crate::common::flame::{FlameRig, ball, desc, embers, scene};
 use crate::common::scenes;
 
 /// What is rendered.
@@ -54,6 +54,11 @@ impl Case {
         let mut case = self.clone();
         change(&mut case.desc.settings);
         case
+    }
+
+    /// The same of three temperatures.
+    pub fn embers(&self) -> Case {
+        Case { particles: embers(self.desc.particles, 3), ..self.clone() }
     }
 
     /// The same from so many times as far away, as large in the picture.

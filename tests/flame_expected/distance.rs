@@ -32,10 +32,10 @@ fn the_device_integrates_its_table_from_anywhere() {
 /// Binary powers change no digit of any length, so that only constants with a length could change the picture.
 #[test]
 fn worlds_of_any_scale_look_the_same() {
-    let Some(mut rig) = plain().render() else { return };
+    let Some(mut rig) = plain().embers().render() else { return };
     let one = rgb(&rig.mean());
     for times in [2.0_f32.powi(-10), 2.0_f32.powi(10), 2.0_f32.powi(18)] {
-        let Some(mut rig) = plain().scaled(times).render() else { return };
+        let Some(mut rig) = plain().embers().scaled(times).render() else { return };
         let [_, most] = apart(&rig.mean(), &one);
         assert!(most < SINGLE, "{times} times as large: {most}");
     }
@@ -67,7 +67,7 @@ fn repetitions_draw_the_same_sprites_from_anywhere() {
 #[test]
 fn walls_far_away_hide_what_is_behind_them() {
     let light = |depth: f32, mode: fn(&Case) -> Case| {
-        let mut case = mode(&Case::new("wall", [24, 18], 60, settings(), scenes::camera(25.0)).away(25e3));
+        let mut case = mode(&Case::new("wall", [24, 18], 60, settings(), scenes::camera(25.0)).embers().away(25e3));
         case.desc.scene = Some(SceneFormat::Buffer);
         case.depth = Some(vec![depth; 24 * 18]);
         let mut rig = case.render()?;

@@ -13,7 +13,7 @@ use celfx::view::Projection;
 
 use crate::cases::{Case, plain};
 use crate::common::allocations::allocated;
-use crate::common::flame::ball;
+use crate::common::flame::{ball, embers};
 use crate::common::host::{self, DISCARDED, Place};
 use crate::common::{TestDevice, device, scenes};
 
@@ -141,7 +141,7 @@ fn sequence(device: &mut TestDevice, desc: &Desc, in_flight: usize, frames: u32)
     let mut slots: Vec<Slot> = (0..in_flight).map(|_| Slot::new(device, desc.size, 80)).collect();
     let record = |host: &Host, commands, slot: &mut Slot, i: u32| {
         // Fewer particles, none, and every other frame those of the frame before.
-        let particles = ball([60, 80, 0, 30][i as usize / 2 % 4], 7);
+        let particles = embers([60, 80, 0, 30][i as usize / 2 % 4], 7);
         let frame = slot.frame(&particles, i);
         let backdrop = slot.image(&slot.backdrop, CLEARED, COPIED_FROM);
         let background = [Background::Keep, Background::Clear(SKY), Background::Copy(backdrop)][i as usize % 3];
@@ -264,7 +264,7 @@ fn a_hosts_picture_is_the_effect_over_its_sky() {
 #[test]
 fn resizing_is_like_making_anew() {
     let Some(mut device) = device() else { return };
-    let particles = ball(80, 7);
+    let particles = embers(80, 7);
     let mut flame = make(&mut device, effect([48, 36], settings()));
     for size in [[33, 70], [90, 10], [1, 1]] {
         one_frame(&mut device, &mut flame, &particles);
@@ -357,7 +357,7 @@ fn memory_is_what_is_allocated_and_all_of_it_is_given_back() {
         assert!(count > 20, "{count} allocations");
         // What a device rounds up to: at most 4 KiB on lavapipe, for each.
         assert!(bytes >= memory && bytes <= memory + 4096 * count, "{bytes} bytes given out, {memory} said");
-        one_frame(&mut device, &mut flame, &ball(80, 7));
+        one_frame(&mut device, &mut flame, &embers(80, 7));
         destroy(&mut device, flame);
         assert_eq!(given_out(&mut device).0, before, "bytes are left behind");
     }

@@ -16,7 +16,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use crate::cases::{Case, plain, settings};
-use crate::common::flame::{FlameRig, ball, scene};
+use crate::common::flame::{FlameRig, embers, scene};
 use crate::common::host::{self, DISCARDED};
 use crate::common::{TestDevice, device, scenes};
 use crate::host::{FORMAT, Slot, make};
@@ -334,7 +334,7 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
     };
     let record = |host: &Host, commands, (slot, density): &mut (Slot, Buffer), i: u32| {
         let volume = scenes::puffs(20, i as f32 / 12.0);
-        let fire = slot.frame(&ball(80, 7), i);
+        let fire = slot.frame(&embers(80, 7), i);
         let smoke_frame = smoke::Frame {
             sequence: if i == 0 { smoke::Sequence::Restart } else { smoke::Sequence::Advance },
             dt: 1.0 / 24.0,
