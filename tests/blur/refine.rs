@@ -220,7 +220,7 @@ fn a_runner_comes_to_its_end_by_itself() {
     let frames = [9, 13, 22, 27];
     for i in frames {
         let poses = i - 8..i + 10;
-        let Some(mut film) = Film::new(Builtin::Run, 10_000, [512, 512], poses, Settings::default(), false) else {
+        let Some(mut film) = Film::new(Builtin::Run, 10_000, [512, 512], poses, incomplete(), false) else {
             return;
         };
         film.output(8, true);
