@@ -16,6 +16,7 @@ pub mod reference;
 pub mod settings;
 pub(crate) mod shells;
 pub(crate) mod steps;
+pub mod upload;
 
 use std::ops::Range;
 
@@ -30,6 +31,7 @@ pub use frame::{
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
 pub use settings::Settings;
+pub use upload::{Placed, Upload};
 
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::Result;

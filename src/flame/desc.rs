@@ -37,6 +37,21 @@ pub enum SceneFormat {
 }
 
 impl Desc {
+    /// For pictures of `size` pixels and 32-bit floats and at most so many particles, no hotter than the settings' hottest; no scene,
+    /// no layers. What is to be otherwise is set after.
+    pub fn new(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
+        Desc {
+            size,
+            target_format: vk::Format::R32G32B32A32_SFLOAT,
+            scene: None,
+            particles,
+            hottest: settings.hottest,
+            seed: 0,
+            settings,
+            layers: false,
+        }
+    }
+
     /// Checks every value that does not depend on the device.
     pub(super) fn validate(&self) -> Result<()> {
         self.settings.validate()?;

@@ -32,6 +32,23 @@ pub struct Desc {
 }
 
 impl Desc {
+    /// For pictures of `size` pixels and 32-bit floats and volumes of at most so many voxels without velocities, lit by a directional
+    /// light; no depth, no layers. What is to be otherwise is set after.
+    pub fn new(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
+        Desc {
+            size,
+            target_format: vk::Format::R32G32B32A32_SFLOAT,
+            depth: None,
+            edges: false,
+            dimensions,
+            velocity: false,
+            point_light: false,
+            seed: 0,
+            settings,
+            layers: false,
+        }
+    }
+
     /// Checks every value that does not depend on the device.
     pub(super) fn validate(&self) -> Result<()> {
         self.settings.validate()?;

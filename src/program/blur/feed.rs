@@ -1,15 +1,12 @@
 //! How a scene becomes a frame of a blur.
 
-use crate::blur::{
-    Blur, BlurKind, DepthInput, Desc, Frame, GroupInput, IntervalInput, Knot, PoseInput, ToonInput, TopologyInput,
-    Trajectories,
-};
+use crate::blur::{self, Blur, BlurKind, DepthInput, Desc, Frame, Knot, Placed, PoseInput, ToonInput};
 use crate::error::{Error, Result};
 use crate::gpu::capabilities::{DeviceTraits, own_memory};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::Image;
-use crate::gpu::transfer::{COPIED_FROM, Upload, at_least_a_row};
-use crate::host::{Host, HostBuffer, HostImage, MemorySource};
+use crate::gpu::transfer::{COPIED_FROM, Upload};
+use crate::host::{Host, HostImage, MemorySource};
 use crate::offline::motion::{BlurFrame, FRAMES_BESIDE};
 use crate::offline::picture::{host_image, put};
 use crate::offline::{BlurScene, Depth, Describe, Feed, Left, Place, Scene, Sharing};
@@ -39,31 +36,15 @@ impl Describe for Desc {
 /// Uploads a mesh's motion, and the pictures of the frames that are blurred.
 #[derive(Debug, Default)]
 pub struct BlurFeed {
-    topology: [Upload; 7],
-    poses: Upload,
-    interval: [Upload; 7],
+    packed: blur::Upload,
+    upload: Upload,
     pictures: Upload,
     /// Pictures of the frames that are blurred, each in the place of its number modulo theirs, and which these are.
     shown: [Option<(u32, Image)>; 4],
     /// The frame whose pose stands in each place on the device.
     resident: Vec<Option<u32>>,
     has_mesh: bool,
-    uploaded: Option<Uploaded>,
-}
-
-/// Input of a frame, on the device.
-#[derive(Debug)]
-struct Uploaded {
-    mesh: Option<TopologyInput>,
-    poses: Option<PoseInput>,
-    motion: HostBuffer,
-    labels: HostBuffer,
-    clusters: HostBuffer,
-    hull: HostBuffer,
-    seams: HostBuffer,
-    fronts: HostBuffer,
-    /// Where the device does not make trajectories itself.
-    pieces: Option<HostBuffer>,
+    placed: Option<Placed>,
 }
 
 impl Feed for BlurFeed {
@@ -78,37 +59,23 @@ impl Feed for BlurFeed {
         }
         let (host, allocator) = device.parts();
         // SAFETY: the device's own handles, and every submission has been waited for.
-        self.uploaded = Some(unsafe { self.write(&host, allocator, frame, blur.desc())? });
+        self.placed = Some(unsafe { self.write(&host, allocator, frame, blur.desc())? });
         Ok(())
     }
 
     fn frame<'a>(&'a self, blur: &Blur, scene: &Scene<'a>, place: &Place) -> Option<Frame<'a>> {
         let (target, desc, BlurScene { frame, .. }) = (place.target?, blur.desc(), scene.blur?);
-        let uploaded = self.uploaded.as_ref()?;
+        let placed = self.placed?;
         let is_drawn = desc.toon;
         let image = |number: u32| self.image(number, desc.size).filter(|_| !is_drawn);
         let [before, after] = frame.images().map(image);
-        let interval = IntervalInput {
-            counts: frame.counts,
-            segments: &frame.interval.segments,
-            views: frame.views,
-            trajectories: match (uploaded.pieces, knots(frame, desc)) {
-                (None, Some(knots)) => Trajectories::Poses(knots),
-                (pieces, _) => Trajectories::Pieces(pieces?),
-            },
-            motion: uploaded.motion,
-            labels: uploaded.labels,
-            clusters: uploaded.clusters,
-            hull: uploaded.hull,
-            seams: uploaded.seams,
-            fronts: uploaded.fronts,
-        };
+        let interval = placed.interval(&frame.interval, &frame.mesh, frame.views, knots(frame, desc));
         let view = frame.views[2];
         Some(Frame {
-            mesh: uploaded.mesh,
-            poses: uploaded.poses,
+            mesh: placed.mesh,
+            poses: placed.poses,
             // In front of the first frame there is no interval.
-            interval: (frame.views[1].frame != view.frame).then_some(interval),
+            interval: interval.filter(|_| frame.views[1].frame != view.frame),
             images: before.zip(after).map(|(before, after)| [before, after]),
             toon: is_drawn.then_some(ToonInput { view, light: scene.light }),
             outer: frame.outer_images().map(|number| image(number?)),
@@ -124,7 +91,7 @@ impl Feed for BlurFeed {
     }
 
     fn finished(&mut self) {
-        let Some(Uploaded { mesh, poses, .. }) = self.uploaded.take() else { return };
+        let Some(Placed { mesh, poses, .. }) = self.placed.take() else { return };
         self.has_mesh |= mesh.is_some();
         if let Some(PoseInput { first, count, .. }) = poses {
             let places = self.resident.len();
@@ -133,10 +100,10 @@ impl Feed for BlurFeed {
     }
 
     unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
-        let uploads = self.topology.iter_mut().chain(&mut self.interval).chain([&mut self.poses, &mut self.pictures]);
+        let uploads = [&mut self.upload, &mut self.pictures];
         // SAFETY: the caller's.
         unsafe {
-            uploads.for_each(|upload| upload.destroy(host, allocator));
+            uploads.into_iter().for_each(|upload| upload.destroy(host, allocator));
             self.shown.iter_mut().flatten().for_each(|(_, image)| image.destroy(host, allocator));
         }
     }
@@ -194,61 +161,22 @@ impl BlurFeed {
         allocator: &mut dyn MemorySource,
         frame: &BlurFrame,
         desc: &Desc,
-    ) -> Result<Uploaded> {
-        let interval = &frame.interval;
+    ) -> Result<Placed> {
         let knots = knots(frame, desc);
         self.resident.resize(desc.frames_resident as usize, None);
-        let missing = self.missing(frame, knots.unwrap_or_default());
-        let mut write = |upload: &mut Upload, name, bytes: &[u8]| {
-            // SAFETY: the caller's.
-            unsafe { upload.write(host, allocator, name, bytes).map(at_least_a_row) }
-        };
-        let mesh = match self.has_mesh {
-            true => None,
-            false => {
-                let [triangles, starts, items, corners, group_starts, group_triangles, colours] = &mut self.topology;
-                let groups = frame.mesh.group_triangles();
-                let corner_rows = GroupInput::corner_rows(&frame.mesh);
-                let groups = GroupInput {
-                    corners: write(corners, "corner upload", bytemuck::cast_slice(&corner_rows))?,
-                    starts: write(group_starts, "normal upload", bytemuck::cast_slice(&groups.starts))?,
-                    triangles: write(group_triangles, "normal upload", bytemuck::cast_slice(&groups.items))?,
-                };
-                let rows = TopologyInput::triangle_rows(&frame.mesh);
-                let neighbours = frame.mesh.neighbours();
-                Some(TopologyInput {
-                    triangles: write(triangles, "triangle upload", bytemuck::cast_slice(&rows))?,
-                    neighbour_starts: write(starts, "neighbour upload", bytemuck::cast_slice(&neighbours.starts))?,
-                    neighbours: write(items, "neighbour upload", bytemuck::cast_slice(&neighbours.items))?,
-                    groups: Some(groups),
-                    colours: Some(write(colours, "colour upload", bytemuck::cast_slice(&frame.colours))?),
-                })
-            }
-        };
-        let poses = match missing {
-            Some([first, last]) => {
-                let range = (first - frame.first) as usize..=(last - frame.first) as usize;
-                let rows: Vec<[f32; 3]> = frame.poses[range].iter().flat_map(|pose| pose.iter().copied()).collect();
-                let positions = write(&mut self.poses, "pose upload", bytemuck::cast_slice(&rows))?;
-                Some(PoseInput { first, count: last - first + 1, positions })
-            }
-            None => None,
-        };
-        let [motion, labels, clusters, hull, seams, fronts, pieces] = &mut self.interval;
-        Ok(Uploaded {
-            mesh,
-            poses,
-            motion: write(motion, "motion upload", bytemuck::cast_slice(&interval.motion))?,
-            labels: write(labels, "label upload", bytemuck::cast_slice(&interval.labels))?,
-            clusters: write(clusters, "cluster upload", bytemuck::cast_slice(&interval.clusters))?,
-            hull: write(hull, "hull upload", bytemuck::cast_slice(&interval.hull))?,
-            seams: write(seams, "seam upload", bytemuck::cast_slice(&interval.seams))?,
-            fronts: write(fronts, "front upload", bytemuck::cast_slice(&interval.fronts))?,
-            pieces: match knots {
-                Some(_) => None,
-                None => Some(write(pieces, "trajectory upload", bytemuck::cast_slice(&interval.pieces))?),
-            },
-        })
+        self.packed.clear();
+        if !self.has_mesh {
+            self.packed.mesh_of_rows(&frame.mesh, &frame.colours);
+        }
+        if let Some([first, last]) = self.missing(frame, knots.unwrap_or_default()) {
+            let range = (first - frame.first) as usize..=(last - frame.first) as usize;
+            let poses: Vec<&[[f32; 3]]> = frame.poses[range].iter().map(|pose| &pose[..]).collect();
+            self.packed.poses(first, &poses);
+        }
+        self.packed.interval(&frame.interval, knots.is_none());
+        // SAFETY: the caller's.
+        let buffer = unsafe { self.upload.write(host, allocator, "blur upload", self.packed.bytes())? };
+        Ok(self.packed.placed(buffer))
     }
 
     /// The first and the last pose that must be uploaded.

@@ -1,0 +1,220 @@
+//! A renderer that draws a sky and a wall, and has all three effects in its picture: a box of its own that is smeared where it moves,
+//! smoke and fire. They hide each other, the wall hides them, and the picture changes its size on the way.
+//!
+//! `cargo run --example engine` writes engine.png, the last frame.
+
+use ash::vk;
+use celfx::blur::{self, Blur, FrameView, Mesh, MeshInput, Motion, Pose, Window};
+use celfx::error::Result;
+use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
+use celfx::host::{Background, DepthFormat, Host, HostBuffer, HostImage, ImageState};
+use celfx::low_level::gpu::headless::{Headless, Options};
+use celfx::low_level::gpu::image::{Image, ImageDesc};
+use celfx::low_level::gpu::transfer::{Copy, Download, Upload, record_readback};
+use celfx::profile::Timing;
+use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
+use celfx::view::{Camera, Light, Projection};
+use glam::{DVec3, Quat, Vec3};
+
+pub const FRAMES: u32 = 20;
+const COLOUR: vk::Format = vk::Format::R8G8B8A8_UNORM;
+const DEPTH: DepthFormat = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
+
+/// A layout between two users of an image: the second waits for all that came before.
+const fn after_all(layout: vk::ImageLayout) -> ImageState {
+    let (stage, access) = (vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::MEMORY_WRITE);
+    ImageState { stage, access, layout }
+}
+const DRAWN: ImageState = after_all(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+const TESTED: ImageState = after_all(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+
+/// Sky, target and depth.
+fn images(device: &mut Headless, extent: [u32; 2]) -> Result<[Image; 3]> {
+    let (host, allocator) = device.parts();
+    let mut make = |name, format, usage| {
+        let usage = usage | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
+        let desc = ImageDesc { name, extent, layers: 1, array_view: false, format, usage };
+        // SAFETY: the device's own handles.
+        unsafe { Image::new(&host, allocator, &desc) }
+    };
+    let (colour, depth) = (vk::ImageUsageFlags::COLOR_ATTACHMENT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+    Ok([make("sky", COLOUR, colour)?, make("target", COLOUR, colour)?, make("depth", DEPTH.format, depth)?])
+}
+
+fn given(image: &Image, from: ImageState, to: ImageState) -> HostImage {
+    HostImage::new(image.handle, image.view, image.desc.format, image.desc.extent, from, to)
+}
+
+/// The renderer's own drawing: a sky, and a wall three metres ahead, whose depth is this.
+unsafe fn draw(host: &Host, commands: vk::CommandBuffer, [sky, _, depth]: &[Image; 3], wall: f32) {
+    let barriers = [(sky, DRAWN), (depth, TESTED)].map(|(image, to)| {
+        let range = vk::ImageSubresourceRange::default().aspect_mask(image.aspect).level_count(1).layer_count(1);
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let barrier = vk::ImageMemoryBarrier2::default().src_stage_mask(all).src_access_mask(to.access);
+        let barrier = barrier.dst_stage_mask(all).dst_access_mask(vk::AccessFlags2::MEMORY_READ | to.access);
+        barrier.new_layout(to.layout).image(image.handle).subresource_range(range)
+    });
+    let colour = |float32| vk::ClearValue { color: vk::ClearColorValue { float32 } };
+    let depth_of = |depth| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
+    let [sky, nothing] =
+        [(sky, DRAWN, colour([0.55, 0.7, 0.9, 1.0])), (depth, TESTED, depth_of(0.0))].map(|(image, state, value)| {
+            let attached = vk::RenderingAttachmentInfo::default().image_view(image.view).image_layout(state.layout);
+            let attached = attached.load_op(vk::AttachmentLoadOp::CLEAR).store_op(vk::AttachmentStoreOp::STORE);
+            attached.clear_value(value)
+        });
+    let [width, height] = depth.desc.extent;
+    let columns = |x: u32, width: u32| vk::Rect2D {
+        offset: vk::Offset2D { x: x as i32, y: 0 },
+        extent: vk::Extent2D { width, height },
+    };
+    let colours = [sky];
+    let info = vk::RenderingInfo::default().render_area(columns(0, width)).layer_count(1);
+    let clear = |aspect_mask, clear_value| vk::ClearAttachment { aspect_mask, color_attachment: 0, clear_value };
+    let brown = clear(vk::ImageAspectFlags::COLOR, colour([0.45, 0.35, 0.3, 1.0]));
+    let wall = [brown, clear(vk::ImageAspectFlags::DEPTH, depth_of(wall))];
+    let rects = [vk::ClearRect { rect: columns(width * 5 / 8, width / 8), base_array_layer: 0, layer_count: 1 }];
+    // SAFETY: the caller's.
+    unsafe {
+        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        host.device.cmd_pipeline_barrier2(commands, &dependency);
+        host.device.cmd_begin_rendering(commands, &info.color_attachments(&colours).depth_attachment(&nothing));
+        host.device.cmd_clear_attachments(commands, &wall, &rects);
+        host.device.cmd_end_rendering(commands);
+    }
+}
+
+/// The corners of a box that swings to and fro, in a frame.
+fn box_at(frame: u32) -> Vec<[f32; 3]> {
+    let t = frame as f32 * 0.35;
+    let corner = |i: u32| 0.35 * (2.0 * Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 1.0);
+    (0..8).map(|i| (Quat::from_rotation_y(t) * corner(i) + Vec3::new(1.2 * t.sin(), 1.4, 0.3)).to_array()).collect()
+}
+
+/// All frames; the pixels of the last one, and their size.
+pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
+    let mut size = [320, 180];
+    let mut drawn = images(device, size)?;
+    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    let input = MeshInput { vertices: 8, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
+    let mesh = Mesh::new(&input)?.faceted(|_| true);
+    let poses: Vec<Vec<[f32; 3]>> = (0..FRAMES).map(|n| mesh.gather(&box_at(n)).unwrap_or_default()).collect();
+    let (plume, fire) = (celfx::simulate::smoke::Builtin::Plume, celfx::simulate::flame::Builtin::Random);
+    let depth = Some(DEPTH);
+    let desc = blur::Desc::new(&mesh, size, blur::Settings::default());
+    let desc = blur::Desc { target_format: COLOUR, toon: true, depth, frames_resident: FRAMES, ..desc };
+    let of_smoke = smoke::Settings { particles: 600, ..smoke::Settings::default() };
+    let of_smoke = smoke::Desc::new(size, plume.volume(0, 24.0).dimensions, of_smoke);
+    let of_smoke = smoke::Desc { target_format: COLOUR, depth, edges: true, ..of_smoke };
+    let of_flame = flame::Settings { spread: Some(0.03), ..flame::Settings::default() };
+    let of_flame = flame::Desc::new(size, fire.particles(0, 24.0).position.len() as u32, of_flame);
+    let of_flame = flame::Desc { target_format: COLOUR, scene: depth.map(SceneFormat::Image), ..of_flame };
+    let (host, kernels, allocator) = device.making();
+    // SAFETY, here and below: the device's own handles; frames go to one queue, and each is waited for.
+    let (mut blur, mut smoke, mut flame) = unsafe {
+        let (blur, smoke) =
+            (Blur::new(&host, kernels, allocator, desc)?, Smoke::new(&host, kernels, allocator, of_smoke)?);
+        (blur, smoke, Flame::new(&host, kernels, allocator, of_flame)?)
+    };
+    let (mut packed, mut uploads, mut shown) = (blur::Upload::default(), <[Upload; 3]>::default(), Download::default());
+    for n in 1..FRAMES {
+        if n == FRAMES / 2 {
+            size = [400, 225];
+            let new = images(device, size)?;
+            let (host, kernels, allocator) = device.making();
+            unsafe {
+                std::mem::replace(&mut drawn, new).iter_mut().for_each(|image| image.destroy(&host, allocator));
+                blur.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
+                smoke.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
+                flame.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
+            }
+        }
+        let camera = Camera { eye: DVec3::new(0.0, 1.2, 4.5), target: DVec3::new(0.0, 1.1, 0.0), ..Camera::default() };
+        let (view, light) = (camera.view(size), Light::default());
+        let [offset, factor] = Projection::new(&view, size)?.depth_terms;
+        // What moves from the frame before to this one.
+        let window: Vec<Pose> = poses.iter().map(|positions| Pose { positions, view: &view, cut: false }).collect();
+        let window = Window { frame: n - 1, poses: &window, current: n as usize - 1, between: &[] };
+        let interval = Motion::new(&blur.desc().settings, size)?.interval(&mesh, &window, 1)?;
+        let seen = |frame: u32| FrameView { frame: frame.min(FRAMES - 1), view };
+        let views = [seen(n.saturating_sub(2)), seen(n - 1), seen(n), seen(n + 1)];
+        packed.clear();
+        if n == 1 {
+            packed.mesh(&mesh, &[[0.9, 0.5, 0.2]; 8]);
+            packed.poses(0, &poses);
+        }
+        packed.interval(&interval, true);
+        let (volume, fire) = (plume.volume(24 + n, 24.0), fire.particles(24 + n, 24.0));
+        let rows = fire.position.iter().zip(&fire.temperature).map(|([x, y, z], t)| [x - 0.9, *y, *z, *t]);
+        let rows: Vec<[f32; 4]> = rows.collect();
+        let (host, allocator) = device.parts();
+        let bytes = [packed.bytes(), bytemuck::cast_slice(&volume.density), bytemuck::cast_slice(&rows)];
+        let mut written = Vec::<HostBuffer>::new();
+        for (upload, bytes) in uploads.iter_mut().zip(bytes) {
+            written.push(unsafe { upload.write(&host, allocator, "upload", bytes)? });
+        }
+        unsafe { shown.fit(&host, allocator, "shown", 4 * u64::from(size[0]) * u64::from(size[1]))? };
+        let placed = packed.placed(written[0]);
+        let [sky, target, tested] = &drawn;
+        let tested = given(tested, TESTED, TESTED);
+        device.one_time("frame", |host, commands| unsafe {
+            draw(host, commands, &drawn, (offset + factor / 3.0) as f32);
+            let frame = blur::Frame {
+                mesh: placed.mesh,
+                poses: placed.poses,
+                interval: placed.interval(&interval, &mesh, views, None),
+                images: None,
+                toon: Some(blur::ToonInput { view: seen(n), light }),
+                outer: [None; 2],
+                occluders: [None; 4],
+                target: given(target, after_all(vk::ImageLayout::UNDEFINED), DRAWN),
+                depth: Some(blur::DepthInput { host: tested, view: seen(n) }),
+                background: Background::Copy(given(sky, DRAWN, DRAWN)),
+            };
+            blur.record(host, commands, &frame, &mut Timing::None)?;
+            let (dimensions, voxel_size, origin) = (volume.dimensions, volume.voxel_size, volume.origin);
+            let frame = smoke::Frame {
+                sequence: if n == 1 { Sequence::Restart } else { Sequence::Advance },
+                dt: 1.0 / 24.0,
+                view,
+                light,
+                volume: Some(VolumeInput { dimensions, voxel_size, origin, density: written[1], velocity: None }),
+                target: Some(given(target, DRAWN, DRAWN)),
+                background: Background::Keep,
+                depth: Some(tested),
+                edges: blur.edges(),
+            };
+            smoke.record(host, commands, &frame, &mut Timing::None)?;
+            let (count, hottest) = (rows.len() as u32, f32::INFINITY);
+            let frame = flame::Frame {
+                view,
+                particles: Some(ParticleInput { count, hottest, position_temperature: written[2], ids: None }),
+                number: n,
+                accumulate: false,
+                target: given(target, DRAWN, after_all(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)),
+                background: Background::Keep,
+                scene: Some(SceneDepth::Image(tested)),
+            };
+            flame.record(host, commands, &frame, &mut Timing::None)?;
+            let copy = [Copy { from: (target.handle, size), to: 0 }];
+            shown.buffer().into_iter().for_each(|to| record_readback(host, commands, &copy, &[], to));
+            Ok(())
+        })?;
+    }
+    let (host, allocator) = device.parts();
+    unsafe {
+        let _ = [blur.retire(), smoke.retire(), flame.retire()].map(|retired| retired.destroy(&host, allocator));
+        uploads.iter_mut().for_each(|upload| upload.destroy(&host, allocator));
+        drawn.iter_mut().for_each(|image| image.destroy(&host, allocator));
+    }
+    let pixels = shown.bytes().to_vec();
+    unsafe { shown.destroy(&host, allocator) };
+    Ok((pixels, size))
+}
+
+fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
+    let (pixels, [width, height]) = render(&mut Headless::new(&Options::default())?)?;
+    image::save_buffer("engine.png", &pixels, width, height, image::ExtendedColorType::Rgba8)?;
+    println!("frame {FRAMES} is in engine.png");
+    Ok(())
+}
