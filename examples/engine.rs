@@ -49,36 +49,34 @@ fn given(image: &Image, from: ImageState, to: ImageState) -> HostImage {
 unsafe fn draw(host: &Host, commands: vk::CommandBuffer, [sky, _, depth]: &[Image; 3], wall: f32) {
     let barriers = [(sky, DRAWN), (depth, TESTED)].map(|(image, to)| {
         let range = vk::ImageSubresourceRange::default().aspect_mask(image.aspect).level_count(1).layer_count(1);
-        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-        let barrier = vk::ImageMemoryBarrier2::default().src_stage_mask(all).src_access_mask(to.access);
-        let barrier = barrier.dst_stage_mask(all).dst_access_mask(vk::AccessFlags2::MEMORY_READ | to.access);
+        let barrier = vk::ImageMemoryBarrier2::default().src_stage_mask(to.stage).src_access_mask(to.access);
+        let barrier = barrier.dst_stage_mask(to.stage).dst_access_mask(vk::AccessFlags2::MEMORY_READ | to.access);
         barrier.new_layout(to.layout).image(image.handle).subresource_range(range)
     });
-    let colour = |float32| vk::ClearValue { color: vk::ClearColorValue { float32 } };
-    let depth_of = |depth| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
-    let [sky, nothing] =
-        [(sky, DRAWN, colour([0.55, 0.7, 0.9, 1.0])), (depth, TESTED, depth_of(0.0))].map(|(image, state, value)| {
-            let attached = vk::RenderingAttachmentInfo::default().image_view(image.view).image_layout(state.layout);
-            let attached = attached.load_op(vk::AttachmentLoadOp::CLEAR).store_op(vk::AttachmentStoreOp::STORE);
-            attached.clear_value(value)
-        });
-    let [width, height] = depth.desc.extent;
+    let attached = |image: &Image, state: ImageState| {
+        vk::RenderingAttachmentInfo::default().image_view(image.view).image_layout(state.layout)
+    };
+    let (colours, nearest, [width, height]) = ([attached(sky, DRAWN)], attached(depth, TESTED), depth.desc.extent);
     let columns = |x: u32, width: u32| vk::Rect2D {
         offset: vk::Offset2D { x: x as i32, y: 0 },
         extent: vk::Extent2D { width, height },
     };
-    let colours = [sky];
+    let clear = |area: vk::Rect2D, float32, depth| {
+        let colour = vk::ClearValue { color: vk::ClearColorValue { float32 } };
+        let depth = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
+        let attached = |aspect, value| vk::ClearAttachment::default().aspect_mask(aspect).clear_value(value);
+        let clears = [attached(vk::ImageAspectFlags::COLOR, colour), attached(vk::ImageAspectFlags::DEPTH, depth)];
+        let rects = [vk::ClearRect::default().rect(area).layer_count(1)];
+        // SAFETY: the caller's, while both are attached.
+        unsafe { host.device.cmd_clear_attachments(commands, &clears, &rects) };
+    };
     let info = vk::RenderingInfo::default().render_area(columns(0, width)).layer_count(1);
-    let clear = |aspect_mask, clear_value| vk::ClearAttachment { aspect_mask, color_attachment: 0, clear_value };
-    let brown = clear(vk::ImageAspectFlags::COLOR, colour([0.45, 0.35, 0.3, 1.0]));
-    let wall = [brown, clear(vk::ImageAspectFlags::DEPTH, depth_of(wall))];
-    let rects = [vk::ClearRect { rect: columns(width * 5 / 8, width / 8), base_array_layer: 0, layer_count: 1 }];
     // SAFETY: the caller's.
     unsafe {
-        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-        host.device.cmd_pipeline_barrier2(commands, &dependency);
-        host.device.cmd_begin_rendering(commands, &info.color_attachments(&colours).depth_attachment(&nothing));
-        host.device.cmd_clear_attachments(commands, &wall, &rects);
+        host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().image_memory_barriers(&barriers));
+        host.device.cmd_begin_rendering(commands, &info.color_attachments(&colours).depth_attachment(&nearest));
+        clear(columns(0, width), [0.55, 0.7, 0.9, 1.0], 0.0);
+        clear(columns(width * 5 / 8, width / 8), [0.45, 0.35, 0.3, 1.0], wall);
         host.device.cmd_end_rendering(commands);
     }
 }
@@ -111,11 +109,9 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
     let of_flame = flame::Desc { target_format: COLOUR, scene: depth.map(SceneFormat::Image), ..of_flame };
     let (host, kernels, allocator) = device.making();
     // SAFETY, here and below: the device's own handles; frames go to one queue, and each is waited for.
-    let (mut blur, mut smoke, mut flame) = unsafe {
-        let (blur, smoke) =
-            (Blur::new(&host, kernels, allocator, desc)?, Smoke::new(&host, kernels, allocator, of_smoke)?);
-        (blur, smoke, Flame::new(&host, kernels, allocator, of_flame)?)
-    };
+    let mut blur = unsafe { Blur::new(&host, kernels, allocator, desc)? };
+    let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, of_smoke)? };
+    let mut flame = unsafe { Flame::new(&host, kernels, allocator, of_flame)? };
     let (mut packed, mut uploads, mut shown) = (blur::Upload::default(), <[Upload; 3]>::default(), Download::default());
     for n in 1..FRAMES {
         if n == FRAMES / 2 {
@@ -129,8 +125,8 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
                 flame.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
             }
         }
-        let camera = Camera { eye: DVec3::new(0.0, 1.2, 4.5), target: DVec3::new(0.0, 1.1, 0.0), ..Camera::default() };
-        let (view, light) = (camera.view(size), Light::default());
+        let (eye, target) = (DVec3::new(0.0, 1.2, 4.5), DVec3::new(0.0, 1.1, 0.0));
+        let (view, light) = (Camera { eye, target, ..Camera::default() }.view(size), Light::default());
         let [offset, factor] = Projection::new(&view, size)?.depth_terms;
         // What moves from the frame before to this one.
         let window: Vec<Pose> = poses.iter().map(|positions| Pose { positions, view: &view, cut: false }).collect();
@@ -163,52 +159,36 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
                 mesh: placed.mesh,
                 poses: placed.poses,
                 interval: placed.interval(&interval, &mesh, views, None),
-                images: None,
                 toon: Some(blur::ToonInput { view: seen(n), light }),
-                outer: [None; 2],
-                occluders: [None; 4],
-                target: given(target, after_all(vk::ImageLayout::UNDEFINED), DRAWN),
                 depth: Some(blur::DepthInput { host: tested, view: seen(n) }),
                 background: Background::Copy(given(sky, DRAWN, DRAWN)),
+                ..blur::Frame::new(given(target, after_all(vk::ImageLayout::UNDEFINED), DRAWN))
             };
             blur.record(host, commands, &frame, &mut Timing::None)?;
             let (dimensions, voxel_size, origin) = (volume.dimensions, volume.voxel_size, volume.origin);
-            let frame = smoke::Frame {
-                sequence: if n == 1 { Sequence::Restart } else { Sequence::Advance },
-                dt: 1.0 / 24.0,
-                view,
-                light,
-                volume: Some(VolumeInput { dimensions, voxel_size, origin, density: written[1], velocity: None }),
-                target: Some(given(target, DRAWN, DRAWN)),
-                background: Background::Keep,
-                depth: Some(tested),
-                edges: blur.edges(),
-            };
+            let volume = VolumeInput { dimensions, voxel_size, origin, density: written[1], velocity: None };
+            let frame = smoke::Frame::new(view, volume, given(target, DRAWN, DRAWN));
+            let sequence = if n == 1 { Sequence::Restart } else { Sequence::Advance };
+            let frame = smoke::Frame { sequence, depth: Some(tested), edges: blur.edges(), ..frame };
             smoke.record(host, commands, &frame, &mut Timing::None)?;
             let (count, hottest) = (rows.len() as u32, f32::INFINITY);
-            let frame = flame::Frame {
-                view,
-                particles: Some(ParticleInput { count, hottest, position_temperature: written[2], ids: None }),
-                number: n,
-                accumulate: false,
-                target: given(target, DRAWN, after_all(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)),
-                background: Background::Keep,
-                scene: Some(SceneDepth::Image(tested)),
-            };
+            let particles = ParticleInput { count, hottest, position_temperature: written[2], ids: None };
+            let shown_next = given(target, DRAWN, after_all(vk::ImageLayout::TRANSFER_SRC_OPTIMAL));
+            let frame = flame::Frame::new(view, particles, shown_next);
+            let frame = flame::Frame { number: n, scene: Some(SceneDepth::Image(tested)), ..frame };
             flame.record(host, commands, &frame, &mut Timing::None)?;
             let copy = [Copy { from: (target.handle, size), to: 0 }];
             shown.buffer().into_iter().for_each(|to| record_readback(host, commands, &copy, &[], to));
             Ok(())
         })?;
     }
-    let (host, allocator) = device.parts();
+    let (pixels, (host, allocator)) = (shown.bytes().to_vec(), device.parts());
     unsafe {
         let _ = [blur.retire(), smoke.retire(), flame.retire()].map(|retired| retired.destroy(&host, allocator));
         uploads.iter_mut().for_each(|upload| upload.destroy(&host, allocator));
         drawn.iter_mut().for_each(|image| image.destroy(&host, allocator));
+        shown.destroy(&host, allocator);
     }
-    let pixels = shown.bytes().to_vec();
-    unsafe { shown.destroy(&host, allocator) };
     Ok((pixels, size))
 }
 

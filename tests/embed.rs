@@ -1,10 +1,13 @@
-//! The README's host, `examples/embed.rs`: it runs under validation, and what it makes is right.
+//! The examples run under validation, and what they make is right.
 #![cfg(feature = "cli")]
 
 mod common;
 #[path = "../examples/embed.rs"]
 #[allow(dead_code, reason = "its main is not called")]
 mod embed;
+#[path = "../examples/engine.rs"]
+#[allow(dead_code, reason = "its main is not called")]
+mod engine;
 
 use celfx::profile::Clock;
 use celfx::smoke::Settings;
@@ -66,4 +69,28 @@ fn the_readme_shows_this_host() {
     let (shown, _) = rest.split_once("    // README end").expect("the second mark");
     let lines: Vec<&str> = shown.lines().map(|line| line.strip_prefix("    ").unwrap_or(line)).collect();
     assert!(include_str!("../README.md").contains(&lines.join("\n")), "README.md shows an older examples/embed.rs");
+}
+
+/// A box, smoke and fire in one picture, which the renderer's own wall hides.
+#[test]
+fn an_engine_has_all_effects() {
+    let Some(mut device) = common::device() else { return };
+    let (pixels, size) = engine::render(&mut device).expect("frames");
+    assert_eq!((size, pixels.len()), ([400, 225], 4 * 400 * 225));
+    let count = |is: &dyn Fn(usize, [u8; 3]) -> bool| {
+        let pixels = pixels.chunks_exact(4).enumerate();
+        pixels.filter(|(i, c)| is(i % 400, [c[0], c[1], c[2]])).count()
+    };
+    let near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 1);
+    // 0.55, 0.7, 0.9 and 0.45, 0.35, 0.3.
+    let (sky, wall) = ([140, 179, 230], [115, 89, 77]);
+    let is_wall = |x: usize| (250..300).contains(&x);
+    assert_eq!(count(&|x, c| is_wall(x) && near(c, wall)), 50 * 225, "nothing is before the wall");
+    assert!(count(&|_, c| near(c, sky)) > 50_000);
+    let orange = count(&|_, [r, g, b]| r > 200 && (100..150).contains(&g) && b < 80);
+    let (grey, fire) = (
+        count(&|_, [r, g, b]| r.abs_diff(g) < 20 && b > r && b - r < 60 && r < 200),
+        count(&|x, [r, g, _]| x < 160 && r > g && r > 60),
+    );
+    assert!(orange > 1000 && grey > 500 && fire > 200, "{orange} of the box, {grey} of smoke, {fire} of fire");
 }

@@ -212,8 +212,9 @@ void main() {
     }
     uint index = index_of(pixel);
     vec4 own = is_behind ? behind : sum;
-    // A negative sign of alpha: the pixel is frame i + 1's, which the target has already.
-    uint mark = is_behind && is_next ? SIGN_BIT : 0u;
+    // A negative sign of alpha: the pixel is frame i + 1's, which the target has already, unless it was drawn and may be hidden.
+    bool is_there = DEPTH == 0u || !is_drawn();
+    uint mark = is_behind && is_next && is_there ? SIGN_BIT : 0u;
     picture[index] = vec4(own.xyz, uintBitsToFloat(floatBitsToUint(own.w) & ~SIGN_BIT | mark));
     if (DEPTH == 1u) {
         float nearest = max(max(seen.x, seen.y), max(seen.z, seen.w));

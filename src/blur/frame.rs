@@ -324,6 +324,22 @@ impl IntervalInput<'_> {
 }
 
 impl Frame<'_> {
+    /// An output of nothing yet: what it has is set after.
+    pub fn new(target: HostImage) -> Self {
+        Frame {
+            mesh: None,
+            poses: None,
+            interval: None,
+            images: None,
+            toon: None,
+            outer: [None; 2],
+            occluders: [None; 4],
+            target,
+            depth: None,
+            background: Background::Keep,
+        }
+    }
+
     /// `resident`: the frame in each place of the device's poses.
     pub(crate) fn validate(&self, desc: &Desc, first: bool, resident: &[Option<u32>]) -> Result<()> {
         match (&self.mesh, first) {

@@ -129,6 +129,13 @@ passes! {
     toon: [PassId; TOON.len()] = TOON.map(|image| toon(desc, image));
     /// Of each place.
     toon_background: [PassId; TOON.len()] = TOON.map(|image| begin(desc, image));
+    /// Under them, where the host's depth may hide them.
+    under = copies("blur.background", [HOST_BACKGROUND], [TARGET]);
+    /// As `toon_background`, over that; none without depth.
+    toon_shown: Vec<PassId> = match desc.depth.filter(|_| desc.toon) {
+        Some(format) => TOON.map(|image| shown(desc, image, format)).into(),
+        None => Vec::new(),
+    };
     toon_frames = from_toon("blur.frames", &FRAMES);
     /// Frames i - 1 and i + 2.
     toon_outer_frames: [PassId; 2] = OUTER_FRAMES.map(|image| from_toon("blur.frames", &[image]));
@@ -265,6 +272,14 @@ fn toon(desc: &Desc, image: ImageId) -> Pass {
 fn begin(desc: &Desc, drawn: ImageId) -> Pass {
     let fragment = &glsl::background_fragment::SHADER;
     whole("blur.background", fragment, TARGET, desc).bind(glsl::background_fragment::DRAWN, drawn)
+}
+
+/// A frame that has been drawn, over what the target has, where the host has drawn nothing nearer.
+fn shown(desc: &Desc, drawn: ImageId, format: DepthFormat) -> Pass {
+    let depth = DepthAttachment::of_host(HOST_DEPTH, format, false);
+    let raster = quad(&glsl::shown_fragment::SHADER, Some(TARGET), Some(depth), desc);
+    let colour = raster.colour.map(|colour| ColourAttachment { blend: Blend::Over, ..colour });
+    Pass::raster("blur.background", Raster { colour, ..raster }).bind(glsl::shown_fragment::DRAWN, drawn)
 }
 
 /// Replaces a whole picture, or what its shader does not discard.

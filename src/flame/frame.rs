@@ -69,6 +69,19 @@ impl ParticleInput {
 }
 
 impl Frame {
+    /// Frame 0, over what the target holds, without a scene. What is to be otherwise is set after.
+    pub fn new(view: View, particles: ParticleInput, target: HostImage) -> Frame {
+        Frame {
+            view,
+            particles: Some(particles),
+            number: 0,
+            accumulate: false,
+            target,
+            background: Background::Keep,
+            scene: None,
+        }
+    }
+
     pub(crate) fn validate(&self, desc: &Desc, first: bool) -> Result<()> {
         self.view.validate()?;
         match &self.particles {

@@ -114,6 +114,21 @@ impl VolumeInput {
 }
 
 impl Frame {
+    /// A first frame, at 24 a second and under the default light, over what the target holds. What is to be otherwise is set after.
+    pub fn new(view: View, volume: VolumeInput, target: HostImage) -> Frame {
+        Frame {
+            sequence: Sequence::Restart,
+            dt: 1.0 / 24.0,
+            view,
+            light: Light::default(),
+            volume: Some(volume),
+            target: Some(target),
+            background: Background::Keep,
+            depth: None,
+            edges: None,
+        }
+    }
+
     pub(crate) fn validate(&self, desc: &Desc, first: bool) -> Result<()> {
         self.view.validate()?;
         self.light.validate()?;

@@ -346,3 +346,39 @@ fn a_part_of_larger_images_is_as_a_whole_one() {
         }
     }
 }
+
+/// Frames that are drawn are hidden, too: their background is seen there, and nothing of the mesh.
+#[test]
+fn what_the_host_has_drawn_nearer_hides_frames_that_are_drawn() {
+    let behind = [0.25, 0.5, 0.75, 1.0];
+    for (convention, strength, moves) in [
+        (CONVENTIONS[0], 1.0, true),
+        (CONVENTIONS[1], 1.0, false),
+        (CONVENTIONS[2], 1.0, true),
+        (CONVENTIONS[1], 0.0, true),
+    ] {
+        let settings = Settings { strength, ..incomplete() };
+        let Some(mut scene) = Scene::new(settings, Some(convention), true) else { return };
+        scene.render(true, moves);
+        let (free, depths) = (scene.rig.picture(), scene.rig.host_depths());
+        let far = scene.rig.wall;
+        let mut of_mesh: Vec<f32> = depths.iter().copied().filter(|depth| *depth != far).collect();
+        of_mesh.sort_by(f32::total_cmp);
+        let wall = of_mesh[of_mesh.len() / 2];
+        scene.rig.wall = wall;
+        scene.render(false, moves);
+        let picture = scene.rig.picture();
+        let mut counts = [0; 2];
+        for pixel in (0..PIXELS).filter(|pixel| depths[*pixel] != far) {
+            let in_front = (depths[pixel] >= wall) == convention.0 || depths[pixel] == wall;
+            let expected = if in_front { free[pixel] } else { behind };
+            assert!(
+                picture[pixel] == expected,
+                "{convention:?}, {strength}, {moves}, pixel {pixel}: {:?}",
+                picture[pixel]
+            );
+            counts[usize::from(in_front)] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 200), "{convention:?}: {counts:?}");
+    }
+}

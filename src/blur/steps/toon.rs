@@ -3,8 +3,9 @@
 use super::{Steps, There, drawn};
 use crate::blur::desc::Desc;
 use crate::blur::frame::{Drawn, Frame, ToonInput};
-use crate::blur::layout::{PARAMS, TOON_BUFFER};
+use crate::blur::layout::{HOST_BACKGROUND, PARAMS, TARGET, TOON_BUFFER};
 use crate::blur::params::{BackgroundConstants, BlurParams, ToonParams, VisibilityConstants};
+use crate::host::Background;
 use crate::plan::Command;
 
 /// Frames i - 1 to i + 2, as far as they are drawn because the host has no images of them.
@@ -108,9 +109,23 @@ impl Steps<'_> {
             self.see_frame(index);
             self.draw_frame(index, &drawn);
         }
+        if self.desc.depth.is_some() {
+            return self.under(frame);
+        }
         let constants = BackgroundConstants::new(frame.background, &frame.target);
         let begin = self.passes.toon_background[toon.next.place(self.desc)];
         self.plan.step_with(begin, Command::Draw { vertices: 4 }, &constants);
+    }
+
+    /// The background alone: what the host has drawn may hide the frame, which comes when its depth is known.
+    fn under(&mut self, frame: &Frame) {
+        let (image, extent) = (TARGET, self.desc.size);
+        let command = match frame.background {
+            Background::Copy(_) => Command::CopyImage { from: HOST_BACKGROUND, to: image, extent },
+            Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits), extent },
+            Background::Keep => Command::Clear { image, value: [0; 4], extent },
+        };
+        self.plan.step(self.passes.under, command);
     }
 
     /// The triangles of a frame, of i - 1 to i + 2 that of this `index`.
