@@ -7,7 +7,7 @@ use ash::vk;
 use celfx::blur::{self, Blur, FrameView, Mesh, MeshInput, Motion, Pose, Window};
 use celfx::error::Result;
 use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
-use celfx::host::{Background, DepthFormat, Host, HostBuffer, HostImage, ImageState};
+use celfx::host::{Background, DepthFormat, Host, HostImage, ImageState};
 use celfx::low_level::gpu::headless::{Headless, Options};
 use celfx::low_level::gpu::image::{Image, ImageDesc};
 use celfx::low_level::gpu::transfer::{Copy, Download, Upload, record_readback};
@@ -96,17 +96,18 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
     let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
     let input = MeshInput { vertices: 8, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
     let mesh = Mesh::new(&input)?.faceted(|_| true);
-    let poses: Vec<Vec<[f32; 3]>> = (0..FRAMES).map(|n| mesh.gather(&box_at(n)).unwrap_or_default()).collect();
+    let mut poses = vec![mesh.gather(&box_at(0)).unwrap_or_default()];
     let (plume, fire) = (celfx::simulate::smoke::Builtin::Plume, celfx::simulate::flame::Builtin::Random);
-    let depth = Some(DEPTH);
-    let desc = blur::Desc::new(&mesh, size, blur::Settings::default());
-    let desc = blur::Desc { target_format: COLOUR, toon: true, depth, frames_resident: FRAMES, ..desc };
+    // What comes is not known: trajectories go through past frames, which stay on the device.
+    let settings = blur::Settings { trajectory: blur::settings::Trajectory::Past, ..blur::Settings::default() };
+    let desc = blur::Desc::new(&mesh, size, settings);
+    let desc = blur::Desc { target_format: COLOUR, toon: true, depth: Some(DEPTH), frames_resident: 16, ..desc };
     let of_smoke = smoke::Settings { particles: 600, ..smoke::Settings::default() };
     let of_smoke = smoke::Desc::new(size, plume.volume(0, 24.0).dimensions, of_smoke);
-    let of_smoke = smoke::Desc { target_format: COLOUR, depth, edges: true, ..of_smoke };
+    let of_smoke = smoke::Desc { target_format: COLOUR, depth: Some(DEPTH), edges: true, ..of_smoke };
     let of_flame = flame::Settings { spread: Some(0.03), ..flame::Settings::default() };
     let of_flame = flame::Desc::new(size, fire.particles(0, 24.0).position.len() as u32, of_flame);
-    let of_flame = flame::Desc { target_format: COLOUR, scene: depth.map(SceneFormat::Image), ..of_flame };
+    let of_flame = flame::Desc { target_format: COLOUR, scene: Some(SceneFormat::Image(DEPTH)), ..of_flame };
     let (host, kernels, allocator) = device.making();
     // SAFETY, here and below: the device's own handles; frames go to one queue, and each is waited for.
     let mut blur = unsafe { Blur::new(&host, kernels, allocator, desc)? };
@@ -129,28 +130,27 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
         let (view, light) = (Camera { eye, target, ..Camera::default() }.view(size), Light::default());
         let [offset, factor] = Projection::new(&view, size)?.depth_terms;
         // What moves from the frame before to this one.
+        poses.push(mesh.gather(&box_at(n)).unwrap_or_default());
         let window: Vec<Pose> = poses.iter().map(|positions| Pose { positions, view: &view, cut: false }).collect();
         let window = Window { frame: n - 1, poses: &window, current: n as usize - 1, between: &[] };
         let interval = Motion::new(&blur.desc().settings, size)?.interval(&mesh, &window, 1)?;
-        let seen = |frame: u32| FrameView { frame: frame.min(FRAMES - 1), view };
-        let views = [seen(n.saturating_sub(2)), seen(n - 1), seen(n), seen(n + 1)];
+        let seen = |frame: u32| FrameView { frame, view };
+        let views = [seen(n.saturating_sub(2)), seen(n - 1), seen(n), seen(n)];
         packed.clear();
         if n == 1 {
             packed.mesh(&mesh, &[[0.9, 0.5, 0.2]; 8]);
-            packed.poses(0, &poses);
         }
+        let new = if n == 1 { 0 } else { n };
+        packed.poses(new, &poses[new as usize..]);
         packed.interval(&interval, true);
         let (volume, fire) = (plume.volume(24 + n, 24.0), fire.particles(24 + n, 24.0));
         let rows = fire.position.iter().zip(&fire.temperature).map(|([x, y, z], t)| [x - 0.9, *y, *z, *t]);
         let rows: Vec<[f32; 4]> = rows.collect();
         let (host, allocator) = device.parts();
-        let bytes = [packed.bytes(), bytemuck::cast_slice(&volume.density), bytemuck::cast_slice(&rows)];
-        let mut written = Vec::<HostBuffer>::new();
-        for (upload, bytes) in uploads.iter_mut().zip(bytes) {
-            written.push(unsafe { upload.write(&host, allocator, "upload", bytes)? });
-        }
+        let mut upload = |place: usize, bytes| unsafe { uploads[place].write(&host, allocator, "upload", bytes) };
+        let density = upload(1, bytemuck::cast_slice(&volume.density))?;
+        let (placed, rows_at) = (packed.placed(upload(0, packed.bytes())?), upload(2, bytemuck::cast_slice(&rows))?);
         unsafe { shown.fit(&host, allocator, "shown", 4 * u64::from(size[0]) * u64::from(size[1]))? };
-        let placed = packed.placed(written[0]);
         let [sky, target, tested] = &drawn;
         let tested = given(tested, TESTED, TESTED);
         device.one_time("frame", |host, commands| unsafe {
@@ -166,13 +166,13 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
             };
             blur.record(host, commands, &frame, &mut Timing::None)?;
             let (dimensions, voxel_size, origin) = (volume.dimensions, volume.voxel_size, volume.origin);
-            let volume = VolumeInput { dimensions, voxel_size, origin, density: written[1], velocity: None };
+            let volume = VolumeInput { dimensions, voxel_size, origin, density, velocity: None };
             let frame = smoke::Frame::new(view, volume, given(target, DRAWN, DRAWN));
             let sequence = if n == 1 { Sequence::Restart } else { Sequence::Advance };
             let frame = smoke::Frame { sequence, depth: Some(tested), edges: blur.edges(), ..frame };
             smoke.record(host, commands, &frame, &mut Timing::None)?;
             let (count, hottest) = (rows.len() as u32, f32::INFINITY);
-            let particles = ParticleInput { count, hottest, position_temperature: written[2], ids: None };
+            let particles = ParticleInput { count, hottest, position_temperature: rows_at, ids: None };
             let shown_next = given(target, DRAWN, after_all(vk::ImageLayout::TRANSFER_SRC_OPTIMAL));
             let frame = flame::Frame::new(view, particles, shown_next);
             let frame = flame::Frame { number: n, scene: Some(SceneDepth::Image(tested)), ..frame };

@@ -13,6 +13,9 @@ words! {
         Spline = "spline",
         /// The spline also goes through sub-frame poses, which the scene must be able to give.
         Exact = "exact",
+        /// A spline through the frames up to the later one, where it goes on as a parabola: for renderers that do not know
+        /// what comes.
+        Past = "past",
     }
 }
 
@@ -117,8 +120,8 @@ settings! {
         tooth_width: Option<f32> = None, "pixels at 1080 lines", 0.1..=1e4;
         /// Time for which the teeth stay.
         hold: u32 = 1, "frames", 1..=1_000_000;
-        /// The paths of vertices: a "spline" through the frames, or "exact", through the scene's own poses between frames,
-        /// too (not of .npz files).
+        /// The paths of vertices: a "spline" through the frames, "exact", through the scene's own poses between frames,
+        /// too (not of .npz files), or "past", through those up to the frame alone, as a game has them.
         trajectory: Trajectory = Trajectory::default();
         /// What is interpolated: "homogeneous" coordinates, exact in perspective, or those on the "screen", the original way.
         space: Space = Space::default();

@@ -1,7 +1,7 @@
 //! Splines through resident poses against f64: 1e-4 pixels for what is off from frame i.
 
 use celfx::blur::motion::{Motion, Pose, Window};
-use celfx::blur::settings::Space;
+use celfx::blur::settings::{Space, Trajectory};
 use celfx::blur::{Desc, Settings};
 use celfx::low_level::blur::params::Piece;
 
@@ -110,16 +110,20 @@ fn offsets_are_exact_far_from_the_picture() {
 fn poses_make_the_pieces_of_the_interval() {
     let sides = [9, 7];
     let camera: Change = |view, _| view;
-    for (strength, space, held, cut, change) in [
-        (1.0, Space::Homogeneous, 0..0, None, camera),
-        (3.0, Space::Homogeneous, 4..7, None, camera),
-        (2.0, Space::Screen, 10..11, Some(13), camera),
-        (3.0, Space::Homogeneous, 0..0, Some(7), camera),
-        (2.0, Space::Homogeneous, 4..7, None, |view, frame| views::jittered(views::moved(view), frame)),
-        (2.0, Space::Homogeneous, 0..0, None, |view, frame| {
+    for (strength, space, trajectory, held, cut, change) in [
+        (1.0, Space::Homogeneous, Trajectory::Spline, 0..0, None, camera),
+        (3.0, Space::Homogeneous, Trajectory::Spline, 4..7, None, camera),
+        (2.0, Space::Screen, Trajectory::Spline, 10..11, Some(13), camera),
+        (3.0, Space::Homogeneous, Trajectory::Spline, 0..0, Some(7), camera),
+        (3.0, Space::Homogeneous, Trajectory::Past, 4..7, None, camera),
+        (2.0, Space::Screen, Trajectory::Past, 0..0, Some(7), camera),
+        (2.0, Space::Homogeneous, Trajectory::Spline, 4..7, None, |view, frame| {
+            views::jittered(views::moved(view), frame)
+        }),
+        (2.0, Space::Homogeneous, Trajectory::Spline, 0..0, None, |view, frame| {
             views::jittered(views::parallel_around(views::mirrored(view), 4.0, 3.0), frame)
         }),
-        (1.0, Space::Screen, 0..0, None, |view, _| views::moved(views::parallel(view, 4.0, 3.0))),
+        (1.0, Space::Screen, Trajectory::Spline, 0..0, None, |view, _| views::moved(views::parallel(view, 4.0, 3.0))),
     ] {
         let animation = Animation { change, ..swing(sides, 16, [960, 540], 0.3) };
         let (mesh, mut animation) = (grid(sides), animation.through_window(WINDOW));
@@ -127,7 +131,7 @@ fn poses_make_the_pieces_of_the_interval() {
             animation.poses[frame] = animation.poses[frame - 1].clone();
             animation.cameras[frame] = animation.cameras[frame - 1];
         }
-        let settings = Settings { strength, space, ..incomplete() };
+        let settings = Settings { strength, space, trajectory, ..incomplete() };
         let seen = animation.all_seen();
         let pose =
             |frame: usize| Pose { positions: &animation.poses[frame], view: &seen[frame], cut: cut == Some(frame) };
@@ -158,7 +162,10 @@ fn poses_make_the_pieces_of_the_interval() {
                 }
             }
         }
-        eprintln!("strength {strength}, {space:?}: {} segments, {worst:.1e} px", interval.segments.len());
-        assert!(worst < 1e-4, "strength {strength}, {space:?}: {worst}");
+        eprintln!(
+            "strength {strength}, {space:?}, {trajectory:?}: {} segments, {worst:.1e} px",
+            interval.segments.len()
+        );
+        assert!(worst < 1e-4, "strength {strength}, {space:?}, {trajectory:?}: {worst}");
     }
 }

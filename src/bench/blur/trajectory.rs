@@ -11,6 +11,7 @@ use crate::bench::{Outcome, Session};
 use crate::blur::layout::SPLINES;
 use crate::blur::params::{PIECE_SEGMENTS, Piece};
 use crate::blur::reference::{path, spline};
+use crate::blur::settings::Trajectory;
 use crate::blur::{Desc, Knot, Settings};
 use crate::error::Result;
 use crate::offline::BlurFrame;
@@ -18,8 +19,11 @@ use crate::plan::Plan;
 use crate::random::hash;
 
 const PASS: &str = "trajectory";
-/// Frames before frame i and after frame i + 1.
-const VARIANTS: [(&str, usize); 4] = [("whole", usize::MAX), ("window 4", 4), ("window 8", 8), ("window 12", 12)];
+/// Frames before frame i and after frame i + 1, as far as there are so many.
+type Window = [usize; 2];
+
+const VARIANTS: [(&str, Window); 5] =
+    [("whole", [usize::MAX; 2]), ("window 4", [4; 2]), ("window 8", [8; 2]), ("window 12", [12; 2]), ("past", [12, 0])];
 const NAME: &str = "100000x48";
 const VERTICES: u32 = 100_000;
 /// Points whose error is looked at, and with `--quick`.
@@ -35,7 +39,7 @@ pub(super) fn measure(session: &mut Session) -> Outcome {
     Ok(())
 }
 
-fn measure_variants(session: &mut Session, variants: &[&(&str, usize)]) -> Outcome {
+fn measure_variants(session: &mut Session, variants: &[&(&str, Window)]) -> Outcome {
     let scene = Scene::points(VERTICES, FULL_HD)?;
     let checked = CHECKED[usize::from(session.quick)];
     let rig = &mut session.rig;
@@ -70,13 +74,15 @@ fn memory(scene: &Scene, frames: usize) -> u64 {
 }
 
 /// The output with trajectories through the frames of a window, and how many these are.
-fn render(rig: &mut Rig, scene: &Scene, window: usize) -> Result<(EffectId, usize)> {
+fn render(rig: &mut Rig, scene: &Scene, window: Window) -> Result<(EffectId, usize)> {
     let settings = Settings::default();
     let prepared = scene.prepare(&settings)?;
     let knots = knots(scene, window);
     let first = knots.first().map_or(0, |knot| knot.view.frame);
-    let poses = scene.poses[first as usize..first as usize + knots.len()].to_vec();
-    let desc = Desc { frames_resident: knots.len() as u32, ..scene.desc(&settings, 1024) };
+    // The frame after is drawn, too.
+    let end = (first as usize + knots.len()).max((scene.current + 3).min(scene.poses.len()));
+    let poses = scene.poses[first as usize..end].to_vec();
+    let desc = Desc { frames_resident: poses.len() as u32, ..scene.desc(&settings, 1024) };
     let count = knots.len();
     let mut take = scene.take(&prepared, None);
     take.frame = BlurFrame { first, poses, knots: Some(knots), ..take.frame };
@@ -86,17 +92,18 @@ fn render(rig: &mut Rig, scene: &Scene, window: usize) -> Result<(EffectId, usiz
 }
 
 /// The frames of a window, and what each contributes to the piece from frame i to frame i + 1.
-fn knots(scene: &Scene, window: usize) -> Vec<Knot> {
+fn knots(scene: &Scene, [before, after]: Window) -> Vec<Knot> {
     let last = scene.poses.len() - 1;
-    let first = scene.current.saturating_sub(window);
-    let end = last.min((scene.current + 1).saturating_add(window));
+    let first = scene.current.saturating_sub(before);
+    let end = last.min((scene.current + 1).saturating_add(after));
+    let trajectory = if after == 0 { Trajectory::Past } else { Trajectory::Spline };
     let times: Vec<f64> = (first..=end).map(|frame| frame as f64).collect();
     let own = scene.current - first;
     let knot = |place: usize| {
         // The spline is linear in its values: a frame's share is the spline through 1 there and 0 elsewhere.
         let mut values = vec![DVec3::ZERO; times.len()];
         values[place].x = 1.0;
-        let bends = spline::second_derivatives(&times, &values);
+        let bends = spline::second_derivatives(&times, &values, trajectory);
         let step = [own, own + 1].map(|end| f32::from(u8::from(end == place)));
         let mut weights = [[0.0; 4]; PIECE_SEGMENTS as usize];
         weights[0] = [0.0, step[1] - step[0], bends[own].x as f32, bends[own + 1].x as f32];
@@ -118,6 +125,7 @@ fn accuracy(scene: &Scene, pieces: &[Piece], checked: usize) -> Accuracy {
             held: &held,
             size: scene.size,
             on_screen: false,
+            trajectory: Trajectory::Spline,
         };
         let i = scene.current as f64;
         let exact = exact.at(i + 0.5).position - exact.at(i).position;
@@ -135,20 +143,22 @@ mod tests {
 
     #[test]
     fn every_documented_name_is_there() {
-        assert_eq!(VARIANTS.map(|(name, _)| name), ["whole", "window 4", "window 8", "window 12"]);
+        assert_eq!(VARIANTS.map(|(name, _)| name), ["whole", "window 4", "window 8", "window 12", "past"]);
         assert_eq!(NAME, format!("{VERTICES}x48"));
     }
 
     #[test]
     fn a_window_of_twelve_is_what_the_product_takes() -> Result<()> {
         let scene = Scene::points(100, FULL_HD)?;
-        let own = scene.prepare(&Settings::default())?.knots.unwrap_or_default();
-        let windowed = knots(&scene, 12);
-        assert_eq!((own.len(), knots(&scene, usize::MAX).len(), memory(&scene, 26)), (26, 48, 100 * (26 * 12 + 64)));
-        for (a, b) in own.iter().zip(&windowed) {
-            assert_eq!(a.view, b.view);
-            let differ = a.weights[0].iter().zip(b.weights[0]).any(|(a, b)| (a - b).abs() > 1e-6);
-            assert!(!differ, "{:?} {:?}", a.weights[0], b.weights[0]);
+        assert_eq!((knots(&scene, [usize::MAX; 2]).len(), memory(&scene, 26)), (48, 100 * (26 * 12 + 64)));
+        for (trajectory, window, count) in [(Trajectory::Spline, [12; 2], 26), (Trajectory::Past, [12, 0], 14)] {
+            let own = scene.prepare(&Settings { trajectory, ..Settings::default() })?.knots.unwrap_or_default();
+            assert_eq!(own.len(), count);
+            for (a, b) in own.iter().zip(knots(&scene, window)) {
+                assert_eq!(a.view, b.view);
+                let differ = a.weights[0].iter().zip(b.weights[0]).any(|(a, b)| (a - b).abs() > 1e-6);
+                assert!(!differ, "{:?} {:?}", a.weights[0], b.weights[0]);
+            }
         }
         Ok(())
     }

@@ -24,7 +24,7 @@ impl Motion {
             return None;
         }
         let times: Vec<f64> = timeline.knots.iter().map(|knot| knot.time).collect();
-        let spline = Spline::new(&times);
+        let spline = Spline::new(&times, self.settings.trajectory);
         let mut weights = vec![[[0.0; 4]; PIECE_SEGMENTS as usize]; times.len()];
         for (place, span) in timeline.spans.iter().enumerate() {
             let [a, b] = span.knots;

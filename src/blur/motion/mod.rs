@@ -73,7 +73,8 @@ impl Motion {
     /// The part of a window that is looked at: it has enough poses even where each is held for some frames.
     fn nearby<'a>(&self, window: &Window<'a>) -> Window<'a> {
         let first = window.current.saturating_sub(MOST_FRAMES);
-        let end = window.poses.len().min(window.current + 2 + MOST_FRAMES);
+        let later = if self.settings.trajectory == Trajectory::Past { 0 } else { MOST_FRAMES };
+        let end = window.poses.len().min(window.current + 2 + later);
         let between = if self.settings.trajectory == Trajectory::Exact { window.between } else { &[] };
         Window { frame: window.frame, poses: &window.poses[first..end], current: window.current - first, between }
     }
@@ -103,7 +104,8 @@ impl Motion {
             Some(timeline) => {
                 let segments = timeline.spans.iter().map(|span| span.segment).collect();
                 let reference_time = f64::from(self.settings.reference_time);
-                let task = Task { timeline: &timeline, space, reference_time, reach };
+                let trajectory = self.settings.trajectory;
+                let task = Task { timeline: &timeline, space, trajectory, reference_time, reach };
                 Some((segments, Traces::new(task, threads)?))
             }
             None => {

@@ -1,7 +1,8 @@
-//! Natural cubic splines through poses.
+//! Cubic splines through poses.
 
 use super::projection::PixelClip;
 use super::window::{Pose, Segment, WINDOW, Window};
+use crate::blur::settings::Trajectory;
 
 /// A pose that trajectories go through. Equal poses that follow each other are one.
 #[derive(Clone, Copy, Debug)]
@@ -111,29 +112,37 @@ fn collapse<'a>(
     Timeline { spans: (first..last).chain(back).map(span).collect(), ends: [knot_of[first], knot_of[last]], knots }
 }
 
-/// The factorised matrix of the natural spline through knots at ascending times: gives second derivatives as weighted
-/// sums of what is interpolated.
+/// The factorised matrix of the spline through knots at ascending times: gives second derivatives as weighted sums of what
+/// is interpolated. At the ends they are 0; at the last knot of what is past, that of the knot before, which is exact where things
+/// are accelerated evenly.
 #[derive(Clone, Debug)]
 pub(super) struct Spline {
     /// Steps between the knots.
     steps: Vec<f64>,
     /// Each row's diagonal once the row above is eliminated, for the knots between the ends.
     pivots: Vec<f64>,
+    /// The knot before the end, if it has the end's second derivative.
+    run_out: Option<usize>,
 }
 
 impl Spline {
-    pub(super) fn new(times: &[f64]) -> Spline {
+    pub(super) fn new(times: &[f64], trajectory: Trajectory) -> Spline {
         let steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
         let mut pivots: Vec<f64> = steps.windows(2).map(|h| 2.0 * (h[0] + h[1])).collect();
+        let run_out = Some(pivots.len()).filter(|knot| trajectory == Trajectory::Past && *knot > 0);
+        if let (Some(knot), Some(pivot)) = (run_out, pivots.last_mut()) {
+            *pivot += steps[knot];
+        }
         for row in 1..pivots.len() {
             pivots[row] -= steps[row] * steps[row] / pivots[row - 1];
         }
-        Spline { steps, pivots }
+        Spline { steps, pivots, run_out }
     }
 
-    /// Weights of all knots whose sum is the second derivative at `knot`; empty at the ends, where it is 0.
+    /// Weights of all knots whose sum is the second derivative at `knot`; empty where it is 0.
     pub(super) fn weights(&self, knot: usize) -> Vec<f64> {
         let rows = self.pivots.len();
+        let knot = self.run_out.map_or(knot, |last| knot.min(last));
         if knot == 0 || knot > rows {
             return Vec::new();
         }
@@ -176,7 +185,11 @@ mod tests {
 
     /// Value at `t` of the spline through `values`, as the product finds it.
     fn at(times: &[f64], values: &[f64], t: f64) -> [f64; 2] {
-        let spline = Spline::new(times);
+        along(times, values, t, Trajectory::Spline)
+    }
+
+    fn along(times: &[f64], values: &[f64], t: f64, trajectory: Trajectory) -> [f64; 2] {
+        let spline = Spline::new(times, trajectory);
         let a = (0..times.len() - 2).filter(|k| times[k + 1] <= t).count();
         let length = times[a + 1] - times[a];
         let bend = |knot| -> f64 { spline.weights(knot).iter().zip(values).map(|(w, v)| w * v).sum() };
@@ -194,11 +207,17 @@ mod tests {
         for n in 2..14 {
             let values = random(n);
             let uneven: Vec<f64> = (0..n).map(|i| f64::from(i) + 0.8 * f64::from(unit(hash(2, i, 0, 0)))).collect();
-            for times in [(0..n).map(f64::from).collect(), uneven] {
+            let even: Vec<f64> = (0..n).map(f64::from).collect();
+            for (times, trajectory) in [
+                (&even, Trajectory::Spline),
+                (&uneven, Trajectory::Spline),
+                (&even, Trajectory::Past),
+                (&uneven, Trajectory::Past),
+            ] {
                 let vectors: Vec<DVec3> = values.iter().map(|v| DVec3::new(*v, 0.0, 0.0)).collect();
                 for part in 0..=40 {
                     let t = times[0] + (times[n as usize - 1] - times[0]) * f64::from(part) / 40.0;
-                    let (found, exact) = (at(&times, &values, t), curve(&times, &vectors, t));
+                    let (found, exact) = (along(times, &values, t, trajectory), curve(times, &vectors, t, trajectory));
                     assert!((found[0] - exact[0].x).abs() < 1e-10, "{n} {t}: {found:?} {exact:?}");
                     assert!((found[1] - exact[1].x).abs() < 1e-9, "{n} {t}: {found:?} {exact:?}");
                 }
@@ -213,6 +232,22 @@ mod tests {
         let (t, bend) = (0.5, -3.0);
         let exact = t + (t * t * t - t) / 6.0 * bend;
         assert!((at(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0], t)[0] - exact).abs() < 1e-15);
+    }
+
+    /// What is accelerated evenly stays so to the end of what is known.
+    #[test]
+    fn a_parabola_is_itself_up_to_the_last_past_frame() {
+        let parabola = |t: f64| 3.5 * t * t - 11.0 * t + 2.0;
+        let times: Vec<f64> = (0..14).map(f64::from).collect();
+        let values: Vec<f64> = times.iter().map(|t| parabola(*t)).collect();
+        for t in [12.0, 12.25, 12.5, 13.0] {
+            let [value, slope] = along(&times, &values, t, Trajectory::Past);
+            // 0.268^12 of the second derivative, which the first knot leaves out.
+            assert!(
+                (value - parabola(t)).abs() < 1e-6 && (slope - (7.0 * t - 11.0)).abs() < 5e-6,
+                "{t}: {value} {slope}"
+            );
+        }
     }
 
     #[test]

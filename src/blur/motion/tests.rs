@@ -71,10 +71,15 @@ impl Shot {
 
     /// The state of a point in f64 by the reference.
     fn exact(&self, point: usize, time: f64, on_screen: bool) -> spline::State {
+        self.exact_along(Trajectory::Spline, point, time, on_screen)
+    }
+
+    fn exact_along(&self, trajectory: Trajectory, point: usize, time: f64, on_screen: bool) -> spline::State {
         let positions: Vec<[f32; 3]> = self.poses.iter().map(|pose| pose[point]).collect();
         let held = |f: usize| f > 0 && self.poses[f] == self.poses[f - 1] && self.cameras[f] == self.cameras[f - 1];
         let held: Vec<bool> = (0..self.poses.len()).map(held).collect();
-        spline::Path { positions: &positions, views: &self.views(), held: &held, size: SIZE, on_screen }.at(time)
+        spline::Path { positions: &positions, views: &self.views(), held: &held, size: SIZE, on_screen, trajectory }
+            .at(time)
     }
 }
 
@@ -110,8 +115,15 @@ fn path_of(interval: &Interval, point: usize, on_screen: bool) -> (Vec<Piece>, b
 fn check_trajectories(shot: &Shot, settings: &Settings, frame: usize, times: &[f32]) {
     let on_screen = settings.space == Space::Screen;
     let interval = shot.interval(settings, frame);
+    let mut known = shot.clone();
+    if settings.trajectory == Trajectory::Past {
+        known.poses.truncate(frame + 2);
+        known.cameras.truncate(frame + 2);
+        assert_eq!(known.interval(settings, frame), interval, "what comes changes nothing");
+    }
     for point in 0..shot.mesh.points() {
-        let exact = |time: f32| shot.exact(point, frame as f64 + f64::from(time), on_screen);
+        let exact =
+            |time: f32| known.exact_along(settings.trajectory, point, frame as f64 + f64::from(time), on_screen);
         let [x, y, vx, vy] = interval.motion[point].map(f64::from);
         let at = exact(settings.reference_time);
         assert!((DVec2::new(x, y) - at.position).abs().max_element() < 1e-4, "{x} {y} {at:?}");
@@ -161,6 +173,24 @@ fn ends_and_short_sequences_are_natural() {
 }
 
 #[test]
+fn past_trajectories_know_nothing_of_what_comes() {
+    let past = Settings { trajectory: Trajectory::Past, strength: 2.5, ..Settings::default() };
+    for frame in [0, 1, 2, 14, 28] {
+        for space in [Space::Homogeneous, Space::Screen] {
+            check_trajectories(
+                &wandering(30),
+                &Settings { space, ..past.clone() },
+                frame,
+                &[-1.4, -0.5, 0.0, 0.5, 1.0],
+            );
+        }
+    }
+    let mut on_twos = wandering(30);
+    (0..30).for_each(|f| on_twos.poses[f] = on_twos.poses[f / 2 * 2].clone());
+    check_trajectories(&on_twos, &past, 19, &[-1.4, -0.5, 0.0, 0.5, 1.0]);
+}
+
+#[test]
 fn strength_above_one_reaches_back_and_goes_on_straight() {
     let settings = Settings { strength: 3.5, ..Settings::default() };
     for (frame, segments) in [(20, 4), (2, 3), (1, 2), (0, 1)] {
@@ -194,6 +224,11 @@ fn a_held_pose_is_one_knot() {
     assert!(!shot.interval(&Settings::default(), 30).clusters.is_empty());
 }
 
+/// Labels numbered in the order of their first points: clusters of one size are numbered by their motion's bits.
+fn as_first_met(labels: &[u32]) -> Vec<usize> {
+    labels.iter().map(|label| labels.iter().position(|other| other == label).unwrap()).collect()
+}
+
 /// What a picture is moved by within a pixel moves nothing in it: all is as the later frame has it.
 #[test]
 fn jitter_is_no_motion() {
@@ -209,7 +244,7 @@ fn jitter_is_no_motion() {
             let window = Window { frame: 20, poses: &shot.poses(&views), current: 20, between: &[] };
             Motion::new(&Settings::default(), SIZE).unwrap().interval(&shot.mesh, &window, 1).unwrap()
         });
-        assert_eq!(moved.labels, still.labels);
+        assert_eq!(as_first_met(&moved.labels), as_first_met(&still.labels));
         assert_eq!(wanders, !moved.clusters.is_empty());
         for (moved, still) in moved.motion.iter().zip(&still.motion) {
             for c in 0..4 {

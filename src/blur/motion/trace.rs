@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::projection::PixelClip;
 use super::spline::{Knot, Spline, Timeline, offset};
 use super::window::Segment;
-use crate::blur::settings::Space;
+use crate::blur::settings::{Space, Trajectory};
 use crate::shaders::blur::blocks::Piece;
 use crate::threads::together;
 
@@ -36,6 +36,7 @@ pub(super) struct Traces {
 pub(super) struct Task<'a> {
     pub(super) timeline: &'a Timeline<'a>,
     pub(super) space: Space,
+    pub(super) trajectory: Trajectory,
     /// In frames after frame i.
     pub(super) reference_time: f64,
     /// Frames before frame i that trajectories are looked at.
@@ -106,7 +107,7 @@ impl<'a> Shared<'a> {
     fn new(task: Task<'a>) -> Shared<'a> {
         let knots = &task.timeline.knots;
         let times: Vec<f64> = knots.iter().map(|knot| knot.time).collect();
-        let spline = Spline::new(&times);
+        let spline = Spline::new(&times, task.trajectory);
         let mut used: Vec<usize> = task.timeline.spans.iter().flat_map(|span| span.knots).collect();
         used.sort_unstable();
         used.dedup();

@@ -23,7 +23,7 @@ pub struct Window<'a> {
     /// Number i of the earlier frame in the shot.
     pub frame: u32,
     /// Poses of consecutive frames. [`WINDOW`] before frame i and after frame i + 1, as far as the shot has them, are
-    /// used; more only where poses are held.
+    /// used; more only where poses are held; with `trajectory = "past"` none after frame i + 1.
     pub poses: &'a [Pose<'a>],
     /// Place of frame i in `poses`. If it is the last one, nothing moves.
     pub current: usize,

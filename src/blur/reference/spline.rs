@@ -1,7 +1,8 @@
-//! Trajectories in f64: natural splines through all frames, by elimination with the whole matrix.
+//! Trajectories in f64: splines through all frames, by elimination with the whole matrix.
 
 use glam::{DVec2, DVec3};
 
+use crate::blur::settings::Trajectory;
 use crate::view::View;
 
 /// Where a point is at a time, and how fast.
@@ -26,6 +27,8 @@ pub struct Path<'a> {
     pub size: [u32; 2],
     /// Whether pixels are interpolated and not homogeneous coordinates.
     pub on_screen: bool,
+    /// Whether the frames are all that will ever be, or those that are past.
+    pub trajectory: Trajectory,
 }
 
 impl Path<'_> {
@@ -49,7 +52,7 @@ impl Path<'_> {
         let still = frames == 1 || (self.held[frame + 1] && time >= 0.0 && time <= frames as f64 - 1.0);
         let t = if still { moved(frame) as f64 } else { moved(frame) as f64 + time - frame as f64 };
         let times: Vec<f64> = (0..knots.len()).map(|k| k as f64).collect();
-        let [y, mut slope] = curve(&times, &knots, t);
+        let [y, mut slope] = curve(&times, &knots, t, self.trajectory);
         if still {
             slope = DVec3::ZERO;
         }
@@ -62,12 +65,12 @@ impl Path<'_> {
     }
 }
 
-/// Value and derivative at `t` of the natural cubic spline through `values` at ascending `times`; straight outside.
-pub fn curve(times: &[f64], values: &[DVec3], t: f64) -> [DVec3; 2] {
+/// Value and derivative at `t` of the cubic spline through `values` at ascending `times`; straight outside.
+pub fn curve(times: &[f64], values: &[DVec3], t: f64, trajectory: Trajectory) -> [DVec3; 2] {
     if times.len() == 1 {
         return [values[0], DVec3::ZERO];
     }
-    let bends = second_derivatives(times, values);
+    let bends = second_derivatives(times, values, trajectory);
     let last = times.len() - 2;
     let a = times[1..=last].iter().filter(|knot| **knot <= t).count();
     let inside = t.clamp(times[0], times[last + 1]);
@@ -82,14 +85,18 @@ pub fn curve(times: &[f64], values: &[DVec3], t: f64) -> [DVec3; 2] {
     [value + slope * (t - inside), slope]
 }
 
-/// Second derivatives at the knots, of which there are at least two: the whole system, rows of the ends included, by elimination with pivots.
-pub fn second_derivatives(times: &[f64], values: &[DVec3]) -> Vec<DVec3> {
+/// Second derivatives at the knots, of which there are at least two: the whole system, rows of the ends included, by
+/// elimination with pivots. At the ends they are 0; at the end of what is past, that of the knot before, if it is not the first.
+pub fn second_derivatives(times: &[f64], values: &[DVec3], trajectory: Trajectory) -> Vec<DVec3> {
     let n = times.len();
     let mut rows: Vec<(Vec<f64>, DVec3)> = Vec::new();
     for i in 0..n {
         let mut row = vec![0.0; n];
         if i == 0 || i == n - 1 {
             row[i] = 1.0;
+            if i > 1 && trajectory == Trajectory::Past {
+                row[i - 1] = -1.0;
+            }
             rows.push((row, DVec3::ZERO));
             continue;
         }
