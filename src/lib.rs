@@ -36,6 +36,8 @@
 //!   the frame declares ([`host::ImageState`], [`host::HostBuffer`]), and images are left in the state that it asks for.
 //! - **Change and resize.** `Effect::change` takes another `Desc` between any two frames, `resize` another size. What is replaced is
 //!   handed back ([`effect::Retired`]); nothing waits.
+//! - **Two views** of a frame, as for two eyes: record it twice. The second time smoke has `Sequence::Hold`, and a blur an interval
+//!   found in the second view. A fire that accumulates (`flame::Frame::accumulate`) needs an effect a view.
 //! - **Destroy.** `Effect::retire`, and [`effect::Retired::destroy`] when the GPU is done with all recorded frames; then
 //!   `Kernels::destroy`. Only what celfx has made is destroyed.
 //! - **Time.** [`profile::Timing`] takes a [`profile::Profiler`] or your own queries, two a step.

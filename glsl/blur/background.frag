@@ -6,9 +6,10 @@
 layout(binding = 1) uniform texture2D drawn;
 layout(binding = 2) uniform texture2D background_image;
 #include "under.glsl"
+#include "common/fragment.glsl"
 layout(location = 0) out vec4 colour;
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy) - ivec2(constants.corner);
+    ivec2 pixel = ivec2(pixel_of(gl_FragCoord.xy, constants.corner, uvec2(textureSize(drawn, 0))));
     colour = over_background(texelFetch(drawn, pixel, 0), pixel);
 }

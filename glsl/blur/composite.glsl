@@ -4,10 +4,11 @@ layout(std430, binding = 3) readonly buffer Tiles { uint tiles[]; };
 layout(location = 0) out vec4 colour;
 #include "tiles.glsl"
 #include "common/bits.glsl"
+#include "common/fragment.glsl"
 
 // The pixel's place in the picture.
 uint replace() {
-    uvec2 at = uvec2(gl_FragCoord.xy) - params.corner;
+    uvec2 at = pixel_of(gl_FragCoord.xy, params.corner, params.size);
     uint index = index_of(ivec2(at));
     colour = picture[index];
     // Nothing has been made of a tile that is not worked on.

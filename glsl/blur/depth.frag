@@ -4,10 +4,11 @@
 #include "params.glsl"
 #include "picture.glsl"
 #include "../common/host_depth.glsl"
+#include "common/fragment.glsl"
 layout(std430, binding = 1) readonly buffer Surface { Covering surface[]; };
 
 void main() {
-    Covering own = surface[index_of(ivec2(gl_FragCoord.xy) - ivec2(params.corner))];
+    Covering own = surface[index_of(ivec2(pixel_of(gl_FragCoord.xy, params.corner, params.size)))];
     if (isinf(own.depth) || isinf(own.behind)) {
         discard;
     }

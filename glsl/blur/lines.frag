@@ -5,14 +5,16 @@
 #include "params.glsl"
 #include "behind.glsl"
 #include "lines.glsl"
+#include "common/fragment.glsl"
 layout(location = 0) in float aside;
 layout(location = 1) in float share;
 layout(location = 0) out vec4 drawn;
 
 void main() {
+    ivec2 pixel = ivec2(pixel_of(gl_FragCoord.xy, params.corner, params.size));
     float covered = 0.0;
     for (int i = 0; i < 4; ++i) {
-        covered += is_behind(sample_of(ivec2(gl_FragCoord.xy) - ivec2(params.corner), i), gl_FragCoord.z) ? 0.25 : 0.0;
+        covered += is_behind(sample_of(pixel, i), gl_FragCoord.z) ? 0.25 : 0.0;
     }
     // How much of the pixel is between the line's sides.
     float side = 0.5 * constants.width * (1.0 - share);

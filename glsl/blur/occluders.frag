@@ -6,6 +6,7 @@
 #include "picture.glsl"
 #include "depths.glsl"
 #include "common/scene_words.glsl"
+#include "common/fragment.glsl"
 layout(push_constant) uniform OccluderConstants {
     vec2 terms;  // of the depth image
     uint kind;   // UNORM_16, UNORM_24 or FLOATS
@@ -13,7 +14,7 @@ layout(push_constant) uniform OccluderConstants {
 layout(location = 0) out uint seen;
 
 void main() {
-    float held = scene_word(constants.kind, index_of(ivec2(gl_FragCoord.xy)));
+    float held = scene_word(constants.kind, index_of(ivec2(pixel_of(gl_FragCoord.xy, uvec2(0u), params.size))));
     bool is_reversed = constants.terms.y > 0.0 == (params.is_orthographic == 0u);
     // At the far plane is nothing.
     if (is_reversed ? held <= 0.0 : held >= 1.0) {

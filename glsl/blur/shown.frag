@@ -5,12 +5,13 @@
 #include "params.glsl"
 #include "picture.glsl"
 #include "../common/host_depth.glsl"
+#include "common/fragment.glsl"
 layout(binding = 1) uniform texture2D drawn;
 layout(std430, binding = 2) readonly buffer Surface { Covering surface[]; };
 layout(location = 0) out vec4 colour;
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy) - ivec2(params.corner);
+    ivec2 pixel = ivec2(pixel_of(gl_FragCoord.xy, params.corner, params.size));
     Covering own = surface[index_of(pixel)];
     if (isinf(own.depth)) {
         discard;

@@ -22,6 +22,7 @@ layout(location = 0) out vec4 colour;
 #include "unit.glsl"
 #include "toon_tone.glsl"
 #include "toon/ink_width.glsl"
+#include "common/fragment.glsl"
 
 // Unit normal of a group; 0 where it has no area.
 vec3 normal_of(uint group) {
@@ -73,7 +74,7 @@ vec4 sample_at(ivec2 at) {
 }
 
 void main() {
-    ivec2 at = 2 * ivec2(gl_FragCoord.xy);
+    ivec2 at = 2 * ivec2(pixel_of(gl_FragCoord.xy, uvec2(0u), params.size));
     // Four equal samples are the pixel, to the bit.
     vec4 above = sample_at(at) + sample_at(at + ivec2(1, 0));
     vec4 below = sample_at(at + ivec2(0, 1)) + sample_at(at + ivec2(1, 1));

@@ -1,11 +1,12 @@
 // Composites an effect's picture over the target, whatever the target's format.
 layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
 layout(location = 0) out vec4 colour;
+#include "fragment.glsl"
 
-// A pixel of a picture so many pixels wide.
-void lay_over(uint width) {
-    uvec2 at = uvec2(gl_FragCoord.xy) - params.corner;
-    colour = picture[at.y * width + at.x];
+// A pixel of the picture.
+void lay_over() {
+    uvec2 at = pixel_of(gl_FragCoord.xy, params.corner, params.size);
+    colour = picture[at.y * params.size.x + at.x];
     if (colour.a == 0.0) {
         discard;
     }

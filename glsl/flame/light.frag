@@ -2,13 +2,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "common/fragment.glsl"
 layout(std430, binding = 1) readonly buffer Scene { float scene[]; };
 layout(std430, binding = 2) readonly buffer LampBuffer { Lamp lamp; };
 layout(location = 0) out vec4 brighter;
 
 void main() {
     vec2 at = gl_FragCoord.xy - vec2(params.corner);
-    float depth = scene[pixel_index(uvec2(at))];
+    float depth = scene[pixel_index(pixel_of(gl_FragCoord.xy, params.corner, params.size))];
     if (!(depth < uintBitsToFloat(INFINITY_BITS))) {
         discard;
     }

@@ -10,6 +10,7 @@ layout(location = 0) flat in vec4 place;
 layout(location = 1) flat in uvec4 sprite;
 layout(location = 0) out uvec2 winner;
 #include "../common/bits.glsl"
+#include "common/fragment.glsl"
 #include "depth_range.glsl"
 #include "mask_value.glsl"
 
@@ -19,7 +20,7 @@ void main() {
     float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {
-        passes = passes && place.z < from_base(scene[pixel_index(uvec2(gl_FragCoord.xy))]);
+        passes = passes && place.z < from_base(scene[pixel_index(pixel_of(gl_FragCoord.xy, uvec2(0u), params.size))]);
     }
     if (!passes) {
         discard;

@@ -5,5 +5,5 @@
 #include "../common/composite_fragment.glsl"
 
 void main() {
-    lay_over(params.size.x);
+    lay_over();
 }

@@ -5,6 +5,7 @@
 #include "params.glsl"
 #include "screen.glsl"
 #include "../common/host_depth.glsl"
+#include "common/fragment.glsl"
 
 // What covers a pixel in part.
 struct Edge {
@@ -22,7 +23,7 @@ layout(std430, binding = 4) readonly buffer Edges { Edge edges[]; };
 layout(location = 0) out vec4 colour;
 
 void main() {
-    uvec2 at = uvec2(gl_FragCoord.xy) - params.corner;
+    uvec2 at = pixel_of(gl_FragCoord.xy, params.corner, params.size);
     uint index = pixel_index(at);
     colour = picture[index];
     if (colour.a == 0.0) {

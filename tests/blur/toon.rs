@@ -382,6 +382,20 @@ fn a_frame_is_drawn_once() {
     assert!(weak.output(3, false) == still && still != third);
 }
 
+/// A host shows each frame through two views in turn: each picture is that of an effect that sees through one of them alone.
+#[test]
+fn two_views_of_each_frame() {
+    let make = || Film::new(Builtin::Run, 800, [128, 72], 22..28, Settings::default(), false);
+    let eyes: [Change; 2] = [|view, _| view, |view, frame| views::jittered(views::moved(view), frame)];
+    let (Some(mut both), Some(mut left), Some(mut right)) = (make(), make(), make()) else { return };
+    for i in 1..4 {
+        for (eye, alone) in eyes.into_iter().zip([&mut left, &mut right]) {
+            (both.animation.change, alone.animation.change) = (eye, eye);
+            assert!(both.output(i, true) == alone.output(i, true), "frame {i}");
+        }
+    }
+}
+
 /// Frames that are drawn are blurred as if they were images: frames i - 1 and i + 2, too, which show what neither of the
 /// others does.
 #[test]

@@ -92,6 +92,22 @@ fn a_frame_alone_is_the_sequences() {
     }
 }
 
+/// A host shows each frame through two views in turn: each is that of an effect that sees through one of them alone.
+#[test]
+fn two_views_of_each_frame() {
+    let make = || FlameRig::new(effect(Settings { flicker: 0.37, ..base() }));
+    let (Some(mut both), Some(mut left), Some(mut right)) = (make(), make(), make()) else { return };
+    for number in 0..3 {
+        let particles = cloud(number);
+        for (angle, alone) in [(0.0, &mut left), (4.0, &mut right)] {
+            let frame = Scene { number, ..scene(Some(&particles), camera(angle)) };
+            both.render(&frame);
+            alone.render(&frame);
+            assert_eq!(bits(&mut both).differences(&bits(alone)), [], "frame {number}");
+        }
+    }
+}
+
 #[test]
 fn rows_may_come_in_any_order() {
     let mut sorted = ball(PARTICLES, 2);
