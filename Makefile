@@ -31,7 +31,8 @@ test: setup
 	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked
 
 # The documentation without a warning, and the tests that take minutes, too: memory over 500 frames of each effect, each
-# Vulkan call failing in turn, and, where SwiftShader is installed, every pipeline compiled by it, prefix sums, and the fire in every shape of its kernels.
+# Vulkan call failing in turn, and, where SwiftShader is installed, every pipeline compiled by it, prefix sums, the fire in every
+# shape of its kernels, hosts, and pictures in larger images.
 SWIFTSHADER = $(wildcard /usr/lib/chromium/vk_swiftshader_icd.json)
 
 test-all: test
@@ -40,7 +41,8 @@ test-all: test
 	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked -- --ignored
 	$(if $(SWIFTSHADER),export VK_DRIVER_FILES=$(SWIFTSHADER) VK_ICD_FILENAMES=$(SWIFTSHADER) && \
 	  cargo test --locked --test kernels -- --ignored --nocapture && \
-	  cargo test --locked --test flame shapes && cargo test --locked --test scan,\
+	  cargo test --locked --test flame shapes && cargo test --locked --test scan && \
+	  cargo test --locked --test embed --test contract && cargo test --locked --test blur larger,\
 	  @echo "SKIPPED: no SwiftShader here; on Debian: apt install chromium-common")
 
 bench: build
