@@ -387,26 +387,16 @@ impl Frame<'_> {
         let views = self.interval.as_ref().map(|interval| &interval.views);
         for (i, depth) in self.occluders.iter().enumerate() {
             let made = desc.occluders.filter(|_| images[i]);
-            // Where nothing moves nothing is looked at, and there is no view.
-            match (depth, views) {
-                (Some(image), Some(views)) => check_depth("occluders", Some((image, &views[i].view)), desc.size, made)?,
-                (Some(image), None) if made.is_some() => {
-                    check_image(
-                        "occluders",
-                        image,
-                        desc.size,
-                        desc.occluders.map_or(image.format, |d| d.format),
-                        Content::Kept,
-                    )?;
-                }
-                (depth, _) if depth.is_some() != made.is_some() => {
-                    let expected = if made.is_some() { "expected" } else { "not expected" };
-                    return refuse(
-                        "occluders",
-                        format!("{expected} of frame {}: beside each image", ["i - 1", "i", "i + 1", "i + 2"][i]),
-                    );
-                }
-                _ => {}
+            if depth.is_some() != made.is_some() {
+                let expected = if made.is_some() { "expected" } else { "not expected" };
+                let frame = ["i - 1", "i", "i + 1", "i + 2"][i];
+                return refuse("occluders", format!("{expected} of frame {frame}: beside each image"));
+            }
+            let (Some(image), Some(format)) = (depth, made) else { continue };
+            match views {
+                Some(views) => check_depth("occluders", Some((image, &views[i].view)), desc.size, made)?,
+                // Where nothing moves nothing is looked at, and there is no view.
+                None => check_image("occluders", image, desc.size, format.format, Content::Kept)?,
             }
         }
         Ok(())

@@ -132,8 +132,8 @@ passes! {
     /// Under them, where the host's depth may hide them.
     under = copies("blur.background", [HOST_BACKGROUND], [TARGET]);
     /// As `toon_background`, over that; none without depth.
-    toon_shown: Vec<PassId> = match desc.depth.filter(|_| desc.toon) {
-        Some(format) => TOON.map(|image| shown(desc, image, format)).into(),
+    toon_background_depth: Vec<PassId> = match desc.depth.filter(|_| desc.toon) {
+        Some(format) => TOON.map(|image| begin_behind(desc, image, format)).into(),
         None => Vec::new(),
     };
     toon_frames = from_toon("blur.frames", &FRAMES);
@@ -275,11 +275,11 @@ fn begin(desc: &Desc, drawn: ImageId) -> Pass {
 }
 
 /// A frame that has been drawn, over what the target has, where the host has drawn nothing nearer.
-fn shown(desc: &Desc, drawn: ImageId, format: DepthFormat) -> Pass {
+fn begin_behind(desc: &Desc, drawn: ImageId, format: DepthFormat) -> Pass {
     let depth = DepthAttachment::of_host(HOST_DEPTH, format, false);
-    let raster = quad(&glsl::shown_fragment::SHADER, Some(TARGET), Some(depth), desc);
+    let raster = quad(&glsl::background_depth_fragment::SHADER, Some(TARGET), Some(depth), desc);
     let colour = raster.colour.map(|colour| ColourAttachment { blend: Blend::Over, ..colour });
-    Pass::raster("blur.background", Raster { colour, ..raster }).bind(glsl::shown_fragment::DRAWN, drawn)
+    Pass::raster("blur.background", Raster { colour, ..raster }).bind(glsl::background_depth_fragment::DRAWN, drawn)
 }
 
 /// Replaces a whole picture, or what its shader does not discard.

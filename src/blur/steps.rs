@@ -226,7 +226,7 @@ impl Steps<'_> {
         if !there.is_composed {
             self.surface(frame, input, there);
             if let Some(drawn) = drawn(self.desc, frame)[2] {
-                let shown = self.passes.toon_shown[drawn.place(self.desc)];
+                let shown = self.passes.toon_background_depth[drawn.place(self.desc)];
                 self.plan.step(shown, Command::Draw { vertices: 4 });
             }
         }

@@ -1,4 +1,4 @@
-// A frame that has been drawn, over what the target has, where the host has drawn nothing nearer.
+// As `background`, of a frame that has been drawn: over what the target has, where the host has drawn nothing nearer.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
