@@ -59,7 +59,7 @@ fn a_frame_of_smoke() {
     };
     let next = smoke::Frame { sequence: smoke::Sequence::Advance, ..first };
     let (_, barriers) = commands::<SmokeKind>(&desc, &[first, next]);
-    assert!(barriers <= 24, "{barriers}");
+    assert!(barriers <= 20, "{barriers}");
 }
 
 #[test]
