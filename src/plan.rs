@@ -11,6 +11,8 @@ pub(crate) use declare::passes;
 pub use declare::{Declare, Declared};
 pub use pass::*;
 
+use crate::host::Background;
+
 /// Bytes of push constants.
 pub const PUSH_CONSTANT_BYTES: usize = 128;
 
@@ -102,6 +104,17 @@ pub enum Command {
         /// Pixels.
         extent: [u32; 2],
     },
+}
+
+impl Command {
+    /// How a picture's background gets into its target; none if that is kept. `from`: the host's image of it.
+    pub(crate) fn background(background: &Background, from: ImageId, to: ImageId, extent: [u32; 2]) -> Option<Command> {
+        match background {
+            Background::Keep => None,
+            Background::Clear(colour) => Some(Command::Clear { image: to, value: colour.map(f32::to_bits), extent }),
+            Background::Copy(_) => Some(Command::CopyImage { from, to, extent }),
+        }
+    }
 }
 
 /// One entry of a frame's list.

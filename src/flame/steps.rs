@@ -82,13 +82,10 @@ impl Steps<'_> {
     }
 
     fn background(&mut self, background: &Background) {
-        let (image, from, extent) = (TARGET, BACKGROUND, self.desc.size);
-        let command = match background {
-            Background::Keep => return self.plan.skip(self.passes.background, "the target is kept"),
-            Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits), extent },
-            Background::Copy(_) => Command::CopyImage { from, to: image, extent },
-        };
-        self.plan.step(self.passes.background, command);
+        match Command::background(background, BACKGROUND, TARGET, self.desc.size) {
+            Some(command) => self.plan.step(self.passes.background, command),
+            None => self.plan.skip(self.passes.background, "the target is kept"),
+        }
     }
 
     fn particles(&mut self, frame: &Frame) {

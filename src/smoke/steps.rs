@@ -121,18 +121,9 @@ impl Steps<'_> {
     }
 
     fn background(&mut self, background: &Background) {
-        let extent = self.desc.size;
-        match background {
-            Background::Keep => self.plan.skip(self.passes.background, "the target is kept"),
-            Background::Clear(colour) => {
-                self.plan.step(
-                    self.passes.background,
-                    Command::Clear { image: TARGET, value: colour.map(f32::to_bits), extent },
-                );
-            }
-            Background::Copy(_) => {
-                self.plan.step(self.passes.background, Command::CopyImage { from: BACKGROUND, to: TARGET, extent });
-            }
+        match Command::background(background, BACKGROUND, TARGET, self.desc.size) {
+            Some(command) => self.plan.step(self.passes.background, command),
+            None => self.plan.skip(self.passes.background, "the target is kept"),
         }
     }
 

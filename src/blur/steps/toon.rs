@@ -5,7 +5,6 @@ use crate::blur::desc::Desc;
 use crate::blur::frame::{Drawn, Frame, ToonInput};
 use crate::blur::layout::{HOST_BACKGROUND, PARAMS, TARGET, TOON_BUFFER};
 use crate::blur::params::{BackgroundConstants, BlurParams, ToonParams, VisibilityConstants};
-use crate::host::Background;
 use crate::plan::Command;
 
 /// Frames i - 1 to i + 2, as far as they are drawn because the host has no images of them.
@@ -119,12 +118,10 @@ impl Steps<'_> {
 
     /// The background alone: what the host has drawn may hide the frame, which comes when its depth is known.
     fn under(&mut self, frame: &Frame) {
-        let (image, extent) = (TARGET, self.desc.size);
-        let command = match frame.background {
-            Background::Copy(_) => Command::CopyImage { from: HOST_BACKGROUND, to: image, extent },
-            Background::Clear(colour) => Command::Clear { image, value: colour.map(f32::to_bits), extent },
-            Background::Keep => Command::Clear { image, value: [0; 4], extent },
-        };
+        let extent = self.desc.size;
+        // Where there is none, nothing is behind.
+        let command = Command::background(&frame.background, HOST_BACKGROUND, TARGET, extent);
+        let command = command.unwrap_or(Command::Clear { image: TARGET, value: [0; 4], extent });
         self.plan.step(self.passes.under, command);
     }
 
