@@ -239,7 +239,7 @@ impl<K: Kind> Effect<K> {
         // SAFETY: the caller's.
         unsafe {
             let (_, description) = Self::describe(host, kernels, desc, Effort::Needed)?;
-            description.passes.iter().try_for_each(|pass| kernels.make(host, pass))
+            kernels.make(host, &description.passes)
         }
     }
 

@@ -13,7 +13,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use celfx::io::array::Archive;
-use npyz::npz::NpzWriter;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
 
 /// A file of a test's own, removed at its end.
 pub struct Temporary(PathBuf);
@@ -49,18 +50,17 @@ impl Drop for Temporary {
 #[test]
 fn an_array_that_unpacks_to_much_is_streamed() {
     let file = Temporary::new("npz");
-    let mut npz = NpzWriter::new(fs::File::create(&file.0).expect("temporary folder"));
-    npz.zip_writer().start_file("a.npy", Default::default()).expect("an entry");
+    let mut npz = ZipWriter::new(fs::File::create(&file.0).expect("temporary folder"));
+    npz.start_file("a.npy", SimpleFileOptions::DEFAULT).expect("an entry");
     let count = 64 << 20;
     let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({count},), }}\n");
     let mut entry = b"\x93NUMPY\x01\x00".to_vec();
     entry.extend((header.len() as u16).to_le_bytes());
     entry.extend(header.as_bytes());
-    npz.zip_writer().write_all(&entry).expect("a header");
+    npz.write_all(&entry).expect("a header");
     let zeros = vec![0; 1 << 20];
-    (0..count >> 20).for_each(|_| npz.zip_writer().write_all(&zeros).expect("data"));
-    npz.zip_writer().finish().expect("an archive");
-    drop(npz);
+    (0..count >> 20).for_each(|_| npz.write_all(&zeros).expect("data"));
+    npz.finish().expect("an archive");
     let mut archive = Archive::open(&file.0).expect("an archive");
     let (peak, sum) = peak::of(|| {
         let (mut sum, mut seen) = (0.0, 0);

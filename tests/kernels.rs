@@ -66,7 +66,7 @@ fn make(headless: &Headless, kernels: &Kernels, pass: &Pass) -> Option<String> {
     let _ = std::fs::write("/proc/self/clear_refs", "5");
     let (before, start, count) = (memory("VmRSS:"), Instant::now(), kernels.count());
     // SAFETY: valid handles, of one device.
-    unsafe { kernels.make(&headless.host(), pass) }.expect("a pipeline");
+    unsafe { kernels.make(&headless.host(), std::slice::from_ref(pass)) }.expect("a pipeline");
     let (seconds, peak) = (start.elapsed().as_secs_f64(), memory("VmHWM:").saturating_sub(before));
     if kernels.count() == count {
         return None;

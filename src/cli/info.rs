@@ -58,10 +58,8 @@ fn kernels(options: &Options, common: &Common) -> Result<String, Failure> {
         Failure::new(Failure::NO_DEVICE, message)
     };
     device.costs()?.ok_or_else(lacking)?;
-    for pass in &program::variants(&device.traits())? {
-        // SAFETY: the device's own handles.
-        unsafe { device.kernels().make(&device.host(), pass)? };
-    }
+    // SAFETY: the device's own handles.
+    unsafe { device.kernels().make(&device.host(), &program::variants(&device.traits())?)? };
     let costs = device.costs()?.ok_or_else(lacking)?;
     match options.json {
         true => pretty(&json!({"device": name, "kernels": costs.iter().map(as_json).collect::<Vec<_>>()})),

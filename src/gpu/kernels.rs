@@ -1,7 +1,8 @@
 //! The pipelines of a device: each is made once, and all effects share it.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::collections::hash_map::Entry;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
@@ -19,7 +20,10 @@ use crate::plan::{Blend, DescriptorKind, Kernel, Pass, Shader, Stage, Topology};
 /// It may be used by several threads at once. It must outlive the effects that are made with it, and is then destroyed.
 #[derive(Debug, Default)]
 pub struct Kernels {
-    made: Mutex<HashMap<Key, Made>>,
+    /// Without one while a thread makes it.
+    made: Mutex<HashMap<Key, Option<Made>>>,
+    /// A pipeline has been made, or could not be.
+    changed: Condvar,
     /// The traits that effects are fitted to, if they are not to be the device's.
     traits: Option<DeviceTraits>,
     /// Of pipelines.
@@ -106,13 +110,14 @@ impl Kernels {
             return Ok(None);
         }
         let made = self.lock();
-        let cost = |(key, made): (&Key, &Made)| {
+        let cost = |(key, made): (&Key, &Option<Made>)| {
+            let Some(made) = made else { return Ok(None) };
             // SAFETY: the caller's.
             let executables = unsafe { executables(host, made.pipeline.handle)? };
             let (shaders, specialisation) = (made.shaders.clone(), key.specialisation.clone());
-            Ok(Cost { pass: made.pass, shaders, specialisation, executables })
+            Ok(Some(Cost { pass: made.pass, shaders, specialisation, executables }))
         };
-        let mut costs = made.iter().map(cost).collect::<Result<Vec<Cost>>>()?;
+        let mut costs = made.iter().filter_map(|made| cost(made).transpose()).collect::<Result<Vec<Cost>>>()?;
         drop(made);
         costs.sort_by(|a, b| (a.pass, &a.shaders, &a.specialisation).cmp(&(b.pass, &b.shaders, &b.specialisation)));
         Ok(Some(costs))
@@ -120,21 +125,37 @@ impl Kernels {
 
     /// How many pipelines there are.
     pub fn count(&self) -> usize {
-        self.lock().len()
+        self.lock().values().flatten().count()
     }
 
-    /// Makes the pipeline of a pass now, if it is not there.
+    /// Makes those pipelines of passes that are not there. Threads that do so at the same time divide the work.
     ///
     /// # Errors
     /// A failed Vulkan call.
     ///
     /// # Safety
     /// `host` holds valid handles, of the same device in all calls.
-    pub unsafe fn make(&self, host: &Host, pass: &Pass) -> Result<()> {
-        match pass.kernel {
-            Kernel::Transfer => Ok(()),
-            // SAFETY: the caller's.
-            Kernel::Compute(_) | Kernel::Raster(_) => unsafe { self.pipeline(host, pass) }.map(drop),
+    pub unsafe fn make(&self, host: &Host, passes: &[Pass]) -> Result<()> {
+        let passes = || passes.iter().filter(|pass| !matches!(pass.kernel, Kernel::Transfer));
+        for pass in passes() {
+            if self.claim(&mut self.lock(), pass) {
+                // SAFETY: the caller's.
+                unsafe { self.create(host, pass)? };
+            }
+        }
+        // What others were making has to be there, too.
+        // SAFETY: the caller's.
+        passes().try_for_each(|pass| unsafe { self.pipeline(host, pass) }.map(drop))
+    }
+
+    /// Whether the pipeline of a pass is now this thread's to make: it is not there, and no other makes it.
+    fn claim(&self, made: &mut HashMap<Key, Option<Made>>, pass: &Pass) -> bool {
+        match made.entry(Key::of(pass)) {
+            Entry::Occupied(_) => false,
+            Entry::Vacant(entry) => {
+                entry.insert(None);
+                true
+            }
         }
     }
 
@@ -143,26 +164,40 @@ impl Kernels {
     /// # Safety
     /// `host` holds valid handles, of the same device in all calls.
     pub(crate) unsafe fn pipeline(&self, host: &Host, pass: &Pass) -> Result<Pipeline> {
-        let key = Key::of(pass);
-        if let Some(made) = self.lock().get(&key) {
-            return Ok(made.pipeline);
-        }
-        // Others need not wait while it is compiled. Whoever made the same meanwhile was first.
-        // SAFETY: the caller's; a pipeline that is not kept has not been used.
-        unsafe {
-            let mut new = Pipeline::default();
-            if let Err(error) = new.create(host, pass, self.flags) {
-                new.destroy(host);
-                return Err(error);
+        let mut made = self.lock();
+        while !self.claim(&mut made, pass) {
+            if let Some(Some(made)) = made.get(&Key::of(pass)) {
+                return Ok(made.pipeline);
             }
-            debug::set_name(host, new.handle, pass.name);
-            let shaders = pass.shaders().into_iter().flatten().map(|shader| shader.file).collect();
-            let kept = self.lock().entry(key).or_insert(Made { pipeline: new, pass: pass.name, shaders }).pipeline;
-            if kept.handle != new.handle {
-                new.destroy(host);
-            }
-            Ok(kept)
+            made = self.changed.wait(made).unwrap_or_else(PoisonError::into_inner);
         }
+        drop(made);
+        // SAFETY: the caller's.
+        unsafe { self.create(host, pass) }
+    }
+
+    /// Makes a pipeline that this thread has claimed. Others need not wait while it is compiled.
+    ///
+    /// # Safety
+    /// As of [`Self::pipeline`].
+    unsafe fn create(&self, host: &Host, pass: &Pass) -> Result<Pipeline> {
+        let mut new = Pipeline::default();
+        // SAFETY: the caller's; a pipeline that failed has not been used.
+        let result = unsafe {
+            new.create(host, pass, self.flags)
+                .map(|()| debug::set_name(host, new.handle, pass.name))
+                .inspect_err(|_| new.destroy(host))
+        };
+        let mut made = self.lock();
+        match result {
+            Ok(()) => {
+                let shaders = pass.shaders().into_iter().flatten().map(|shader| shader.file).collect();
+                made.insert(Key::of(pass), Some(Made { pipeline: new, pass: pass.name, shaders }));
+            }
+            Err(_) => drop(made.remove(&Key::of(pass))),
+        }
+        self.changed.notify_all();
+        result.map(|()| new)
     }
 
     /// Destroys the pipelines.
@@ -170,13 +205,13 @@ impl Kernels {
     /// # Safety
     /// `host` is of the device that all of them were made on. Every effect that was made with them is destroyed.
     pub unsafe fn destroy(&mut self, host: &Host) {
-        for (_, made) in self.lock().drain() {
+        for made in self.lock().drain().filter_map(|(_, made)| made) {
             // SAFETY: the caller's.
             unsafe { made.pipeline.destroy(host) };
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, HashMap<Key, Made>> {
+    fn lock(&self) -> MutexGuard<'_, HashMap<Key, Option<Made>>> {
         self.made.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

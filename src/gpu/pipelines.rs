@@ -41,6 +41,7 @@ impl Pipelines {
     unsafe fn create(&mut self, host: &Host, kernels: &Kernels, passes: &[Pass], resources: &Resources) -> Result<()> {
         // SAFETY: the caller's, for all calls below.
         unsafe {
+            kernels.make(host, passes)?;
             self.pool = create_pool(host, passes)?;
             for pass in passes {
                 self.passes.push(bind(host, kernels, pass, resources, self.pool)?);

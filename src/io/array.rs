@@ -8,8 +8,10 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use exr::prelude::f16;
-use npyz::WriterBuilder;
-use npyz::npz::NpzArchive;
+use npyz::npz::{array_name_from_file_name, file_name_from_array_name};
+use npyz::{AutoSerialize, WriterBuilder};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::{ReadError, WriteError, file, write_atomic};
 
@@ -137,7 +139,7 @@ pub struct Archive {
     path: PathBuf,
     /// Bytes of the file.
     length: u64,
-    zip: NpzArchive<BufReader<File>>,
+    zip: ZipArchive<BufReader<File>>,
 }
 
 impl Archive {
@@ -147,7 +149,7 @@ impl Archive {
         let unreadable = |error| ReadError::file(path, error, "a file that can be read");
         let file = file::open(path).map_err(unreadable)?;
         let length = file.metadata().map_err(unreadable)?.len();
-        let zip = NpzArchive::new(BufReader::new(file)).map_err(|error| {
+        let zip = ZipArchive::new(BufReader::new(file)).map_err(|error| {
             ReadError::file(path, format!("no zip archive, or one that is cut short ({error})"), whole)
         })?;
         Ok(Archive { path: path.into(), length, zip })
@@ -155,7 +157,8 @@ impl Archive {
 
     /// Names of the arrays, sorted.
     pub fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = self.zip.array_names().map(String::from).collect();
+        let mut names: Vec<String> =
+            self.zip.file_names().filter_map(array_name_from_file_name).map(String::from).collect();
         names.sort();
         names
     }
@@ -190,17 +193,15 @@ impl Archive {
     }
 
     fn entry<'a>(&'a mut self, name: &'a str) -> Result<Option<Entry<'a>>, ReadError> {
-        if !self.zip.array_names().any(|n| n == name) {
-            return Ok(None);
-        }
+        let Some(index) = self.zip.index_for_name(&file_name_from_array_name(name)) else { return Ok(None) };
         let fault = Fault { path: &self.path, name };
-        let file = npyz::npz::file_name_from_array_name(name);
-        let mut zipped = self.zip.zip_archive().by_name(&file).map_err(|e| fault.error(e, "a readable zip entry"))?;
+        let unreadable = |error| fault.error(error, "a readable zip entry");
         // Others, which NumPy does not write, make gigabytes of a few bytes.
-        let packing = zipped.compression().to_string();
-        if !["Stored", "Deflated"].contains(&packing.as_str()) {
+        let packing = self.zip.by_index_raw(index).map_err(unreadable)?.compression();
+        if ![CompressionMethod::Stored, CompressionMethod::Deflated].contains(&packing) {
             return Err(fault.error(format!("is packed as {packing}"), "a stored or deflated zip entry"));
         }
+        let mut zipped = self.zip.by_index(index).map_err(unreadable)?;
         // What is allocated by a header's shape is so no more than what is there.
         let (size, packed) = (zipped.size(), zipped.compressed_size().min(self.length));
         if size > packed.saturating_mul(MAX_EXPANSION) {
@@ -403,6 +404,36 @@ pub fn write_npy(path: &Path, shape: &[u64], values: &[f32]) -> Result<(), Write
         writer.extend(values.iter().copied())?;
         writer.finish()
     })
+}
+
+/// A `.npz` file that is being written.
+pub struct ArchiveWriter<W: io::Write + io::Seek>(ZipWriter<W>);
+
+impl<W: io::Write + io::Seek> ArchiveWriter<W> {
+    /// An archive without an array.
+    pub fn new(file: W) -> ArchiveWriter<W> {
+        ArchiveWriter(ZipWriter::new(file))
+    }
+
+    /// Adds an array, the last axis of `shape` running fastest.
+    pub fn add<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        values: impl IntoIterator<Item = T>,
+    ) -> io::Result<()> {
+        // Without a limit of 4 GiB.
+        let options = SimpleFileOptions::DEFAULT.large_file(true).compression_method(CompressionMethod::Stored);
+        self.0.start_file(file_name_from_array_name(name), options)?;
+        let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut self.0).begin_nd()?;
+        writer.extend(values)?;
+        writer.finish()
+    }
+
+    /// Writes the list of arrays, which ends the file.
+    pub fn finish(self) -> io::Result<W> {
+        Ok(self.0.finish()?)
+    }
 }
 
 /// Refuses a shape that does not hold `count` values.

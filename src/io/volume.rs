@@ -3,10 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use npyz::WriterBuilder;
-use npyz::npz::NpzWriter;
-
-use super::array::{Archive, Array, Kind, check_count};
+use super::array::{Archive, ArchiveWriter, Array, Kind, check_count};
 use super::sequence::{Input, Sequence, Source};
 use super::{ReadError, WriteError, write_atomic};
 use crate::data::Volume;
@@ -201,22 +198,25 @@ fn without_ones(shape: &[u64]) -> Vec<u64> {
 pub fn write_npz(path: &Path, volume: &Volume) -> Result<(), WriteError> {
     let [nx, ny, nz] = volume.dimensions.map(u64::from);
     write_atomic(path, |file| {
-        let mut npz = NpzWriter::new(file);
+        let mut npz = ArchiveWriter::new(file);
         put(&mut npz, "density", &[nz, ny, nx], &volume.density)?;
         if let Some(velocity) = &volume.velocity {
             put(&mut npz, "velocity", &[nz, ny, nx, 3], velocity.as_flattened())?;
         }
         put(&mut npz, "voxel_size", &[3], &volume.voxel_size)?;
         put(&mut npz, "origin", &[3], &volume.origin)?;
-        npz.zip_writer().finish().map(|_| ()).map_err(io::Error::other)
+        npz.finish().map(|_| ())
     })
 }
 
-fn put<W: io::Write + io::Seek>(npz: &mut NpzWriter<W>, name: &str, shape: &[u64], values: &[f32]) -> io::Result<()> {
+fn put<W: io::Write + io::Seek>(
+    npz: &mut ArchiveWriter<W>,
+    name: &str,
+    shape: &[u64],
+    values: &[f32],
+) -> io::Result<()> {
     check_count(shape, values.len())?;
-    let mut writer = npz.array::<f32>(name, Default::default())?.default_dtype().shape(shape).begin_nd()?;
-    writer.extend(values.iter().copied())?;
-    writer.finish()
+    npz.add(name, shape, values.iter().copied())
 }
 
 impl Input for Volume {

@@ -6,6 +6,8 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use celfx::io::array::ArchiveWriter;
+
 /// An empty folder, removed at the test's end.
 pub struct Folder(pub PathBuf);
 
@@ -107,12 +109,12 @@ pub fn shown(path: &Path) -> Vec<u8> {
     }
 }
 
-/// An archive of arrays that is being written.
-pub type Archive = npyz::npz::NpzWriter<std::fs::File>;
+/// An archive of arrays that is being written; it is whole when it is dropped.
+pub type Archive = ArchiveWriter<std::fs::File>;
 
 /// A new archive.
 pub fn archive(path: &Path) -> Archive {
-    npyz::npz::NpzWriter::new(std::fs::File::create(path).expect("temporary folder"))
+    ArchiveWriter::new(std::fs::File::create(path).expect("temporary folder"))
 }
 
 /// Adds an array.
@@ -122,9 +124,5 @@ pub fn add_array<T: npyz::AutoSerialize>(
     shape: &[u64],
     values: impl IntoIterator<Item = T>,
 ) {
-    use npyz::WriterBuilder;
-    let writer = to.array(name, Default::default()).expect("an entry");
-    let mut array = writer.default_dtype().shape(shape).begin_nd().expect("a header");
-    array.extend(values).expect("values");
-    array.finish().expect("an array");
+    to.add(name, shape, values).expect("an array");
 }

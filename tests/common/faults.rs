@@ -27,6 +27,11 @@ pub fn disarm() -> Option<&'static str> {
     FAILED.take()
 }
 
+/// How many of the calls that were allowed are left.
+pub fn left() -> Option<u32> {
+    LEFT.get()
+}
+
 /// Whether a call fails now.
 fn fails(name: &'static str) -> bool {
     let Some(left) = LEFT.get().filter(|_| ONLY.get().is_none_or(|only| only == name)) else { return false };

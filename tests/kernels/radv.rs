@@ -112,10 +112,8 @@ fn costs_on_a_chip() {
     let device = ManuallyDrop::new(Headless::new(&options).expect("a device that only compiles"));
     let mut passes = celfx::program::variants(&device.traits()).expect("allowed settings");
     passes.push(Pass::compute("vignette.planted", &shaders::vignette::planted::SHADER));
-    for pass in &passes {
-        // SAFETY: valid handles, of one device.
-        unsafe { device.kernels().make(&device.host(), pass) }.expect("a pipeline");
-    }
+    // SAFETY: valid handles, of one device.
+    unsafe { device.kernels().make(&device.host(), &passes) }.expect("pipelines");
     for cost in device.costs().expect("figures").expect("a device that says") {
         cost.executables.iter().enumerate().for_each(|(number, executable)| print(&cost, number, executable));
     }

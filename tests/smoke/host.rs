@@ -159,8 +159,8 @@ fn threads_share_pipelines() {
     let (host, mut shared, mut alone) = (device.host(), Kernels::new(), Kernels::new());
     // SAFETY: valid handles, of one device; nothing is submitted.
     unsafe {
-        passes.iter().for_each(|pass| alone.make(&host, pass).expect("a pipeline"));
-        let make = || passes.iter().for_each(|pass| shared.make(&host, pass).expect("a pipeline"));
+        alone.make(&host, &passes).expect("pipelines");
+        let make = || shared.make(&host, &passes).expect("pipelines");
         std::thread::scope(|scope| (0..3).for_each(|_| drop(scope.spawn(make))));
         assert!(alone.count() > 20 && shared.count() == alone.count(), "{}", shared.count());
         shared.destroy(&host);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use ash::vk;
-use celfx::effect::Effort;
+use celfx::effect::{Effort, Kernels};
 use celfx::error::Error;
 use celfx::flame;
 use celfx::low_level::gpu::headless::{Headless, NoDevice, Options};
@@ -11,7 +11,7 @@ use celfx::offline::{EffectBuffer, Effects, Offline, Scene};
 use celfx::smoke::SmokeKind;
 use celfx::smoke::{self, Sequence};
 
-use crate::common::faults::{arm, disarm, table};
+use crate::common::faults::{arm, disarm, left, table};
 use crate::common::flame::ball;
 use crate::common::scenes::{camera, desc, direction, puffs};
 use crate::common::{device, device_of, options};
@@ -96,6 +96,46 @@ fn some_calls_that_fail_are_errors_with_a_name_and_leave_nothing_behind() {
 #[ignore = "takes minutes; make test-all runs it"]
 fn every_call_that_fails_is_an_error_with_a_name_and_leaves_nothing_behind() {
     each_call_that_fails(1);
+}
+
+/// Threads that need the same pipelines divide the work; what one could not make, another makes that needs it.
+#[test]
+fn threads_divide_pipelines() {
+    let Some(device) = device_of(&Options { table, ..options() }) else { return };
+    let host = device.host();
+    let passes = celfx::program::variants(&device.traits()).expect("allowed settings");
+    let small = &passes[..40];
+    // Makes them, and counts how many compute pipelines this took; one of so many calls fails.
+    let make = |kernels: &Kernels, fails: u32| {
+        arm(fails, Some("vkCreateComputePipelines"));
+        // SAFETY: valid handles, of one device.
+        let result = unsafe { kernels.make(&host, small) };
+        let calls = left().map(|left| fails - left);
+        disarm();
+        (result, calls)
+    };
+    const NEVER: u32 = 1000;
+    let mut alone = Kernels::new();
+    let expected = make(&alone, NEVER).1.expect("nothing failed");
+    assert!(expected > 10, "{expected}");
+    for fails in [NEVER, 3] {
+        let mut shared = Kernels::new();
+        let counted = std::thread::scope(|scope| {
+            let faulty = scope.spawn(|| make(&shared, fails));
+            let others = [0, 1].map(|_| scope.spawn(|| make(&shared, NEVER)));
+            let (result, calls) = faulty.join().expect("no panic");
+            assert!(result.is_ok() || fails != NEVER, "{result:?}");
+            let others = others.map(|other| other.join().expect("no panic"));
+            others.iter().for_each(|(result, _)| assert!(result.is_ok(), "{result:?}"));
+            // One that failed has made those before.
+            calls.unwrap_or(fails) + others.into_iter().map(|(_, calls)| calls.expect("nothing failed")).sum::<u32>()
+        });
+        assert_eq!((counted, shared.count()), (expected, alone.count()), "one in {fails} fails");
+        // SAFETY: nothing was submitted.
+        unsafe { shared.destroy(&host) };
+    }
+    // SAFETY: nothing was submitted.
+    unsafe { alone.destroy(&host) };
 }
 
 #[test]

@@ -1,6 +1,5 @@
 use super::*;
 use crate::io::tests::Folder;
-use npyz::npz::NpzWriter;
 use std::fs;
 use std::io::Write;
 
@@ -20,12 +19,12 @@ fn with_header(text: &str, data: &[u8]) -> Vec<u8> {
 
 /// Writes an `.npz` of such arrays.
 pub(crate) fn write_archive(path: &Path, arrays: &[(&str, Vec<u8>)]) {
-    let mut npz = NpzWriter::new(File::create(path).unwrap());
+    let mut npz = ZipWriter::new(File::create(path).unwrap());
     for (name, bytes) in arrays {
-        npz.zip_writer().start_file(format!("{name}.npy"), Default::default()).unwrap();
-        npz.zip_writer().write_all(bytes).unwrap();
+        npz.start_file(format!("{name}.npy"), SimpleFileOptions::DEFAULT).unwrap();
+        npz.write_all(bytes).unwrap();
     }
-    npz.zip_writer().finish().unwrap();
+    npz.finish().unwrap();
 }
 
 fn read_one(bytes: Vec<u8>) -> Result<Array<f64>, ReadError> {
