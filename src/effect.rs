@@ -32,7 +32,7 @@ pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::{Kept, Resources};
-use crate::host::{Host, Memory, MemorySource, NamedFormat, check_formats};
+use crate::host::{Host, HostBuffer, Memory, MemorySource, NamedFormat, check_formats};
 use crate::plan::{BufferId, ImageId, Pass, Plan};
 
 /// How much of a frame's work is done.
@@ -125,6 +125,11 @@ pub trait Inventory {
 
     /// The memory of both, before alignment.
     fn memory(&self, desc: &Self::Desc) -> Memory;
+
+    /// Buffers of the host's that kernels read in place: they stay the same from frame to frame.
+    fn bound(&self, _: &Self::Desc) -> Vec<(BufferId, HostBuffer)> {
+        Vec::new()
+    }
 }
 
 fn not_prepared() -> Error {
@@ -139,6 +144,7 @@ pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
         host_buffers: K::Layout::HOST_BUFFERS,
         images: kind.layout().images(desc),
         host_images: K::Layout::HOST_IMAGES,
+        bound: kind.layout().bound(desc),
         memory: kind.layout().memory(desc),
     }
 }

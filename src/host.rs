@@ -97,7 +97,7 @@ impl HostImage {
 }
 
 /// A range of a buffer of the host, exclusive to the queue family that celfx records for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HostBuffer {
     /// The buffer; it stays the host's.
     pub buffer: vk::Buffer,

@@ -18,6 +18,8 @@ mod host;
 mod normals;
 #[path = "blur/occluders.rs"]
 mod occluders;
+#[path = "blur/parts.rs"]
+mod parts;
 #[path = "blur/plan.rs"]
 mod plan;
 #[path = "blur/refine.rs"]

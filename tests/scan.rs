@@ -27,6 +27,7 @@ fn scanned(device: &mut TestDevice, values: &[u32]) -> Vec<u32> {
         host_buffers: 1,
         images: Vec::new(),
         host_images: 0,
+        bound: Vec::new(),
         memory: Default::default(),
     };
     let mut given = host::source(device, bytes);

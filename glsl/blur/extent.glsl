@@ -1,6 +1,7 @@
 // How far ahead and how far to the side a vertex is among those of its cluster. The extremes of a linear function lie on
 // the convex hull, and the products of its points are those of brute force: the result is the same to the bit.
 #include "../common/random.glsl"
+#include "directions.glsl"
 
 #ifndef MOST_SCANNED
 #define MOST_SCANNED 65536u  // points of a hull, that can be all looked at
@@ -89,9 +90,22 @@ void widen_by_four(inout vec4 found, vec2 d, vec2 u, uint at) {
     widen(found, d, u, at + 3u);
 }
 
+// The largest product over a hull that has the farthest point in each of many directions. Around that of the nearest of them
+// are those of its neighbours; one between, which none of them has, is less farther than DIRECTION_STEP / 4 of their distance.
+float farthest_of_directions(Cluster cluster, vec2 d) {
+    uint nearest = uint(int(round(atan(d.y, d.x) / DIRECTION_STEP)) + int(DIRECTIONS));
+    float best = along(d, hull[cluster.hull_begin + nearest % DIRECTIONS]);
+    best = max(best, along(d, hull[cluster.hull_begin + (nearest + 1u) % DIRECTIONS]));
+    return max(best, along(d, hull[cluster.hull_begin + (nearest - 1u) % DIRECTIONS]));
+}
+
 // (smallest, largest) product along d and across it. Of hulls with more than MOST_SCANNED points, too many of which are
 // equally far for a walk, one of these.
 vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
+    if (params.has_directions != 0u) {
+        return vec4(-farthest_of_directions(cluster, -d), farthest_of_directions(cluster, d),
+                    -farthest_of_directions(cluster, -u), farthest_of_directions(cluster, u));
+    }
     uint count = cluster.hull_end - cluster.hull_begin;
     if (count > FEW) {
         vec4 found = vec4(0.0);

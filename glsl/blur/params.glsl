@@ -26,6 +26,8 @@ const uint CULLED = 1u << 26u;     // never seen, because the object is closed
 const uint BETWEEN = 0xffffffffu;
 const uint ENDED_BY_BUDGET = 1u;   // why the refinement ended with triangles that would have gone on
 const uint ENDED_BY_ROUNDS = 2u;
+const float STATIC = 0.5;          // pixels: what moves less from frame i to frame i + 1 stays where it is
+const float NO_MEAN = 1e-6;        // a mean velocity below this share of the largest one has no direction
 const float LEAST_EDGE = 0.25;     // length in pixels below which an edge is not divided
 const float LEAST_SURFACE = 1.0 / 64.0; // length in pixels at the reference time: less of the surface is not divided
 const uint FRONT_BITS = 4u;        // of a triangle: FRONT_MASK, and one that is unused
@@ -94,6 +96,7 @@ layout(binding = 0) uniform BlurParams {
     uint is_over_background;   // frames lie over the background
     uint is_clipped;           // what is outside of the picture is not refined
     uint is_whole;             // all tiles are worked on
+    uint has_directions;       // hulls are the farthest points in DIRECTIONS directions
 } params;
 
 // A knot of the trajectories: a frame of the window.
@@ -123,6 +126,22 @@ struct Cluster {
     uint hull_end;    // the one after the last
     uint teeth;       // random numbers N across it, 1 to 4096
     uint points;      // number of its points
+};
+
+// Members of a part that a workgroup looks at.
+struct Chunk {
+    uint part;
+    uint begin;  // first member
+    uint end;    // the one after the last
+    uint unused;
+};
+
+// A part of the mesh that the host has named.
+struct PartRow {
+    uint object;
+    uint first_chunk;
+    uint last_chunk;  // the one after the last
+    uint unused;
 };
 
 // A piece of a point's trajectory: y(u) = y(0) + u D + ((1 - u)^3 - (1 - u)) / 6 M0 + (u^3 - u) / 6 M1, where u is 0 to 1

@@ -3,14 +3,45 @@
 use ash::vk;
 
 use crate::blur::mesh::Mesh;
+use crate::blur::parts::PartSizes;
 use crate::blur::settings::Settings;
 use crate::error::{Error, Result};
-use crate::host::DepthFormat;
+use crate::host::{DepthFormat, HostBuffer, check_buffer};
+use crate::layout::LOOP_BUDGET;
 use crate::settings::Rule;
 use crate::shaders::blur::constants::{BASE_MASK, MOST_SEGMENTS};
 
 /// Triangles that refinement may make, unless a host says otherwise.
 pub const MOST_TRIANGLES: u32 = 1_000_000;
+
+/// The most buffers that positions are read from.
+pub const MOST_SOURCES: usize = 8;
+
+/// A buffer in which the host's own skinning leaves positions: three `f32` a vertex, world position in metres, finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// The buffer, until the effect is changed or destroyed. Its offset is a multiple of the device's
+    /// `minStorageBufferOffsetAlignment`. Usage: `STORAGE_BUFFER`.
+    pub buffer: HostBuffer,
+    /// `f32` from the beginning of a position to that of the next one, at least 3.
+    pub stride: u32,
+    /// Vertices.
+    pub vertices: u32,
+    /// Points of the mesh that come from here: the first of them follows the last of the source before.
+    pub points: u32,
+}
+
+impl Source {
+    fn validate(&self) -> Result<()> {
+        Rule::new("", 3..=1 << 16).check("blur's source's stride", self.stride)?;
+        check_buffer("a source of blur's positions", &self.buffer, self.bytes())
+    }
+
+    /// From the first position to the end of the last.
+    pub(super) fn bytes(&self) -> u64 {
+        4 * (u64::from(self.stride) * u64::from(self.vertices.max(1) - 1) + 3)
+    }
+}
 
 /// Description of a blur effect. All of it is fixed until `resize`.
 #[derive(Clone, Debug)]
@@ -48,6 +79,12 @@ pub struct Desc {
     /// Frames whose poses are kept on the device, at least 4 and as many as a window of trajectories has; a frame takes
     /// the place of the one that is so many before it.
     pub frames_resident: u32,
+    /// Parts that the host names ([`crate::blur::Parts::sizes`]): what moves is then found on the device, and outputs bring poses
+    /// and no more. None: outputs bring [`crate::blur::frame::ClusterInput`].
+    pub parts: Option<PartSizes>,
+    /// Buffers in which the host's own skinning leaves positions, read in place; at most [`MOST_SOURCES`], of points that follow each
+    /// other. None: outputs bring [`crate::blur::frame::PoseInput`].
+    pub sources: Vec<Source>,
     /// Same seed, same teeth.
     pub seed: u32,
     /// The look.
@@ -77,6 +114,8 @@ impl Desc {
             most_triangles: MOST_TRIANGLES.max(triangles),
             segments: Desc::segments_of(&settings),
             frames_resident: 4,
+            parts: None,
+            sources: Vec::new(),
             seed: 0,
             settings,
             layers: false,
@@ -104,7 +143,35 @@ impl Desc {
         if self.toon && self.groups == 0 {
             return Err(Error::setting("blur's normal groups", 0, "at least 1 where frames are drawn"));
         }
+        if let Some(PartSizes { most_neighbours, .. }) = self.parts {
+            check_seams(most_neighbours)?;
+        }
+        self.validate_sources()?;
         Rule::new("", 1..=MOST_SEGMENTS).check("blur's segments", self.segments)?;
         Rule::new("", 4..=1 << 24).check("blur's resident frames", self.frames_resident)
     }
+
+    fn validate_sources(&self) -> Result<()> {
+        self.sources.iter().try_for_each(Source::validate)?;
+        let points: u64 = self.sources.iter().map(|source| u64::from(source.points)).sum();
+        let fits = self.sources.is_empty() || points == u64::from(self.points);
+        match fits && self.sources.len() <= MOST_SOURCES {
+            true => Ok(()),
+            false => {
+                let given = format!("{} of {points} points", self.sources.len());
+                let allowed = format!("at most {MOST_SOURCES}, of the mesh's {} points together", self.points);
+                Err(Error::setting("blur's sources", given, allowed))
+            }
+        }
+    }
+}
+
+/// Refuses seams with a point of so many neighbours.
+pub(super) fn check_seams(most_neighbours: u32) -> Result<()> {
+    if most_neighbours <= LOOP_BUDGET {
+        return Ok(());
+    }
+    let (needed, limit) = (most_neighbours.into(), LOOP_BUDGET.into());
+    let (what, advice) = ("neighbours of a point at a seam", "use a mesh with fewer points");
+    Err(Error::Limit { what, needed, limit, advice })
 }

@@ -1,70 +1,20 @@
 //! A host's description of one output.
 
-use crate::blur::desc::Desc;
+mod topology;
+
+pub use topology::{GroupInput, PartInput, TopologyInput};
+
+use crate::blur::desc::{Desc, MOST_SOURCES, check_seams};
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
-use crate::blur::mesh::{Lists, Mesh};
+use crate::blur::mesh::Lists;
 use crate::blur::motion::{Cluster, Interval, Segment};
 pub use crate::blur::motion::{FrameView, Knot};
-use crate::blur::settings::Completion;
+use crate::blur::parts::PartSizes;
 use crate::error::{Error, Result};
 use crate::host::{Background, Content, HostBuffer, HostImage};
 use crate::host::{check_background, check_beside, check_buffer as holds, check_depth, check_distinct, check_image};
-use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, OBJECT_SHIFT, PIECE_SEGMENTS};
+use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::view::Light;
-
-/// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
-#[derive(Clone, Copy, Debug)]
-pub struct TopologyInput {
-    /// Four `u32` a triangle: its points, and eight times the place of its object.
-    pub triangles: HostBuffer,
-    /// A `u32` a point and one more: where its list of neighbours begins, and the end of the last.
-    pub neighbour_starts: HostBuffer,
-    /// The lists.
-    pub neighbours: HostBuffer,
-    /// The normal groups; not needed unless `completion = "surface"` or frames are drawn.
-    pub groups: Option<GroupInput>,
-    /// Base colours, for frames that are drawn: four `f32` a corner of a triangle, linear RGB, not negative; unused.
-    pub colours: Option<HostBuffer>,
-}
-
-/// Which corners of triangles share a normal. Usage of all buffers: `TRANSFER_SRC`.
-#[derive(Clone, Copy, Debug)]
-pub struct GroupInput {
-    /// Four `u32` a triangle: the groups of its corners, and 0.
-    pub corners: HostBuffer,
-    /// A `u32` a group and one more: where its list of triangles begins, and the end of the last.
-    pub starts: HostBuffer,
-    /// The lists.
-    pub triangles: HostBuffer,
-}
-
-impl GroupInput {
-    /// The rows of [`GroupInput::corners`] of a mesh.
-    pub fn corner_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
-        mesh.normal_groups().iter().map(|[a, b, c]| [*a, *b, *c, 0]).collect()
-    }
-
-    fn validate(&self, desc: &Desc) -> Result<()> {
-        holds("the mesh's normal groups", &self.corners, 16 * u64::from(desc.triangles))?;
-        holds("the mesh's lists of normal groups", &self.starts, 4 * (u64::from(desc.groups) + 1))?;
-        holds("the mesh's triangles of normal groups", &self.triangles, 4 * u64::from(desc.group_triangles))
-    }
-}
-
-impl TopologyInput {
-    /// The rows of [`TopologyInput::colours`] of a mesh, from linear RGB of each vertex; where there is none, white.
-    pub fn colour_rows(mesh: &Mesh, colours: &[[f32; 3]]) -> Vec<[f32; 4]> {
-        let colour = |vertex: &u32| colours.get(*vertex as usize).map_or([1.0; 4], |[r, g, b]| [*r, *g, *b, 1.0]);
-        mesh.corners().iter().flatten().map(colour).collect()
-    }
-
-    /// The rows of [`TopologyInput::triangles`] of a mesh.
-    pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
-        let place = |id: &u32| mesh.objects().partition_point(|object| object < id) as u32;
-        let rows = mesh.triangles().iter().zip(mesh.triangle_objects());
-        rows.map(|([a, b, c], id)| [*a, *b, *c, place(id) << OBJECT_SHIFT]).collect()
-    }
-}
 
 /// Poses of consecutive frames.
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +25,15 @@ pub struct PoseInput {
     pub count: u32,
     /// Three `f32` a point and frame, frame by frame: world position in metres, finite. Usage: `TRANSFER_SRC`.
     pub positions: HostBuffer,
+}
+
+/// Where in its sources a frame's pose is ([`crate::blur::Desc::sources`]).
+#[derive(Clone, Copy, Debug)]
+pub struct SkinnedInput {
+    /// Number of the frame.
+    pub frame: u32,
+    /// Where its positions begin in each source, in bytes from the source's own offset: a multiple of 4.
+    pub offsets: [u64; MOST_SOURCES],
 }
 
 /// Where trajectories come from.
@@ -97,6 +56,13 @@ pub struct IntervalInput<'a> {
     pub views: [FrameView; 4],
     /// Where trajectories come from.
     pub trajectories: Trajectories<'a>,
+    /// Which points move together; none exactly if the effect was made for parts, and finds it.
+    pub clusters: Option<ClusterInput>,
+}
+
+/// The clusters of an [`Interval`] on the device. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct ClusterInput {
     /// [`Interval::motion`].
     pub motion: HostBuffer,
     /// [`Interval::labels`].
@@ -128,7 +94,30 @@ pub struct Counts {
     pub farthest: f32,
 }
 
+impl ClusterInput {
+    /// The buffers, in the order of [`crate::blur::layout::HOST_INTERVAL`], and the bytes that are needed of each.
+    pub(super) fn sized(&self, counts: &Counts, desc: &Desc) -> [(&'static str, HostBuffer, u64); 6] {
+        let points = u64::from(desc.points);
+        let Counts { clusters, hull, seams, .. } = *counts;
+        let words = desc.triangles.div_ceil(FRONTS_A_WORD);
+        [
+            ("the interval's motion", self.motion, 16 * points),
+            ("the interval's labels", self.labels, 4 * points),
+            ("the interval's clusters", self.clusters, size_of::<Cluster>() as u64 * u64::from(clusters)),
+            ("the interval's hulls", self.hull, 8 * u64::from(hull)),
+            ("the interval's seams", self.seams, 4 * u64::from(seams)),
+            ("the interval's fronts", self.fronts, 4 * u64::from(words)),
+        ]
+    }
+}
+
 impl Counts {
+    /// Of parts, in generation `generation` of the teeth: the frame number divided by `hold`.
+    pub fn of_parts(parts: &PartSizes, generation: u32) -> Counts {
+        let PartSizes { parts, seams, most_neighbours, .. } = *parts;
+        Counts { generation, clusters: parts, seams, most_neighbours, ..Counts::default() }
+    }
+
     /// Of an interval. The seams' neighbours are those of [`crate::blur::Mesh::neighbours`].
     pub fn of(interval: &Interval, neighbours: &Lists) -> Counts {
         let seams = interval.seams.iter().map(|point| neighbours.of(*point as usize).len() as u32);
@@ -198,6 +187,8 @@ pub struct Frame<'a> {
     pub mesh: Option<TopologyInput>,
     /// Poses of frames that are not on the device yet.
     pub poses: Option<PoseInput>,
+    /// The pose of a frame that the host's own skinning has made; before it, those of `poses` are taken.
+    pub skinned: Option<SkinnedInput>,
     /// The motion; none: nothing moves, and the output is the image of frame i + 1.
     pub interval: Option<IntervalInput<'a>>,
     /// Images of frames i and i + 1: linear light (or a format that is read as such), premultiplied, of the target's size
@@ -222,28 +213,14 @@ pub struct Frame<'a> {
     pub background: Background,
 }
 
-fn refuse<T>(name: &'static str, why: String) -> Result<T> {
-    Err(Error::HostResource { name, why })
+/// Why what is given on one side only is refused.
+fn one_sided(is_given: bool) -> String {
+    let (given, made) = if is_given { ("given", "without") } else { ("missing", "for them") };
+    format!("{given}; the effect was made {made}")
 }
 
-impl TopologyInput {
-    fn validate(&self, desc: &Desc) -> Result<()> {
-        holds("the mesh's triangles", &self.triangles, 16 * u64::from(desc.triangles))?;
-        holds("the mesh's lists of neighbours", &self.neighbour_starts, 4 * (u64::from(desc.points) + 1))?;
-        holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))?;
-        match &self.groups {
-            None if desc.toon || desc.settings.completion == Completion::Surface => {
-                let why = "completion = \"surface\" and frames that are drawn need them";
-                refuse("the mesh's normal groups", why.to_owned())
-            }
-            groups => groups.iter().try_for_each(|groups| groups.validate(desc)),
-        }?;
-        match &self.colours {
-            Some(colours) => holds("the mesh's colours", colours, 48 * u64::from(desc.triangles)),
-            None if desc.toon => refuse("the mesh's colours", "frames that are drawn need them".to_owned()),
-            None => Ok(()),
-        }
-    }
+fn refuse<T>(name: &'static str, why: String) -> Result<T> {
+    Err(Error::HostResource { name, why })
 }
 
 impl PoseInput {
@@ -259,6 +236,26 @@ impl PoseInput {
     }
 }
 
+impl SkinnedInput {
+    fn validate(&self, desc: &Desc) -> Result<()> {
+        if desc.sources.is_empty() {
+            return refuse("the skinned pose", one_sided(true));
+        }
+        for (number, (source, offset)) in desc.sources.iter().zip(self.offsets).enumerate() {
+            let end = offset.checked_add(source.bytes());
+            if offset % 4 != 0 || end.is_none_or(|end| end > source.buffer.size) {
+                let why = format!(
+                    "positions of source {number} from byte {offset} on; expected a multiple of 4, and {} bytes from there to lie in the source's {}",
+                    source.bytes(),
+                    source.buffer.size
+                );
+                return refuse("the skinned pose", why);
+            }
+        }
+        Ok(())
+    }
+}
+
 impl IntervalInput<'_> {
     fn validate(&self, desc: &Desc) -> Result<()> {
         let Counts { clusters, hull, seams, most_neighbours, farthest, .. } = self.counts;
@@ -267,24 +264,24 @@ impl IntervalInput<'_> {
             let why = format!("{clusters} clusters, {hull} points of hulls, {seams} of seams, of {points} points");
             return refuse("the interval", why);
         }
-        if most_neighbours > crate::layout::LOOP_BUDGET {
-            let (needed, limit) = (most_neighbours.into(), crate::layout::LOOP_BUDGET.into());
-            let (what, advice) = ("neighbours of a point at a seam", "use a mesh with fewer points");
-            return Err(Error::Limit { what, needed, limit, advice });
-        }
+        check_seams(most_neighbours)?;
         if !farthest.is_finite() {
             return refuse("the interval", "a hull that is not finite".to_owned());
         }
         self.validate_segments(desc)?;
         self.views.iter().try_for_each(|view| view.view.validate())?;
-        holds("the interval's motion", &self.motion, 16 * points)?;
-        holds("the interval's labels", &self.labels, 4 * points)?;
-        holds("the interval's clusters", &self.clusters, size_of::<Cluster>() as u64 * u64::from(clusters))?;
-        holds("the interval's hulls", &self.hull, 8 * u64::from(hull))?;
-        let words = desc.triangles.div_ceil(FRONTS_A_WORD);
-        holds("the interval's fronts", &self.fronts, 4 * u64::from(words))?;
-        if seams > 0 {
-            holds("the interval's seams", &self.seams, 4 * u64::from(seams))?;
+        match (&self.clusters, &desc.parts) {
+            (Some(given), None) => {
+                for (what, buffer, bytes) in given.sized(&self.counts, desc).iter().filter(|(_, _, bytes)| *bytes > 0) {
+                    holds(what, buffer, *bytes)?;
+                }
+            }
+            (None, Some(parts)) if (clusters, hull, seams) == (parts.parts, 0, parts.seams) => {}
+            (None, Some(_)) => return refuse("the interval", "counts of others than the effect's parts".to_owned()),
+            (given, _) => {
+                let (is, made) = if given.is_some() { ("given", "for parts") } else { ("missing", "without parts") };
+                return refuse("the interval's clusters", format!("{is}; the effect was made {made}"));
+            }
         }
         match self.trajectories {
             Trajectories::Poses(knots) => knots.iter().try_for_each(|knot| knot.view.view.validate()),
@@ -329,6 +326,7 @@ impl Frame<'_> {
         Frame {
             mesh: None,
             poses: None,
+            skinned: None,
             interval: None,
             images: None,
             toon: None,
@@ -348,6 +346,9 @@ impl Frame<'_> {
         }
         if let Some(poses) = &self.poses {
             poses.validate(desc)?;
+        }
+        if let Some(skinned) = &self.skinned {
+            skinned.validate(desc)?;
         }
         if let Some(interval) = &self.interval {
             interval.validate(desc)?;
@@ -402,17 +403,18 @@ impl Frame<'_> {
         Ok(())
     }
 
-    /// Whether this output brings the pose of a frame.
-    pub(super) fn brings(&self, frame: u32) -> bool {
-        self.poses.is_some_and(|p| (p.first..p.first + p.count).contains(&frame))
+    /// Frames whose poses this output brings.
+    pub(super) fn new_poses(&self) -> impl Iterator<Item = u32> + use<> {
+        let poses = self.poses.map_or(0..0, |poses| poses.first..poses.first + poses.count);
+        poses.chain(self.skinned.map(|skinned| skinned.frame))
     }
 
     fn needs(&self, frame: u32, desc: &Desc, resident: &[Option<u32>]) -> Result<()> {
         let place = |frame: u32| frame % desc.frames_resident;
         let is_resident = resident.get(place(frame) as usize).copied().flatten() == Some(frame);
         // What a new pose takes the place of is gone.
-        let is_covered = self.poses.is_some_and(|p| (p.first..p.first + p.count).any(|new| place(new) == place(frame)));
-        match self.brings(frame) || (is_resident && !is_covered) {
+        let is_covered = self.new_poses().any(|new| place(new) == place(frame));
+        match self.new_poses().any(|new| new == frame) || (is_resident && !is_covered) {
             true => Ok(()),
             false => refuse("poses", format!("that of frame {frame} is needed and not on the device")),
         }

@@ -3,22 +3,24 @@
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS, MOST_LINES, MOST_LISTED, MOST_TABLES};
 use ash::vk;
 
-use crate::blur::desc::Desc;
+use crate::blur::desc::{Desc, MOST_SOURCES};
+use crate::blur::parts::PartSizes;
 use crate::blur::settings::Completion;
 use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::host::Memory;
+use crate::host::{HostBuffer, Memory};
 use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource};
 use crate::shaders::blur as glsl;
 use crate::shaders::blur::blocks::{
-    BlurParams, Cluster, Control, Covering, Knot, Piece, PointMotion, Round, Site, ToonParams, Trail, Vertex,
+    BlurParams, Chunk, Cluster, Control, Covering, Knot, PartRow, Piece, PointMotion, Round, Site, ToonParams, Trail,
+    Vertex,
 };
 use crate::shaders::blur::constants::{
-    BIN_FIELDS, BINS, BLOCK, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_SITES, OBJECTS, ROUNDS, STARTS,
-    TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
+    BIN_FIELDS, BINS, BLOCK, DIRECTIONS, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_SITES, OBJECTS,
+    ROUNDS, STARTS, TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
 };
 
 buffers! {
@@ -74,6 +76,15 @@ buffers! {
     LISTS = "Lists",
     SURFACE = "Surface",
     SCENE_WORDS = "SceneWords",
+    SOURCE_ROWS = "SourceRows",
+    PART_LABELS = "PartLabels",
+    PART_MEMBERS = "PartMembers",
+    PART_CHUNKS = "PartChunks",
+    PART_ROWS = "PartRows",
+    CHUNK_SUMS = "ChunkSums",
+    CHUNK_FARTHEST = "ChunkFarthest",
+    SUPPORT_VALUES = "SupportValues",
+    SUPPORT_POINTS = "SupportPoints",
 }
 
 /// Words before the flags of tiles: their number, and dispatches over them.
@@ -106,12 +117,43 @@ pub const HOST_INTERVAL: [BufferId; 7] = [
 pub const HOST_GROUPS: [BufferId; 3] = [BufferId(BUFFERS + 11), BufferId(BUFFERS + 12), BufferId(BUFFERS + 13)];
 /// The host's base colours.
 pub const HOST_COLOURS: BufferId = BufferId(BUFFERS + 14);
+/// The host's parts: labels, members, chunks, rows, points near seams.
+pub const HOST_PARTS: [BufferId; 5] = [
+    BufferId(BUFFERS + 15),
+    BufferId(BUFFERS + 16),
+    BufferId(BUFFERS + 17),
+    BufferId(BUFFERS + 18),
+    BufferId(BUFFERS + 19),
+];
+/// The host's rows of points in its sources.
+pub const HOST_SOURCE_ROWS: BufferId = BufferId(BUFFERS + 20);
+/// The first of the host's sources.
+const FIRST_SOURCE: u16 = BUFFERS + 21;
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 15;
+pub const HOST_BUFFERS: usize = 21 + MOST_SOURCES;
 
-/// What frames need of frames before: the mesh and poses.
-pub const KEPT: [BufferId; 8] =
-    [POSES, TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS, TOON_BUFFER, CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
+/// A source of the host's.
+pub fn host_source(number: usize) -> BufferId {
+    BufferId(FIRST_SOURCE + number as u16)
+}
+
+/// What frames need of frames before: the mesh and poses; with parts, points near seams, too.
+pub const KEPT: [BufferId; 14] = [
+    POSES,
+    TRIANGLES,
+    NEIGHBOUR_STARTS,
+    NEIGHBOURS,
+    TOON_BUFFER,
+    CORNER_GROUPS,
+    GROUP_STARTS,
+    GROUP_TRIANGLES,
+    SOURCE_ROWS,
+    PART_LABELS,
+    PART_MEMBERS,
+    PART_CHUNKS,
+    PART_ROWS,
+    SEAMS,
+];
 /// Where in [`TOON_BUFFER`] the base colours begin.
 pub const BASE_COLOURS: u64 = size_of::<ToonParams>() as u64;
 
@@ -309,6 +351,23 @@ impl Layout {
         self.set(LINES, if desc.toon { 16 * pixels } else { 0 });
         self.set(PART_SUMS, triangles.div_ceil(BLOCK.into()) * 8);
         self.size_completion(desc, pixels);
+        self.size_parts(desc);
+    }
+
+    fn size_parts(&mut self, desc: &Desc) {
+        let points = u64::from(desc.points);
+        self.set(SOURCE_ROWS, if desc.sources.is_empty() { 0 } else { 4 * points });
+        let Some(PartSizes { parts, chunks, .. }) = desc.parts else { return };
+        let (parts, chunks, directions) = (u64::from(parts), u64::from(chunks), u64::from(DIRECTIONS));
+        self.set(PART_LABELS, 4 * points);
+        self.set(PART_MEMBERS, 4 * points);
+        self.set(PART_CHUNKS, size_of::<Chunk>() as u64 * chunks);
+        self.set(PART_ROWS, size_of::<PartRow>() as u64 * parts);
+        self.set(CHUNK_SUMS, 16 * chunks);
+        self.set(CHUNK_FARTHEST, 8 * directions * chunks);
+        self.set(SUPPORT_VALUES, 4 * directions * parts);
+        self.set(SUPPORT_POINTS, 4 * directions * parts);
+        self.set(HULL, 8 * directions * parts);
     }
 
     fn size_completion(&mut self, desc: &Desc, pixels: u64) {
@@ -350,6 +409,7 @@ impl Layout {
         for (what, needed, limit) in [
             ("blur's points", desc.points, points_dispatched()),
             ("blur's triangles", desc.triangles, MOST_GROUPS * u64::from(glsl::begin::SHADER.local_size[0])),
+            ("blur's parts", desc.parts.map_or(0, |parts| parts.parts.max(parts.chunks)), MOST_GROUPS),
             ("blur's normals", desc.groups, MOST_GROUPS * u64::from(glsl::normals::SHADER.local_size[0])),
         ] {
             if u64::from(needed) > limit {
@@ -432,6 +492,10 @@ impl Inventory for Layout {
             ImageDesc { name: "blur background", ..frame },
         ];
         all.into()
+    }
+
+    fn bound(&self, desc: &Desc) -> Vec<(BufferId, HostBuffer)> {
+        desc.sources.iter().enumerate().map(|(number, source)| (host_source(number), source.buffer)).collect()
     }
 
     fn memory(&self, desc: &Desc) -> Memory {

@@ -63,6 +63,13 @@ impl Lists {
         &self.items[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 
+    /// The lists of another, whose items are greater by so much.
+    fn append(&mut self, other: &Lists, items: u32) {
+        let end = self.items.len() as u32;
+        self.starts.extend(other.starts[1..].iter().map(|start| start + end));
+        self.items.extend(other.items.iter().map(|item| item + items));
+    }
+
     /// Lists 0 to `count` - 1 of the second numbers of pairs, by the first; double pairs count once.
     fn new(count: usize, mut pairs: Vec<(u32, u32)>) -> Lists {
         pairs.sort_unstable();
@@ -99,16 +106,21 @@ fn check_length(name: &str, length: usize, vertices: usize) -> Result<()> {
     }
 }
 
+/// Ends of lists must fit into 32 bits too: an edge is in two lists of neighbours, for each of its triangles.
+fn check_size(vertices: usize, triangles: usize) -> Result<()> {
+    match vertices > 1 << 30 || triangles > (u32::MAX / 6) as usize {
+        true => Err(refused(format!("{vertices} vertices, {triangles} triangles: too many"))),
+        false => Ok(()),
+    }
+}
+
 /// Refuses what can't be a mesh.
 fn check(input: &MeshInput) -> Result<()> {
     let vertices = input.vertices;
     if vertices == 0 {
         return Err(refused("it has no vertices".into()));
     }
-    // Ends of lists must fit into 32 bits too: an edge is in two lists of neighbours, for each of its triangles.
-    if vertices > 1 << 30 || input.triangles.len() > (u32::MAX / 6) as usize {
-        return Err(refused(format!("{vertices} vertices, {} triangles: too many", input.triangles.len())));
-    }
+    check_size(vertices, input.triangles.len())?;
     let numbers = [("objects", input.objects), ("weld", input.weld)].map(|(name, list)| (name, list.map(<[_]>::len)));
     let vectors = [("normals", input.normals), ("rest", input.rest)].map(|(name, list)| (name, list.map(<[_]>::len)));
     for (name, length) in numbers.into_iter().chain(vectors) {
@@ -211,6 +223,75 @@ impl Mesh {
         self.normal_groups = groups.as_chunks().0.to_vec();
         self.group_triangles = Lists::new(firsts.len(), by_corner(&self.normal_groups));
         self
+    }
+
+    /// Several meshes as one, for one effect: vertices, points, triangles and normal groups of each follow those of the one
+    /// before; its objects, too, by their order.
+    ///
+    /// # Errors
+    /// No mesh, or too many triangles.
+    pub fn join(meshes: &[&Mesh]) -> Result<Mesh> {
+        let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        let vertices: usize = meshes.iter().map(|mesh| mesh.file_to_point.len()).sum();
+        check_size(vertices, triangles)?;
+        let (first, others) = meshes.split_first().ok_or_else(|| refused("there is none to join".into()))?;
+        let mut joined = (*first).clone();
+        joined.number_objects(0);
+        others.iter().for_each(|other| joined.append(other));
+        Ok(joined)
+    }
+
+    /// Objects become numbers from `first` on, in their order.
+    fn number_objects(&mut self, first: u32) {
+        let Mesh { objects, triangle_objects, point_objects, .. } = self;
+        for object in triangle_objects.iter_mut().chain(point_objects) {
+            *object = first + objects.partition_point(|other| *other < *object) as u32;
+        }
+        *objects = (first..).take(objects.len()).collect();
+    }
+
+    fn append(&mut self, other: &Mesh) {
+        let mut other = other.clone();
+        other.number_objects(self.objects.len() as u32);
+        let (points, vertices) = (self.points as u32, self.file_to_point.len() as u32);
+        let (triangles, groups) = (self.triangles.len() as u32, self.group_triangles.starts.len() as u32 - 1);
+        let rows = |rows: Vec<[u32; 3]>, by: u32| rows.into_iter().map(move |row| row.map(|number| number + by));
+        self.file_to_point.extend(other.file_to_point.iter().map(|point| point + points));
+        self.point_to_file.extend(other.point_to_file.iter().map(|vertex| vertex + vertices));
+        self.corners.extend(rows(other.corners, vertices));
+        self.triangles.extend(rows(other.triangles, points));
+        self.normal_groups.extend(rows(other.normal_groups, groups));
+        self.shells.append(&other.shells);
+        self.triangle_objects.extend(other.triangle_objects);
+        self.point_objects.extend(other.point_objects);
+        self.neighbours.append(&other.neighbours, points);
+        self.point_triangles.append(&other.point_triangles, triangles);
+        self.group_triangles.append(&other.group_triangles, triangles);
+        self.objects.extend(other.objects);
+        self.points += other.points;
+    }
+
+    /// Where each point is in the host's sources ([`crate::blur::Source`]), and how many points are of each: `vertices` has the
+    /// vertices of each source, which follow each other in the mesh.
+    ///
+    /// # Errors
+    /// Together not the mesh's vertices.
+    pub fn source_rows(&self, vertices: &[u32]) -> Result<(Vec<u32>, Vec<u32>)> {
+        let sum: u64 = vertices.iter().map(|count| u64::from(*count)).sum();
+        if sum != self.file_to_point.len() as u64 {
+            return Err(refused(format!("{sum} vertices in sources; it has {}", self.file_to_point.len())));
+        }
+        let (mut first, mut rows, mut points) = (0, Vec::with_capacity(self.points), Vec::new());
+        for count in vertices {
+            let (begin, end) = (first, first + count);
+            first = end;
+            // Points are numbered by their first vertex.
+            let own = self.point_to_file[rows.len()..].iter().take_while(|vertex| **vertex < end);
+            let before = rows.len();
+            rows.extend(own.map(|vertex| vertex - begin).collect::<Vec<_>>());
+            points.push((rows.len() - before) as u32);
+        }
+        Ok((rows, points))
     }
 
     /// Number of points V, at least 1.
@@ -409,6 +490,34 @@ mod tests {
         assert_eq!(mixed.group_triangles().of(a[0] as usize), [0, 1]);
         let smooth = Mesh::new(&input(4, &TETRAHEDRON)).unwrap();
         assert_eq!((smooth.triangles(), smooth.objects()), (flat.triangles(), flat.objects()));
+    }
+
+    /// Joined meshes are the mesh of the joined inputs.
+    #[test]
+    fn meshes_are_joined() {
+        let (weld, objects) = ([0, 1, 2, 2, 3, 0], [8, 8, 8, 8, 8, 8]);
+        let first = MeshInput { weld: Some(&weld), objects: Some(&objects), ..input(6, &[[0, 1, 2], [3, 4, 5]]) };
+        let others = [8, 8, 8, 8, 3, 3, 3];
+        let mut triangles = TETRAHEDRON.to_vec();
+        triangles.push([4, 5, 6]);
+        let second = MeshInput { objects: Some(&others), ..input(7, &triangles) };
+        let all: Vec<[u32; 3]> =
+            first.triangles.iter().copied().chain(triangles.iter().map(|t| t.map(|v| v + 6))).collect();
+        let whole = MeshInput {
+            vertices: 13,
+            triangles: &all,
+            objects: Some(&[0, 0, 0, 0, 0, 0, 2, 2, 2, 2, 1, 1, 1]),
+            weld: Some(&[0, 1, 2, 2, 3, 0, 6, 7, 8, 9, 10, 11, 12]),
+            normals: None,
+            rest: None,
+        };
+        let [first, second] = [first, second].map(|input| Mesh::new(&input).unwrap());
+        let joined = Mesh::join(&[&first, &second]).unwrap();
+        assert_eq!(joined, Mesh::new(&whole).unwrap());
+        assert!(Mesh::join(&[]).is_err());
+        let (rows, points) = joined.source_rows(&[6, 7]).unwrap();
+        assert_eq!((&rows[..], &points[..]), (&[0, 1, 2, 4, 0, 1, 2, 3, 4, 5, 6][..], &[4, 7][..]));
+        assert!(joined.source_rows(&[6, 6]).unwrap_err().to_string().contains("12 vertices in sources; it has 13"));
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub(crate) mod limits;
 pub mod mesh;
 pub mod motion;
 pub(crate) mod params;
+pub mod parts;
 pub(crate) mod passes;
 #[cfg(any(test, feature = "reference"))]
 pub mod reference;
@@ -23,13 +24,14 @@ use std::ops::Range;
 use ash::vk;
 
 pub use crate::host::{Background, DepthFormat};
-pub use desc::{Desc, MOST_TRIANGLES};
+pub use desc::{Desc, MOST_SOURCES, MOST_TRIANGLES, Source};
 pub use frame::{
-    Counts, DepthInput, Frame, FrameView, GroupInput, IntervalInput, Knot, PoseInput, ToonInput, TopologyInput,
-    Trajectories,
+    ClusterInput, Counts, DepthInput, Frame, FrameView, GroupInput, IntervalInput, Knot, PartInput, PoseInput,
+    SkinnedInput, ToonInput, TopologyInput, Trajectories,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
+pub use parts::Parts;
 pub use settings::Settings;
 pub use upload::{Placed, Upload};
 
@@ -66,6 +68,8 @@ pub struct Brought {
     mesh: bool,
     /// Frames whose poses it brought.
     poses: Range<u32>,
+    /// The frame whose pose the host's skinning made.
+    skinned: Option<u32>,
     /// Frames that were drawn.
     drawn: [Option<frame::Drawn>; 4],
 }
@@ -104,7 +108,8 @@ impl Kind for BlurKind {
         let BlurKind { traits, layout, passes, effort, drawn, .. } = self;
         Steps { plan, passes, desc, layout, traits, effort: *effort, drawn }.fill(frame);
         let poses = frame.poses.map_or(0..0, |poses| poses.first..poses.first + poses.count);
-        Ok(Brought { mesh: frame.mesh.is_some(), poses, drawn: steps::drawn(desc, frame) })
+        let skinned = frame.skinned.map(|skinned| skinned.frame);
+        Ok(Brought { mesh: frame.mesh.is_some(), poses, skinned, drawn: steps::drawn(desc, frame) })
     }
 
     fn upload(&self, desc: &Desc, frame: &Frame, resources: &mut Resources) {
@@ -119,20 +124,25 @@ impl Kind for BlurKind {
             resources.set_host_buffer(id, groups.map(|buffers| buffers[place]));
         }
         resources.set_host_buffer(layout::HOST_POSES, frame.poses.map(|poses| poses.positions));
-        let interval = frame.interval.as_ref().filter(|_| steps::still(desc, frame).is_none());
-        let buffers = interval.map(|interval| {
-            let pieces = match interval.trajectories {
-                Trajectories::Poses(_) => None,
-                Trajectories::Pieces(pieces) => Some(pieces),
-            };
-            let seams = Some(interval.seams).filter(|_| interval.counts.seams > 0);
-            let [motion, labels, clusters, hull] =
-                [interval.motion, interval.labels, interval.clusters, interval.hull].map(Some);
-            [motion, labels, clusters, hull, seams, Some(interval.fronts), pieces]
-        });
-        for (place, id) in layout::HOST_INTERVAL.into_iter().enumerate() {
-            resources.set_host_buffer(id, buffers.and_then(|buffers| buffers[place]));
+        let parts = frame.mesh.and_then(|mesh| mesh.parts).zip(desc.parts);
+        let parts = parts.map(|(parts, sizes)| parts.sized(&sizes, desc.points));
+        for (place, id) in layout::HOST_PARTS.into_iter().enumerate() {
+            let used = parts.map(|parts| parts[place]).filter(|(_, bytes)| *bytes > 0);
+            resources.set_host_buffer(id, used.map(|(buffer, _)| buffer));
         }
+        resources.set_host_buffer(layout::HOST_SOURCE_ROWS, frame.mesh.and_then(|mesh| mesh.source_rows));
+        let interval = frame.interval.as_ref().filter(|_| steps::still(desc, frame).is_none());
+        let given = interval.and_then(|interval| Some(interval.clusters?.sized(&interval.counts, desc)));
+        let [found @ .., pieces] = layout::HOST_INTERVAL;
+        for (place, id) in found.into_iter().enumerate() {
+            let used = given.map(|given| given[place]).filter(|(.., bytes)| *bytes > 0);
+            resources.set_host_buffer(id, used.map(|(_, buffer, _)| buffer));
+        }
+        let given = interval.and_then(|interval| match interval.trajectories {
+            Trajectories::Poses(_) => None,
+            Trajectories::Pieces(pieces) => Some(pieces),
+        });
+        resources.set_host_buffer(pieces, given);
         resources.set_host_image(layout::TARGET, Some(frame.target));
         for (place, id) in layout::HOST_FRAMES.into_iter().enumerate() {
             resources.set_host_image(id, frame.images.map(|images| images[place]));
@@ -147,13 +157,14 @@ impl Kind for BlurKind {
         }
     }
 
-    fn recorded(&mut self, desc: &Desc, Brought { mesh, poses, drawn }: Brought) {
+    fn recorded(&mut self, desc: &Desc, Brought { mesh, poses, skinned, drawn }: Brought) {
         self.has_mesh = true;
+        let is_new = |frame: u32| mesh || poses.contains(&frame) || skinned == Some(frame);
         for place in &mut self.drawn {
-            *place = place.filter(|drawn| !mesh && !poses.contains(&drawn.frame()));
+            *place = place.filter(|drawn| !is_new(drawn.frame()));
         }
         drawn.into_iter().flatten().for_each(|new| self.drawn[new.place(desc)] = Some(new));
-        for new in poses {
+        for new in poses.chain(skinned) {
             self.resident[(new % desc.frames_resident) as usize] = Some(new);
         }
     }
@@ -167,7 +178,9 @@ impl Kind for BlurKind {
     fn go_on(&mut self, old: &BlurKind, descs: [&Desc; 2], kept: &Kept) {
         let mesh = descs.map(|d| [d.points, d.triangles, d.neighbours, d.objects, d.groups, d.group_triangles]);
         let has_normals = descs.map(|desc| self.layout.has_normals(desc));
-        let same_mesh = mesh[0] == mesh[1] && (descs[0].toon, has_normals[0]) == (descs[1].toon, has_normals[1]);
+        let same_parts = descs[0].parts == descs[1].parts && descs[0].sources.len() == descs[1].sources.len();
+        let same_mesh =
+            same_parts && mesh[0] == mesh[1] && (descs[0].toon, has_normals[0]) == (descs[1].toon, has_normals[1]);
         if same_mesh && layout::KEPT.iter().all(|id| kept.buffer(*id)) {
             self.has_mesh = old.has_mesh;
             self.resident.clone_from(&old.resident);

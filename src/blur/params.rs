@@ -178,6 +178,7 @@ impl BlurParams {
             is_drawn: frame.images.is_none().into(),
             is_over_background: (frame.images.is_none() || matches!(frame.background, Background::Copy(_))).into(),
             is_clipped: settings.is_clipped().into(),
+            has_directions: desc.parts.is_some().into(),
             is_whole: (desc.layers || desc.depth.is_some()).into(),
             ..BlurParams::of_views(desc, &interval.views, frame)
         }

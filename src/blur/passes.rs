@@ -25,6 +25,13 @@ passes! {
     mesh = copies("blur.mesh", HOST_TOPOLOGY, [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS]);
     /// Where frames go around, those that come are in two runs.
     poses = copies("blur.poses", [HOST_POSES], [POSES]).times(2);
+    parts = copies("blur.mesh", HOST_PARTS, [PART_LABELS, PART_MEMBERS, PART_CHUNKS, PART_ROWS, SEAMS])
+        .copies(HOST_SOURCE_ROWS, SOURCE_ROWS);
+    /// Of each source.
+    gather: Vec<PassId> = {
+        let gather = |number| Pass::compute("blur.poses", &glsl::gather::SHADER).bind(glsl::gather::SOURCE, host_source(number));
+        (0..desc.sources.len()).map(gather).collect::<Vec<Pass>>()
+    };
     background = copies("blur.background", [HOST_FRAMES[1]], [TARGET]);
     interval = {
         let [motions, labels, clusters, hull, seams, fronts, _] = HOST_INTERVAL;
@@ -36,6 +43,18 @@ passes! {
     trajectory = Pass::compute("blur.trajectory", &glsl::trajectory::SHADER)
         .specialise([desc.segments.min(PIECE_SEGMENTS), in_screen(desc)]);
     pieces = copies("blur.trajectory", [HOST_INTERVAL[6]], [SPLINES]).times(desc.segments as usize);
+    /// Where parts are found on the device; what is closed is not known then.
+    measure_begin = Pass::transfer("blur.measure").fills(SUPPORT_VALUES).fills(SUPPORT_POINTS).fills(FRONTS);
+    /// Motion, the farthest points of chunks, those of parts, clusters; none without parts.
+    measure: Vec<PassId> = match desc.parts {
+        Some(_) => vec![
+            Pass::compute("blur.measure", &glsl::measure::SHADER).specialise([in_screen(desc)]),
+            Pass::compute("blur.measure", &glsl::support::SHADER),
+            Pass::compute("blur.measure", &glsl::outline::SHADER),
+            Pass::compute("blur.measure", &glsl::describe::SHADER),
+        ],
+        None => Vec::new(),
+    };
     extent = Pass::compute("blur.extent", &glsl::extent::SHADER);
     seams = Pass::compute("blur.seams", &glsl::seams::SHADER).times(desc.settings.seam_smoothing as usize);
     settle = Pass::compute("blur.extent", &glsl::settle::SHADER).specialise([in_screen(desc)]);

@@ -32,6 +32,13 @@ pub struct Solid {
 }
 
 impl Shells {
+    /// The shells of other triangles, after these.
+    pub fn append(&mut self, other: &Shells) {
+        let shell = |shell: &u32| if *shell == NONE { NONE } else { shell + self.count as u32 };
+        self.of_triangle.extend(other.of_triangle.iter().map(shell));
+        self.count += other.count;
+    }
+
     /// Finds the shells, and which triangles must be turned over so that all that hang together run as the first of them.
     /// A surface that can't be turned so, as a Moebius strip, stays as it is.
     pub fn find(triangles: &[[u32; 3]]) -> (Shells, Vec<bool>) {

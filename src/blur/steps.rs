@@ -6,20 +6,22 @@ use std::mem::offset_of;
 use std::ops::Range;
 
 use crate::blur::desc::Desc;
-use crate::blur::frame::{DepthInput, Drawn, Frame, FrameView, IntervalInput, PoseInput, TopologyInput, Trajectories};
+use crate::blur::frame::{DepthInput, Drawn, Frame, FrameView, IntervalInput, Trajectories};
 use crate::blur::layout::*;
 use crate::blur::params::{
-    self, BackgroundConstants, BlurParams, ChooseConstants, Control, FRONTS_A_WORD, GhostConstants, Knot,
-    LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, OccluderConstants, ROUNDS, Round,
+    self, BackgroundConstants, BlurParams, ChooseConstants, Control, DIRECTIONS, DescribeConstants, GhostConstants,
+    Knot, LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, OccluderConstants, ROUNDS, Round,
     RoundConstants, SeamConstants, SettleConstants, ToneConstants, ToonParams, VisibilityConstants,
 };
+use crate::blur::parts::PartSizes;
 use crate::blur::passes::Passes;
-use crate::blur::settings::{Completion, Settings};
+use crate::blur::settings::{Completion, MOST_TEETH, Settings};
 use crate::host::{Background, words_of};
 use crate::plan::{Command, PassId, Plan, Shader};
 use crate::shaders::blur as glsl;
 use crate::view::Projection;
 
+mod inputs;
 mod toon;
 
 use toon::ToonFrames;
@@ -98,13 +100,15 @@ impl Steps<'_> {
                 self.mesh();
                 self.groups();
                 self.colours(mesh);
+                self.parts(mesh);
             }
             None => self.plan.skip(self.passes.mesh, "unchanged"),
         }
-        match &frame.poses {
-            Some(poses) => self.poses(poses),
-            None => self.plan.skip(self.passes.poses, "none are new"),
+        if frame.new_poses().next().is_none() {
+            self.plan.skip(self.passes.poses, "none are new");
         }
+        frame.poses.iter().for_each(|poses| self.poses(poses));
+        frame.skinned.iter().for_each(|skinned| self.gather(skinned));
         let still = still(self.desc, frame);
         let Some(interval) = frame.interval.as_ref().filter(|_| still.is_none()) else {
             let reason = still.unwrap_or_default();
@@ -254,66 +258,21 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.surface, pixels, &BackgroundConstants::new(background, &frame.target));
     }
 
-    fn colours(&mut self, mesh: &TopologyInput) {
-        let bytes = 48 * u64::from(self.desc.triangles);
-        if mesh.colours.is_some() && self.desc.toon && bytes > 0 {
-            let command = Command::CopyRange { from: (HOST_COLOURS, 0), to: (TOON_BUFFER, BASE_COLOURS), bytes };
-            self.plan.step(self.passes.colours, command);
-        }
-    }
-
-    fn mesh(&mut self) {
-        let Desc { points, triangles, neighbours, .. } = *self.desc;
-        let sizes = [16 * u64::from(triangles), 4 * (u64::from(points) + 1), 4 * u64::from(neighbours)];
-        let to = [TRIANGLES, NEIGHBOUR_STARTS, NEIGHBOURS];
-        for ((from, to), bytes) in HOST_TOPOLOGY.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
-            self.plan.step(self.passes.mesh, Command::CopyBuffer { from, to, bytes });
-        }
-    }
-
-    fn groups(&mut self) {
-        if !self.layout.has_normals(self.desc) {
-            return;
-        }
-        let Desc { triangles, groups, group_triangles, .. } = *self.desc;
-        let sizes = [16 * u64::from(triangles), 4 * (u64::from(groups) + 1), 4 * u64::from(group_triangles)];
-        let to = [CORNER_GROUPS, GROUP_STARTS, GROUP_TRIANGLES];
-        for ((from, to), bytes) in HOST_GROUPS.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
-            self.plan.step(self.passes.groups, Command::CopyBuffer { from, to, bytes });
-        }
-    }
-
-    /// Each to its place, from where frames stand after one another to where they go around.
-    fn poses(&mut self, poses: &PoseInput) {
-        let bytes = 12 * u64::from(self.desc.points);
-        let resident = self.desc.frames_resident;
-        let mut done = 0;
-        while done < poses.count {
-            let place = (poses.first + done) % resident;
-            let run = (poses.count - done).min(resident - place);
-            let (from, to) = (u64::from(done) * bytes, u64::from(place) * bytes);
-            let bytes = u64::from(run) * bytes;
-            let command = Command::CopyRange { from: (HOST_POSES, from), to: (POSES, to), bytes };
-            self.plan.step(self.passes.poses, command);
-            done += run;
-        }
-    }
-
-    fn interval(&mut self, interval: &IntervalInput) {
-        let points = u64::from(self.desc.points);
-        let counts = &interval.counts;
-        let sizes = [
-            16 * points,
-            4 * points,
-            size_of::<params::Cluster>() as u64 * u64::from(counts.clusters),
-            8 * u64::from(counts.hull),
-            4 * u64::from(counts.seams),
-            4 * u64::from(self.desc.triangles.div_ceil(FRONTS_A_WORD)),
-        ];
-        let to = [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS];
-        for ((from, to), bytes) in HOST_INTERVAL.into_iter().zip(to).zip(sizes).filter(|(_, bytes)| *bytes > 0) {
-            self.plan.step(self.passes.interval, Command::CopyBuffer { from, to, bytes });
-        }
+    /// Which points of the parts move, and how.
+    fn measure(&mut self) {
+        let Some(PartSizes { parts, chunks, .. }) = self.desc.parts else { return };
+        let [measure, support, outline, describe] = self.passes.measure[..] else { return };
+        let settings = &self.desc.settings;
+        self.plan.step(measure, self.points());
+        let groups = |count| Command::Dispatch { threads: [DIRECTIONS * count, 1, 1] };
+        self.plan.step(support, groups(chunks));
+        self.plan.step(outline, groups(chunks));
+        let constants = DescribeConstants {
+            teeth: settings.teeth.unwrap_or(0),
+            most_teeth: MOST_TEETH,
+            tooth: Settings::scaled(settings.tooth_width(), self.desc.size[1]),
+        };
+        self.plan.step_with(describe, groups(parts), &constants);
     }
 
     fn points(&self) -> Command {
@@ -373,6 +332,7 @@ impl Steps<'_> {
         if matches!(interval.trajectories, Trajectories::Poses(_)) {
             self.plan.step(self.passes.trajectory, self.points());
         }
+        self.measure();
         self.plan.step(self.passes.extent, self.points());
     }
 

@@ -4,9 +4,12 @@ use std::ops::Range;
 
 use bytemuck::NoUninit;
 
-use crate::blur::frame::{Counts, FrameView, GroupInput, IntervalInput, PoseInput, TopologyInput, Trajectories};
+use crate::blur::frame::{
+    ClusterInput, Counts, FrameView, GroupInput, IntervalInput, PartInput, PoseInput, TopologyInput, Trajectories,
+};
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Interval, Knot};
+use crate::blur::parts::Parts;
 use crate::host::HostBuffer;
 
 /// Multiple of bytes at which ranges begin: what any device may ask for.
@@ -29,6 +32,8 @@ const ALIGNMENT: usize = 256;
 pub struct Upload {
     bytes: Vec<u8>,
     mesh: Option<[Range<usize>; 7]>,
+    parts: Option<[Range<usize>; 5]>,
+    source_rows: Option<Range<usize>>,
     poses: Option<(u32, u32, Range<usize>)>,
     interval: Option<[Range<usize>; 7]>,
 }
@@ -48,7 +53,8 @@ impl Upload {
     /// Nothing is in it any more; its memory stays.
     pub fn clear(&mut self) {
         self.bytes.clear();
-        (self.mesh, self.poses, self.interval) = (None, None, None);
+        (self.mesh, self.parts, self.source_rows) = (None, None, None);
+        (self.poses, self.interval) = (None, None);
     }
 
     /// All of it, to be copied into a buffer with usage `TRANSFER_SRC`.
@@ -95,6 +101,22 @@ impl Upload {
         ]);
     }
 
+    /// Adds the parts of the mesh, with it.
+    pub fn parts(&mut self, parts: &Parts) {
+        self.parts = Some([
+            self.add(parts.labels()),
+            self.add(parts.members()),
+            self.add(parts.chunks()),
+            self.add(parts.rows()),
+            self.add(parts.seams()),
+        ]);
+    }
+
+    /// Adds where the points of the mesh are in the host's sources ([`Mesh::source_rows`]), with it.
+    pub fn source_rows(&mut self, rows: &[u32]) {
+        self.source_rows = Some(self.add(rows));
+    }
+
     /// Adds poses of consecutive frames, the first of which has this number: world positions of the mesh's points.
     pub fn poses<P: AsRef<[[f32; 3]]>>(&mut self, first: u32, poses: &[P]) {
         let begin = self.begin();
@@ -125,20 +147,25 @@ impl Upload {
             size: range.len() as u64,
             ..buffer
         };
-        let parts = |ranges: &[Range<usize>; 7]| ranges.each_ref().map(part);
+        let mesh = self.mesh.as_ref().map(|ranges| {
+            let [triangles, neighbour_starts, neighbours, corners, starts, group_triangles, colours] =
+                ranges.each_ref().map(part);
+            let groups = Some(GroupInput { corners, starts, triangles: group_triangles });
+            let parts = self.parts.as_ref().map(|ranges| {
+                let [labels, members, chunks, rows, seams] = ranges.each_ref().map(part);
+                PartInput { labels, members, chunks, rows, seams }
+            });
+            let (colours, source_rows) = (Some(colours), self.source_rows.as_ref().map(part));
+            TopologyInput { triangles, neighbour_starts, neighbours, groups, colours, parts, source_rows }
+        });
         Placed {
-            mesh: self.mesh.as_ref().map(|ranges| {
-                let [triangles, neighbour_starts, neighbours, corners, starts, group_triangles, colours] =
-                    parts(ranges);
-                let groups = Some(GroupInput { corners, starts, triangles: group_triangles });
-                TopologyInput { triangles, neighbour_starts, neighbours, groups, colours: Some(colours) }
-            }),
+            mesh,
             poses: self.poses.as_ref().map(|(first, count, range)| PoseInput {
                 first: *first,
                 count: *count,
                 positions: part(range),
             }),
-            interval: self.interval.as_ref().map(parts),
+            interval: self.interval.as_ref().map(|ranges| ranges.each_ref().map(part)),
         }
     }
 }
@@ -159,12 +186,7 @@ impl Placed {
             segments: &interval.segments,
             views,
             trajectories: knots.map_or(Trajectories::Pieces(pieces), Trajectories::Poses),
-            motion,
-            labels,
-            clusters,
-            hull,
-            seams,
-            fronts,
+            clusters: Some(ClusterInput { motion, labels, clusters, hull, seams, fronts }),
         })
     }
 }

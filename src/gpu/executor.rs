@@ -12,7 +12,7 @@ use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream, check};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Kept, Resources};
-use crate::host::{Host, Memory, MemorySource};
+use crate::host::{Host, HostBuffer, Memory, MemorySource};
 use crate::plan::{BufferId, ImageId, Pass, Plan, Step};
 
 /// Passes, and what they run with on the device.
@@ -39,6 +39,8 @@ pub struct Description {
     pub images: Vec<ImageDesc>,
     /// How many images the host hands over.
     pub host_images: usize,
+    /// Those of the host's buffers that stay the same.
+    pub bound: Vec<(BufferId, HostBuffer)>,
     /// Of own buffers and images, before alignment.
     pub memory: Memory,
 }
@@ -103,13 +105,16 @@ impl Executor {
         description: Description,
     ) -> Result<(Retired, Kept)> {
         let kept = Kept::new(&self.resources, &description.buffers, &description.images);
+        let is_bound =
+            |(id, new): &(BufferId, HostBuffer)| self.resources.buffer(*id) == (new.buffer, new.offset, new.size);
+        let same = description.bound.iter().all(is_bound) && same_bindings(&self.passes, &description.passes);
         let mut resources = Resources::default();
         // SAFETY: the caller's; what was made is destroyed unused on error.
         let pipelines = unsafe {
             create(host, allocator, &description, &kept, &mut resources)
                 .inspect_err(|_| resources.destroy(host, allocator))?;
             kept.exchange(&mut self.resources, &mut resources);
-            match kept.is_all() && same_bindings(&self.passes, &description.passes) {
+            match kept.is_all() && same {
                 true => std::mem::take(&mut self.pipelines),
                 false => Pipelines::new(host, kernels, &description.passes, &resources).inspect_err(|_| {
                     kept.exchange(&mut self.resources, &mut resources);
@@ -374,5 +379,6 @@ unsafe fn create(
             resources.add_host_image();
         }
     }
+    description.bound.iter().for_each(|(id, buffer)| resources.set_host_buffer(*id, Some(*buffer)));
     Ok(())
 }

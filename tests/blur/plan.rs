@@ -3,8 +3,8 @@
 use ash::vk;
 use celfx::blur::settings::Completion;
 use celfx::blur::{
-    Background, Blur, Counts, Desc, Frame, FrameView, GroupInput, IntervalInput, Knot, PoseInput, Settings, ToonInput,
-    TopologyInput, Trajectories,
+    Background, Blur, ClusterInput, Counts, Desc, Frame, FrameView, GroupInput, IntervalInput, Knot, PoseInput,
+    Settings, ToonInput, TopologyInput, Trajectories,
 };
 use celfx::effect::{DeviceTraits, Effort, Inventory};
 use celfx::error::Error;
@@ -56,6 +56,8 @@ fn desc(settings: Settings) -> Desc {
         most_triangles: 1_000_000,
         segments: Desc::segments_of(&settings),
         frames_resident: 26,
+        parts: None,
+        sources: Vec::new(),
         seed: 0,
         settings,
         layers: true,
@@ -81,19 +83,24 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             neighbours: buffer(),
             groups: Some(GroupInput { corners: buffer(), starts: buffer(), triangles: buffer() }),
             colours: Some(buffer()),
+            parts: None,
+            source_rows: None,
         }),
         poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
+        skinned: None,
         interval: Some(IntervalInput {
             counts,
             segments: &SEGMENTS[..desc.segments as usize],
             views: [view(), view(), next_view(), next_view()],
             trajectories,
-            motion: buffer(),
-            labels: buffer(),
-            clusters: buffer(),
-            hull: buffer(),
-            seams: buffer(),
-            fronts: buffer(),
+            clusters: Some(ClusterInput {
+                motion: buffer(),
+                labels: buffer(),
+                clusters: buffer(),
+                hull: buffer(),
+                seams: buffer(),
+                fronts: buffer(),
+            }),
         }),
         images: Some([image(desc); 2]),
         toon: None,

@@ -3,14 +3,16 @@
 use ash::vk;
 use celfx::blur::settings::Completion;
 use celfx::blur::{
-    Background, Blur, Counts, DepthFormat, DepthInput, Desc, Frame, FrameView, GroupInput, Interval, IntervalInput,
-    Knot, Mesh, PoseInput, Settings, ToonInput, TopologyInput, Trajectories,
+    Background, Blur, ClusterInput, Counts, DepthFormat, DepthInput, Desc, Frame, FrameView, GroupInput, Interval,
+    IntervalInput, Knot, Mesh, PartInput, Parts, PoseInput, Settings, SkinnedInput, Source, ToonInput, TopologyInput,
+    Trajectories,
 };
 use celfx::effect::Effort;
 use celfx::error::Result;
 use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::{Control, Piece, Vertex};
+use celfx::low_level::gpu::buffer::Buffer;
 use celfx::low_level::gpu::headless::Submission;
 use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::profiler::Timing;
@@ -58,7 +60,14 @@ pub struct BlurRig {
     mesh: Mesh,
     /// Of each slot: target, frames i and i + 1, frames i - 1 and i + 2, background.
     images: Vec<Image>,
-    uploads: [[Upload; 16]; SLOTS],
+    uploads: [[Upload; 22]; SLOTS],
+    /// What the effect was made for: with them, the device measures what moves.
+    pub parts: Option<Parts>,
+    /// What the host's skinning has made, and the row of each point in it.
+    sources: Vec<Buffer>,
+    pub source_rows: Vec<u32>,
+    /// A pose in them, for the next output.
+    pub skinned: Option<SkinnedInput>,
     /// Which frame in flight is worked on.
     pub slot: usize,
     /// Whether closed objects are said to be.
@@ -123,7 +132,37 @@ impl BlurRig {
     }
 
     fn make(desc: Desc, mesh: Mesh, effort: Effort, corner: [u32; 2]) -> Option<BlurRig> {
+        BlurRig::on(device()?, Vec::new(), desc, mesh, effort, corner)
+    }
+
+    /// One that reads positions from buffers that hold these values, each with so many from vertex to vertex.
+    pub fn of_sources(desc: Desc, mesh: Mesh, sources: &[(&[f32], u32, u32)]) -> Option<BlurRig> {
         let mut device = device()?;
+        let vertices: Vec<u32> = sources.iter().map(|(.., vertices)| *vertices).collect();
+        let (source_rows, points) = mesh.source_rows(&vertices).expect("rows");
+        let mut buffers: Vec<Buffer> =
+            sources.iter().map(|(values, ..)| host::source(&mut device, 4 * values.len() as u64)).collect();
+        let described = sources.iter().zip(&mut buffers).zip(points);
+        let described = described.map(|((&(values, stride, vertices), buffer), points)| Source {
+            buffer: host::fill(buffer, values),
+            stride,
+            vertices,
+            points,
+        });
+        let desc = Desc { sources: described.collect(), ..desc };
+        let mut rig = BlurRig::on(device, buffers, desc, mesh, Effort::Needed, [0; 2])?;
+        rig.source_rows = source_rows;
+        Some(rig)
+    }
+
+    fn on(
+        mut device: TestDevice,
+        sources: Vec<Buffer>,
+        desc: Desc,
+        mesh: Mesh,
+        effort: Effort,
+        corner: [u32; 2],
+    ) -> Option<BlurRig> {
         let images = make_images(&mut device, &desc, corner);
         let extent = Place { size: desc.size, corner }.extent();
         let depth = desc.depth.map(|DepthFormat { format, .. }| host::image(&mut device, extent, format));
@@ -136,6 +175,10 @@ impl BlurRig {
             blur: Some(blur),
             mesh,
             uploads: Default::default(),
+            parts: None,
+            sources,
+            source_rows: Vec::new(),
+            skinned: None,
             images,
             is_first: true,
             toon: None,
@@ -337,6 +380,17 @@ impl BlurRig {
                 triangles: self.upload(13, &group_items),
             }),
             colours: Some(self.upload(14, &colours)),
+            parts: self.parts.clone().map(|parts| PartInput {
+                labels: self.upload(16, parts.labels()),
+                members: self.upload(17, parts.members()),
+                chunks: self.upload(18, parts.chunks()),
+                rows: self.upload(19, parts.rows()),
+                seams: self.upload(20, parts.seams()),
+            }),
+            source_rows: {
+                let rows = self.source_rows.clone();
+                (!rows.is_empty()).then(|| self.upload(21, &rows))
+            },
         });
         let poses = shot.poses.map(|(first, poses)| {
             let positions = self.upload(4, &poses.concat());
@@ -346,21 +400,27 @@ impl BlurRig {
             let pieces = self.upload(10, &interval.pieces);
             let fronts = if self.are_closed { interval.fronts.clone() } else { vec![0; interval.fronts.len()] };
             IntervalInput {
-                counts: Counts::of(interval, self.mesh.neighbours()),
+                counts: match &self.parts {
+                    Some(parts) => Counts::of_parts(&parts.sizes(), interval.generation),
+                    None => Counts::of(interval, self.mesh.neighbours()),
+                },
                 segments: &interval.segments,
                 views: shot.views,
                 trajectories: shot.knots.map_or(Trajectories::Pieces(pieces), Trajectories::Poses),
-                motion: self.upload(5, &interval.motion),
-                labels: self.upload(6, &interval.labels),
-                clusters: self.upload(7, &interval.clusters),
-                hull: self.upload(8, &interval.hull),
-                seams: self.upload(9, &interval.seams),
-                fronts: self.upload(15, &fronts),
+                clusters: self.parts.is_none().then(|| ClusterInput {
+                    motion: self.upload(5, &interval.motion),
+                    labels: self.upload(6, &interval.labels),
+                    clusters: self.upload(7, &interval.clusters),
+                    hull: self.upload(8, &interval.hull),
+                    seams: self.upload(9, &interval.seams),
+                    fronts: self.upload(15, &fronts),
+                }),
             }
         });
         Frame {
             mesh,
             poses,
+            skinned: self.skinned.take(),
             interval,
             images: self.toon.is_none().then(|| [1, 2].map(|place| self.host_image(place, COPIED_FROM))),
             toon: self.toon.map(|(light, _)| ToonInput { view: shot.views[2], light }),
@@ -443,6 +503,7 @@ impl Drop for BlurRig {
         unsafe {
             self.blur.iter_mut().for_each(|blur| blur.destroy(&host, allocator));
             self.uploads.iter_mut().flatten().for_each(|upload| upload.destroy(&host, allocator));
+            self.sources.iter_mut().for_each(|source| source.destroy(&host, allocator));
             let occluders = self.occluders.iter_mut().flatten();
             self.images
                 .iter_mut()

@@ -8,7 +8,7 @@ use celfx::flame::{self, FlameKind, ParticleInput, SceneDepth, SceneFormat};
 use celfx::host::{Background, DepthFormat, HostBuffer, HostImage, ImageState, requirements};
 use celfx::low_level::barrier::{Barrier, Tracker};
 use celfx::low_level::gpu::executor::Description;
-use celfx::low_level::plan::{Command, DescriptorKind, Kernel, Pass, Plan, Resource, Step, Topology, Usage};
+use celfx::low_level::plan::{BufferId, Command, DescriptorKind, Kernel, Pass, Plan, Resource, Step, Topology, Usage};
 use celfx::program::vignette::{self, VignetteKind};
 use celfx::smoke::{self, SmokeKind, VolumeInput};
 use celfx::view::{Camera, Light};
@@ -45,6 +45,8 @@ pub fn mesh() -> blur::TopologyInput {
         neighbours: buffer(),
         groups: Some(groups),
         colours: Some(buffer()),
+        parts: None,
+        source_rows: None,
     }
 }
 
@@ -83,8 +85,9 @@ fn bound(description: &Description) {
     for pass in &description.passes {
         assert_eq!(pass.unbound().map(|binding| binding.name).collect::<Vec<_>>(), [""; 0], "{}", pass.name);
         for (binding, resource) in &pass.bindings {
+            let is_given = |id: &BufferId| description.bound.iter().any(|(bound, _)| bound == id);
             let own = match resource {
-                Resource::Buffer(id) => usize::from(id.0) < description.buffers.len(),
+                Resource::Buffer(id) => usize::from(id.0) < description.buffers.len() || is_given(id),
                 Resource::Image(id) => usize::from(id.0) < description.images.len(),
             };
             assert!(own, "{}: {} is bound to {resource:?}", pass.name, binding.name);
@@ -330,6 +333,8 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 most_triangles: 100_000,
                 segments: blur::Desc::segments_of(&settings),
                 frames_resident: 26,
+                parts: None,
+                sources: Vec::new(),
                 seed: 0,
                 settings,
                 layers,
@@ -340,17 +345,20 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 segments: &segments,
                 views: [view(0), view(1), view(2), view(3)],
                 trajectories: blur::Trajectories::Pieces(buffer()),
-                motion: buffer(),
-                labels: buffer(),
-                clusters: buffer(),
-                hull: buffer(),
-                seams: buffer(),
-                fronts: buffer(),
+                clusters: Some(blur::ClusterInput {
+                    motion: buffer(),
+                    labels: buffer(),
+                    clusters: buffer(),
+                    hull: buffer(),
+                    seams: buffer(),
+                    fronts: buffer(),
+                }),
             };
             let host = blur::DepthInput { host: depth(), view: view(2) };
             let first = blur::Frame {
                 mesh: Some(mesh()),
                 poses: Some(blur::PoseInput { first: 0, count: 26, positions: buffer() }),
+                skinned: None,
                 interval: Some(interval),
                 images: Some([image(FORMAT); 2]),
                 toon: None,
@@ -383,6 +391,59 @@ fn blur_with_everything_that_a_frame_may_bring() {
             check::<BlurKind>(&desc, &frames);
         }
     }
+}
+
+#[test]
+fn blur_of_parts_and_of_poses_on_the_device() {
+    let knots = [blur::Knot {
+        view: blur::FrameView { frame: 1, view: Camera::default().view(SIZE) },
+        weights: [[0.0; 4]; 12],
+    }; 4];
+    let view = |frame| blur::FrameView { frame, view: Camera::default().view(SIZE) };
+    let sizes = blur::parts::PartSizes { parts: 3, chunks: 5, seams: 40, most_neighbours: 8 };
+    let source = blur::Source { buffer: buffer(), stride: 8, vertices: 600, points: 500 };
+    let settings = blur::Settings::default();
+    let desc = blur::Desc {
+        target_format: FORMAT,
+        points: 1000,
+        triangles: 1900,
+        neighbours: 5800,
+        objects: 2,
+        groups: 1100,
+        group_triangles: 5700,
+        toon: true,
+        frames_resident: 5,
+        parts: Some(sizes),
+        sources: vec![source; 2],
+        ..blur::Desc::new(&celfx::blur::Mesh::new(&one_triangle()).expect("a mesh"), SIZE, settings)
+    };
+    let parts =
+        blur::PartInput { labels: buffer(), members: buffer(), chunks: buffer(), rows: buffer(), seams: buffer() };
+    let topology = blur::TopologyInput { parts: Some(parts), source_rows: Some(buffer()), ..mesh() };
+    let skinned = |frame| Some(blur::SkinnedInput { frame, offsets: [0; blur::MOST_SOURCES] });
+    let segments = segments(&desc);
+    let interval = blur::IntervalInput {
+        counts: blur::Counts::of_parts(&sizes, 1),
+        segments: &segments,
+        views: [view(0), view(1), view(2), view(2)],
+        trajectories: blur::Trajectories::Poses(&knots),
+        clusters: None,
+    };
+    let still = blur::Frame {
+        mesh: Some(topology),
+        skinned: skinned(0),
+        images: Some([image(FORMAT); 2]),
+        ..blur::Frame::new(image(FORMAT))
+    };
+    let next = blur::Frame { mesh: None, skinned: skinned(1), ..still };
+    let toon = Some(blur::ToonInput { view: view(2), light: Light::default() });
+    let moving = blur::Frame { skinned: skinned(2), interval: Some(interval), ..next };
+    let drawn = blur::Frame { skinned: skinned(3), images: None, toon, ..moving };
+    check::<BlurKind>(&desc, &[still, next, moving, drawn]);
+}
+
+fn one_triangle() -> blur::MeshInput<'static> {
+    blur::MeshInput { vertices: 3, triangles: &[[0, 1, 2]], objects: None, weld: None, normals: None, rest: None }
 }
 
 /// An effect that the engine does not know is planned as the others are.

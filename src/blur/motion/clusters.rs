@@ -7,12 +7,12 @@ use super::movers::{Joined, Mover};
 use super::trace::Traces;
 use super::{direction, hull, ldf};
 use crate::blur::mesh::Mesh;
+use crate::blur::parts::Parts;
 use crate::blur::settings::{self, MOST_TEETH, Settings};
 use crate::random::pcg;
 use crate::shaders::blur::blocks::Cluster;
+use crate::shaders::blur::constants::NO_MEAN;
 
-/// A mean velocity below this share of the largest one has no direction.
-const NO_MEAN: f64 = 1e-6;
 /// A part with fewer than one in so many of its object's moving points is a crumb.
 const CRUMB: usize = 200;
 
@@ -44,7 +44,15 @@ pub(super) fn find(mesh: &Mesh, traces: &Traces, settings: &Settings, height: u3
         merge_crumbs(mesh, traces, &movers, &mut classes);
     }
     number(mesh, traces, &mut classes);
-    describe(mesh, traces, settings, height, classes)
+    let count = classes.iter().max().map_or(0, |last| *last);
+    describe(mesh, traces, settings, height, (classes, count))
+}
+
+/// Those of the points that move of each part of the host's.
+pub(super) fn of_parts(mesh: &Mesh, traces: &Traces, settings: &Settings, height: u32, parts: &Parts) -> Clusters {
+    let label = |(label, moves): (&u32, &[f32; 2])| if moves[0].is_nan() { 0 } else { *label };
+    let labels = parts.labels().iter().zip(&traces.moves).map(label).collect();
+    describe(mesh, traces, settings, height, (labels, parts.rows().len() as u32))
 }
 
 /// Divides movers until each class keeps within the angle, or is the same all over; gives each class to `class`.
@@ -77,7 +85,7 @@ fn is_coherent(movers: &[Mover], cosine: f64) -> bool {
         let [x, y] = mover.direction.map(|c| c as f64);
         (x * mean[0] + y * mean[1]) >= cosine * length * x.hypot(y)
     };
-    length >= NO_MEAN * fastest && length > 0.0 && movers.iter().all(within)
+    length >= f64::from(NO_MEAN) * fastest && length > 0.0 && movers.iter().all(within)
 }
 
 /// In units.
@@ -154,19 +162,28 @@ fn number(mesh: &Mesh, traces: &Traces, classes: &mut [u32]) {
     classes.iter_mut().for_each(|class| *class = label_of[*class as usize]);
 }
 
-/// Hull and teeth of each cluster.
-fn describe(mesh: &Mesh, traces: &Traces, settings: &Settings, height: u32, labels: Vec<u32>) -> Clusters {
+/// Hull and teeth of each of so many clusters.
+fn describe(
+    mesh: &Mesh,
+    traces: &Traces,
+    settings: &Settings,
+    height: u32,
+    (labels, count): (Vec<u32>, u32),
+) -> Clusters {
     let mut members: Vec<(u32, u32)> = labels.iter().copied().zip(0..).filter(|(label, _)| *label > 0).collect();
     members.sort_unstable();
     let mut found = Clusters { labels, ..Clusters::default() };
-    for cluster in members.chunk_by(|a, b| a.0 == b.0) {
+    let mut rest = &members[..];
+    for label in 1..=count {
+        let cluster;
+        (cluster, rest) = rest.split_at(rest.partition_point(|member| member.0 <= label));
         let points: Vec<[f32; 2]> =
             cluster.iter().map(|(_, p)| traces.motion[*p as usize]).map(|m| [m[0], m[1]]).collect();
         let movers: Vec<Mover> = cluster.iter().map(|(_, point)| Mover::new(*point, traces)).collect();
         let extremes = hull::extremes(&points);
         let hull_begin = found.hull.len();
         found.clusters.push(Cluster {
-            object: mesh.point_objects()[cluster[0].1 as usize],
+            object: cluster.first().map_or(0, |(_, point)| mesh.point_objects()[*point as usize]),
             hull_begin: hull_begin as u32,
             hull_end: (hull_begin + extremes.len()) as u32,
             teeth: teeth(settings, height, &movers, &extremes),
@@ -191,7 +208,8 @@ fn teeth(settings: &Settings, height: u32, movers: &[Mover], extremes: &[[f32; 2
     };
     let [x, y] = mean_velocity(movers);
     let length = x.hypot(y);
-    let width = match length > 0.0 && length >= NO_MEAN * movers.iter().map(Mover::speed).fold(0.0, f64::max) {
+    let width = match length > 0.0 && length >= f64::from(NO_MEAN) * movers.iter().map(Mover::speed).fold(0.0, f64::max)
+    {
         true => width([y / length, -x / length]),
         false => width([1.0, 0.0]).max(width([0.0, 1.0])),
     };

@@ -9,7 +9,7 @@ mod knots;
 mod ldf;
 mod movers;
 mod projection;
-mod seams;
+pub(super) mod seams;
 mod spline;
 mod trace;
 mod window;
@@ -25,6 +25,7 @@ pub(crate) use window::MOST_FRAMES;
 pub use window::{FrameView, Interval, Knot, Pose, Segment, WINDOW, Window};
 
 use super::mesh::Mesh;
+use super::parts::Parts;
 use super::settings::{Settings, Space, Trajectory};
 use crate::error::{Error, Result};
 pub use crate::shaders::blur::blocks::{Cluster, Piece};
@@ -52,16 +53,40 @@ impl Motion {
     /// # Errors
     /// A pose with another number of points, or a position that is not finite; it names frame and vertex.
     pub fn interval(&self, mesh: &Mesh, window: &Window, threads: usize) -> Result<Interval> {
+        self.interval_with(mesh, window, threads, |traces| {
+            let clusters = clusters::find(mesh, traces, &self.settings, self.size[1]);
+            let seams = seams::find(mesh, &clusters.labels);
+            (clusters, seams)
+        })
+    }
+
+    /// The same with clusters that the host has named.
+    ///
+    /// # Errors
+    /// As [`Motion::interval`].
+    pub fn interval_of_parts(&self, mesh: &Mesh, window: &Window, parts: &Parts, threads: usize) -> Result<Interval> {
+        self.interval_with(mesh, window, threads, |traces| {
+            let clusters = clusters::of_parts(mesh, traces, &self.settings, self.size[1], parts);
+            let seams = parts.seams().iter().copied().filter(|point| clusters.labels[*point as usize] > 0).collect();
+            (clusters, seams)
+        })
+    }
+
+    /// `divide`: clusters and points near seams.
+    fn interval_with(
+        &self,
+        mesh: &Mesh,
+        window: &Window,
+        threads: usize,
+        divide: impl FnOnce(&Traces) -> (Clusters, Vec<u32>),
+    ) -> Result<Interval> {
         check(mesh, window)?;
         let window = &self.nearby(window);
         let generation = window.frame / self.settings.hold;
         let traces = self.traces(window, threads).ok_or_else(|| not_finite(mesh, window))?;
         let (segments, traces) = traces;
-        let clusters = clusters::find(mesh, &traces, &self.settings, self.size[1]);
-        let seams = match self.settings.seam_smoothing {
-            0 => Vec::new(),
-            _ => seams::find(mesh, &clusters.labels),
-        };
+        let (clusters, seams) = divide(&traces);
+        let seams = if self.settings.seam_smoothing > 0 { seams } else { Vec::new() };
         let current = &window.poses[window.current];
         let next = window.poses.get(window.current + 1).unwrap_or(current);
         let fronts = fronts::find(mesh, [current, next], self.size);

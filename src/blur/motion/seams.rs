@@ -9,7 +9,7 @@ pub const MOST_NEIGHBOURS: usize = 1024;
 
 /// Points in clusters that are at most [`RINGS`] edges away from an end of an edge that joins two clusters, ascending. A
 /// point in no cluster is passed, but an edge to it is no seam: what stays is pinned, and what is beside it hardly moves.
-pub(super) fn find(mesh: &Mesh, labels: &[u32]) -> Vec<u32> {
+pub(in crate::blur) fn find(mesh: &Mesh, labels: &[u32]) -> Vec<u32> {
     let neighbours = mesh.neighbours();
     let is_end = |p: &u32| {
         let own = labels[*p as usize];

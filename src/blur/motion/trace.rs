@@ -10,10 +10,9 @@ use super::spline::{Knot, Spline, Timeline, offset};
 use super::window::Segment;
 use crate::blur::settings::{Space, Trajectory};
 use crate::shaders::blur::blocks::Piece;
+use crate::shaders::blur::constants::STATIC;
 use crate::threads::together;
 
-/// A point that moves less than this many pixels from frame i to frame i + 1 is static.
-const STATIC: f64 = 0.5;
 /// Points that are worked on together: what belongs to them stays in the cache.
 const TRACED: usize = 512;
 /// The largest number that the device is given.
@@ -236,7 +235,7 @@ impl<'a> Shared<'a> {
     fn moves(&self, point: usize, motion: [f32; 4]) -> [f32; 2] {
         let [a, b] = self.task.timeline.ends.map(|knot| self.pixel(self.channels(knot, point)));
         let moves = (b - a).to_array().map(|c| c as f32);
-        let moved = (b - a).length() >= STATIC && moves.iter().all(|c| c.is_finite()) && motion != [0.0; 4];
+        let moved = (b - a).length() >= f64::from(STATIC) && moves.iter().all(|c| c.is_finite()) && motion != [0.0; 4];
         if moved { moves } else { [f32::NAN; 2] }
     }
 

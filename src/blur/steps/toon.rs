@@ -71,7 +71,9 @@ impl Steps<'_> {
     pub(super) fn toon_frames(&self, frame: &Frame) -> Option<ToonFrames> {
         let frames = drawn(self.desc, frame);
         let (next, input) = (frames[2]?, frame.toon?);
-        let is_there = |new: &Drawn| self.drawn[new.place(self.desc)] == Some(*new) && !frame.brings(new.frame());
+        let is_there = |new: &Drawn| {
+            self.drawn[new.place(self.desc)] == Some(*new) && frame.new_poses().all(|frame| frame != new.frame())
+        };
         let missing = frames.map(|drawn| drawn.filter(|drawn| !(self.effort.skips() && is_there(drawn))));
         Some(ToonFrames { frames, missing, next, input })
     }

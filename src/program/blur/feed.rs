@@ -73,6 +73,7 @@ impl Feed for BlurFeed {
         let view = frame.views[2];
         Some(Frame {
             mesh: placed.mesh,
+            skinned: None,
             poses: placed.poses,
             // In front of the first frame there is no interval.
             interval: interval.filter(|_| frame.views[1].frame != view.frame),

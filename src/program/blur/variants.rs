@@ -1,9 +1,13 @@
 //! The blur in all ways that its kernels are specialised for.
 
+use ash::vk::{self, Handle};
+
+use crate::blur::parts::PartSizes;
 use crate::blur::settings::{Completion, Refine, Space};
-use crate::blur::{BlurKind, Desc, Settings};
+use crate::blur::{BlurKind, Desc, Settings, Source};
 use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
+use crate::host::HostBuffer;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
 use crate::program::variants::{DEPTH, SIZE, passes, switches};
@@ -11,7 +15,20 @@ use crate::toon::Operator;
 
 pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
     let completions = [Completion::Surface, Completion::Gradient, Completion::None];
-    switches().flat_map(|switches| completions.map(|completion| variant(switches, completion, traits))).collect()
+    let plain = switches().flat_map(|switches| completions.map(|completion| variant(switches, completion, traits)));
+    plain.chain([Space::Homogeneous, Space::Screen].map(|space| of_parts(space, traits))).collect()
+}
+
+/// Of a host that names parts and has poses on the device.
+fn of_parts(space: Space, traits: &DeviceTraits) -> Result<Vec<Pass>> {
+    let settings = Settings { space, ..Settings::default() };
+    let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+    // Pipelines do not depend on which.
+    let buffer = HostBuffer { buffer: vk::Buffer::from_raw(1), offset: 0, size: 1 << 16, stage, access };
+    let source = Source { buffer, stride: 3, vertices: 8, points: 8 };
+    let parts = Some(PartSizes { parts: 1, chunks: 1, seams: 0, most_neighbours: 0 });
+    let desc = Desc { parts, sources: vec![source], ..desc(settings) };
+    passes::<BlurKind>(&desc, traits, Effort::Needed)
 }
 
 fn variant(
@@ -25,7 +42,14 @@ fn variant(
     settings.toon.outline.operator = if second { Operator::Second } else { Operator::Roberts };
     settings.toon.outline.width = if second { 16.0 } else { 1.0 };
     settings.toon.outline.strength = if plain { 0.0 } else { 1.0 };
-    let desc = Desc {
+    let (depth, occluders) = (depth.then_some(DEPTH), depth.then_some(DEPTH));
+    let segments = if many { 32 } else { 1 };
+    let desc = Desc { depth, occluders, segments, layers, ..desc(settings) };
+    passes::<BlurKind>(&desc, traits, Effort::Needed)
+}
+
+fn desc(settings: Settings) -> Desc {
+    Desc {
         size: SIZE,
         target_format: TARGET_FORMAT,
         points: 8,
@@ -36,14 +60,15 @@ fn variant(
         group_triangles: 8,
         outer: true,
         toon: true,
-        depth: depth.then_some(DEPTH),
-        occluders: depth.then_some(DEPTH),
+        depth: None,
+        occluders: None,
         most_triangles: 64,
-        segments: if many { 32 } else { 1 },
+        segments: 1,
         frames_resident: 4,
+        parts: None,
+        sources: Vec::new(),
         seed: 0,
         settings,
-        layers,
-    };
-    passes::<BlurKind>(&desc, traits, Effort::Needed)
+        layers: false,
+    }
 }

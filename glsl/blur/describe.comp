@@ -1,0 +1,80 @@
+// The clusters that a host's parts make up: outline, number of points that move, and of teeth.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "directions.glsl"
+layout(local_size_x = DIRECTIONS) in;
+layout(std430, binding = 1) readonly buffer PartRows { PartRow part_rows[]; };
+layout(std430, binding = 2) readonly buffer ChunkSums { vec4 chunk_sums[]; };
+layout(std430, binding = 3) readonly buffer SupportPoints { uint support_points[]; };
+layout(std430, binding = 4) readonly buffer Motions { PointMotion motions[]; };
+layout(std430, binding = 5) writeonly buffer Hull { vec2 hull[]; };
+layout(std430, binding = 6) writeonly buffer Clusters { Cluster clusters[]; };
+layout(push_constant) uniform DescribeConstants {
+    uint teeth;      // random numbers across each; 0: by its width
+    uint most_teeth;
+    float tooth;     // width of one, in pixels
+} constants;
+
+shared vec4 sums[DIRECTIONS];
+shared vec3 least[DIRECTIONS];
+shared vec3 most[DIRECTIONS];
+
+// Of all velocities: sum, largest square, and number.
+vec4 summed(PartRow part, uint lane) {
+    vec4 sum = vec4(0.0);
+    for (uint i = part.first_chunk + lane; i < part.last_chunk; i += DIRECTIONS) {
+        vec4 chunk = chunk_sums[i];
+        sum = vec4(sum.xy + chunk.xy, max(sum.z, chunk.z), sum.w + chunk.w);
+    }
+    sums[lane] = sum;
+    barrier();
+    for (uint half_way = DIRECTIONS / 2u; half_way > 0u; half_way >>= 1u) {
+        if (lane < half_way) {
+            vec4 own = sums[lane];
+            vec4 other = sums[lane + half_way];
+            sums[lane] = vec4(own.xy + other.xy, max(own.z, other.z), own.w + other.w);
+        }
+        barrier();
+    }
+    return sums[0];
+}
+
+// How wide the outline is along three directions, of which two are x and y.
+vec3 widths(vec2 place, vec2 across, uint lane) {
+    vec3 along = vec3(dot(across, place), place);
+    least[lane] = along;
+    most[lane] = along;
+    barrier();
+    for (uint half_way = DIRECTIONS / 2u; half_way > 0u; half_way >>= 1u) {
+        if (lane < half_way) {
+            least[lane] = min(least[lane], least[lane + half_way]);
+            most[lane] = max(most[lane], most[lane + half_way]);
+        }
+        barrier();
+    }
+    return most[0] - least[0];
+}
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint at = gl_GlobalInvocationID.x;
+    PartRow part = part_rows[gl_WorkGroupID.x];
+    uint point = support_points[at];
+    vec2 place = vec2(0.0);
+    if (point != NONE) {
+        place = motions[point].position;
+    }
+    hull[at] = place;
+    vec4 sum = summed(part, lane);
+    vec2 mean = sum.w > 0.0 ? sum.xy / sum.w : vec2(0.0);
+    float speed = length(mean);
+    bool has_mean = speed > 0.0 && speed >= NO_MEAN * sqrt(sum.z);
+    vec3 width = widths(place, has_mean ? vec2(mean.y, -mean.x) / speed : vec2(0.0), lane);
+    if (lane == 0u) {
+        float teeth = round((has_mean ? width.x : max(width.y, width.z)) / constants.tooth) + 1.0;
+        uint count = constants.teeth > 0u ? constants.teeth : uint(clamp(teeth, 2.0, float(constants.most_teeth)));
+        uint begin = gl_WorkGroupID.x * DIRECTIONS;
+        clusters[gl_WorkGroupID.x] = Cluster(part.object, begin, begin + DIRECTIONS, count, uint(sum.w));
+    }
+}

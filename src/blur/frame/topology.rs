@@ -1,0 +1,132 @@
+//! The mesh as a host hands it over: what is constant of it.
+
+use super::{one_sided, refuse};
+use crate::blur::desc::Desc;
+use crate::blur::mesh::Mesh;
+use crate::blur::parts::{Chunk, PartRow, PartSizes};
+use crate::blur::settings::Completion;
+use crate::error::Result;
+use crate::host::{HostBuffer, check_buffer as holds};
+use crate::shaders::blur::constants::OBJECT_SHIFT;
+
+/// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct TopologyInput {
+    /// Four `u32` a triangle: its points, and eight times the place of its object.
+    pub triangles: HostBuffer,
+    /// A `u32` a point and one more: where its list of neighbours begins, and the end of the last.
+    pub neighbour_starts: HostBuffer,
+    /// The lists.
+    pub neighbours: HostBuffer,
+    /// The normal groups; not needed unless `completion = "surface"` or frames are drawn.
+    pub groups: Option<GroupInput>,
+    /// Base colours, for frames that are drawn: four `f32` a corner of a triangle, linear RGB, not negative; unused.
+    pub colours: Option<HostBuffer>,
+    /// The parts, given exactly if the effect was made for them.
+    pub parts: Option<PartInput>,
+    /// A `u32` a point, its vertex in its [`crate::blur::desc::Source`]; given exactly if the effect was made for sources.
+    pub source_rows: Option<HostBuffer>,
+}
+
+/// Which corners of triangles share a normal. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupInput {
+    /// Four `u32` a triangle: the groups of its corners, and 0.
+    pub corners: HostBuffer,
+    /// A `u32` a group and one more: where its list of triangles begins, and the end of the last.
+    pub starts: HostBuffer,
+    /// The lists.
+    pub triangles: HostBuffer,
+}
+
+/// [`crate::blur::Parts`] on the device. Usage of all buffers: `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug)]
+pub struct PartInput {
+    /// [`crate::blur::Parts::labels`].
+    pub labels: HostBuffer,
+    /// [`crate::blur::Parts::members`].
+    pub members: HostBuffer,
+    /// [`crate::blur::Parts::chunks`].
+    pub chunks: HostBuffer,
+    /// [`crate::blur::Parts::rows`].
+    pub rows: HostBuffer,
+    /// [`crate::blur::Parts::seams`]; not looked at if there are none.
+    pub seams: HostBuffer,
+}
+
+impl GroupInput {
+    /// The rows of [`GroupInput::corners`] of a mesh.
+    pub fn corner_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
+        mesh.normal_groups().iter().map(|[a, b, c]| [*a, *b, *c, 0]).collect()
+    }
+
+    pub(super) fn validate(&self, desc: &Desc) -> Result<()> {
+        holds("the mesh's normal groups", &self.corners, 16 * u64::from(desc.triangles))?;
+        holds("the mesh's lists of normal groups", &self.starts, 4 * (u64::from(desc.groups) + 1))?;
+        holds("the mesh's triangles of normal groups", &self.triangles, 4 * u64::from(desc.group_triangles))
+    }
+}
+
+impl PartInput {
+    /// The buffers, and the bytes that are needed of each.
+    pub(in crate::blur) fn sized(&self, sizes: &PartSizes, points: u32) -> [(HostBuffer, u64); 5] {
+        let PartSizes { parts, chunks, seams, .. } = *sizes;
+        let points = u64::from(points);
+        [
+            (self.labels, 4 * points),
+            (self.members, 4 * points),
+            (self.chunks, size_of::<Chunk>() as u64 * u64::from(chunks)),
+            (self.rows, size_of::<PartRow>() as u64 * u64::from(parts)),
+            (self.seams, 4 * u64::from(seams)),
+        ]
+    }
+}
+
+impl TopologyInput {
+    /// The rows of [`TopologyInput::colours`] of a mesh, from linear RGB of each vertex; where there is none, white.
+    pub fn colour_rows(mesh: &Mesh, colours: &[[f32; 3]]) -> Vec<[f32; 4]> {
+        let colour = |vertex: &u32| colours.get(*vertex as usize).map_or([1.0; 4], |[r, g, b]| [*r, *g, *b, 1.0]);
+        mesh.corners().iter().flatten().map(colour).collect()
+    }
+
+    /// The rows of [`TopologyInput::triangles`] of a mesh.
+    pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
+        let place = |id: &u32| mesh.objects().partition_point(|object| object < id) as u32;
+        let rows = mesh.triangles().iter().zip(mesh.triangle_objects());
+        rows.map(|([a, b, c], id)| [*a, *b, *c, place(id) << OBJECT_SHIFT]).collect()
+    }
+}
+
+impl TopologyInput {
+    pub(super) fn validate(&self, desc: &Desc) -> Result<()> {
+        holds("the mesh's triangles", &self.triangles, 16 * u64::from(desc.triangles))?;
+        holds("the mesh's lists of neighbours", &self.neighbour_starts, 4 * (u64::from(desc.points) + 1))?;
+        holds("the mesh's neighbours", &self.neighbours, 4 * u64::from(desc.neighbours))?;
+        match &self.groups {
+            None if desc.toon || desc.settings.completion == Completion::Surface => {
+                let why = "completion = \"surface\" and frames that are drawn need them";
+                refuse("the mesh's normal groups", why.to_owned())
+            }
+            groups => groups.iter().try_for_each(|groups| groups.validate(desc)),
+        }?;
+        match (&self.parts, &desc.parts) {
+            (None, None) => {}
+            (Some(parts), Some(sizes)) => {
+                for (buffer, bytes) in parts.sized(sizes, desc.points).iter().filter(|(_, bytes)| *bytes > 0) {
+                    holds("the mesh's parts", buffer, *bytes)?;
+                }
+            }
+            (given, _) => return refuse("the mesh's parts", one_sided(given.is_some())),
+        }
+        match (&self.source_rows, desc.sources.is_empty()) {
+            (None, true) => {}
+            (Some(rows), false) => holds("the mesh's source rows", rows, 4 * u64::from(desc.points))?,
+            (given, _) => return refuse("the mesh's source rows", one_sided(given.is_some())),
+        }
+        match &self.colours {
+            Some(colours) => holds("the mesh's colours", colours, 48 * u64::from(desc.triangles)),
+            None if desc.toon => refuse("the mesh's colours", "frames that are drawn need them".to_owned()),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Parts of a mesh that are smeared as one, as a host names them.
+
+use crate::blur::mesh::Mesh;
+use crate::blur::motion::seams;
+use crate::error::{Error, Result};
+pub use crate::shaders::blur::blocks::{Chunk, PartRow};
+use crate::shaders::blur::constants::DIRECTIONS;
+
+/// A division of a mesh that does not depend on how it moves: by bone, by what a character is made of. It takes the place of
+/// clusters by direction: nothing has to be found from poses, which need not be on the CPU then.
+///
+/// Of each part, those points are smeared that move. They are labelled from 1, the larger label is the part with more points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parts {
+    labels: Vec<u32>,
+    members: Vec<u32>,
+    chunks: Vec<Chunk>,
+    rows: Vec<PartRow>,
+    seams: Vec<u32>,
+    most_neighbours: u32,
+}
+
+/// How much there is of [`Parts`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PartSizes {
+    /// Parts.
+    pub parts: u32,
+    /// Chunks of their members.
+    pub chunks: u32,
+    /// Points near to where parts meet.
+    pub seams: u32,
+    /// The most neighbours of one of these.
+    pub most_neighbours: u32,
+}
+
+impl Parts {
+    /// From a number a vertex, any: points of one object whose first vertices have the same are a part.
+    ///
+    /// # Errors
+    /// Not one a vertex.
+    pub fn new(mesh: &Mesh, numbers: &[u32]) -> Result<Parts> {
+        let vertices = mesh.file_to_point().len();
+        if numbers.len() != vertices {
+            let why = format!("{} numbers for {vertices} vertices; give one a vertex", numbers.len());
+            return Err(Error::HostResource { name: "blur parts", why });
+        }
+        let key =
+            |point: u32| (mesh.point_objects()[point as usize], numbers[mesh.point_to_file()[point as usize] as usize]);
+        let mut members: Vec<u32> = (0..mesh.points() as u32).collect();
+        members.sort_by_key(|point| key(*point));
+        let mut parts: Vec<&[u32]> = members.chunk_by(|a, b| key(*a) == key(*b)).collect();
+        parts.sort_by_key(|part| (part.len(), key(part[0])));
+        let members = parts.concat();
+        let mut found = Parts {
+            labels: vec![0; mesh.points()],
+            chunks: Vec::new(),
+            rows: Vec::new(),
+            seams: Vec::new(),
+            most_neighbours: 0,
+            members: Vec::new(),
+        };
+        let mut begin = 0;
+        for (part, points) in parts.iter().enumerate() {
+            points.iter().for_each(|point| found.labels[*point as usize] = part as u32 + 1);
+            let first_chunk = found.chunks.len() as u32;
+            for chunk in points.chunks(DIRECTIONS as usize) {
+                let end = begin + chunk.len() as u32;
+                found.chunks.push(Chunk { part: part as u32, begin, end, unused: 0 });
+                begin = end;
+            }
+            let (object, last_chunk) = (mesh.point_objects()[points[0] as usize], found.chunks.len() as u32);
+            found.rows.push(PartRow { object, first_chunk, last_chunk, unused: 0 });
+        }
+        found.members = members;
+        found.seams = seams::find(mesh, &found.labels);
+        let neighbours = found.seams.iter().map(|point| mesh.neighbours().of(*point as usize).len() as u32);
+        found.most_neighbours = neighbours.max().unwrap_or(0);
+        Ok(found)
+    }
+
+    /// How much there is of everything.
+    pub fn sizes(&self) -> PartSizes {
+        PartSizes {
+            parts: self.rows.len() as u32,
+            chunks: self.chunks.len() as u32,
+            seams: self.seams.len() as u32,
+            most_neighbours: self.most_neighbours,
+        }
+    }
+
+    /// The part of each point, from 1.
+    pub fn labels(&self) -> &[u32] {
+        &self.labels
+    }
+
+    /// Points, part by part.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// Runs of members that a workgroup looks at.
+    pub fn chunks(&self) -> &[Chunk] {
+        &self.chunks
+    }
+
+    /// The parts.
+    pub fn rows(&self) -> &[PartRow] {
+        &self.rows
+    }
+
+    /// Points within 3 edges of where parts meet, ascending, but those with too many neighbours.
+    pub fn seams(&self) -> &[u32] {
+        &self.seams
+    }
+}
