@@ -33,8 +33,7 @@ bool is_seen(uint point) {
         Piece piece = splines[s * params.vertex_room + point];
         seen = seen && lowest_depth(piece, s == 0u ? start : start + piece.origin.z) > 0.0;
     }
-    float reached = min(params.reference_time, 0.0) - params.strength;
-    return seen && state_at(point, point, 0u, reached).depth > 0.0;
+    return seen && state_at(point, point, 0u, -params.reach).depth > 0.0;
 }
 
 vec2 pixel_at(uint frame, uint point) {

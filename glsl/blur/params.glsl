@@ -78,6 +78,7 @@ layout(binding = 0) uniform BlurParams {
     uint list_room;            // samples that there is room for in each list of completion
     uint tables;               // objects that there are tables of colours for
     float strength;            // how far the smear reaches back, in frames
+    float reach;               // frames before frame i that trajectories are looked at
     float reference_time;      // frames after frame i
     float tolerance;           // pixels
     float edge;                // the longest one with `refine = "length"`, in pixels

@@ -170,6 +170,7 @@ impl BlurParams {
             list_room: layout.listed,
             tables: layout.tables,
             strength: settings.strength,
+            reach: settings.reach(),
             reference_time: settings.reference_time,
             tolerance: scaled(settings.tolerance),
             edge: scaled(settings.edge),

@@ -9,6 +9,7 @@ use celfx::blur::{Cluster, Desc, Interval, Knot, MOST_SOURCES, Mesh, MeshInput, 
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::{DIRECTIONS, PointMotion};
 use celfx::simulate::mesh::Builtin;
+use celfx::view::View;
 
 use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::views;
@@ -54,6 +55,7 @@ fn compare(rig: &mut BlurRig, interval: &Interval, name: &str) {
         // Splines in f32: 1e-4 pixels of what is off from frame i, whose own place is rounded to 2 ulp of up to 250 pixels; a
         // velocity is a difference of such numbers in a third of a frame.
         for ((found, expected), most) in [x, y, vx, vy].into_iter().zip(expected).zip([3e-4, 3e-4, 1e-3, 1e-3]) {
+            let most = most * (expected.abs() / 250.0).max(1.0);
             assert!((found - expected).abs() <= most, "{name}, point {point}: {found} is not {expected}");
         }
         let is_near = |way: f32| (way - 0.5).abs() < 1e-3;
@@ -91,15 +93,22 @@ fn compare(rig: &mut BlurRig, interval: &Interval, name: &str) {
 
 #[test]
 fn the_device_finds_of_parts_what_f64_finds() {
-    let sides = [21, 13];
+    // Each part has more than a workgroup looks at.
+    let sides = [41, 25];
     let camera: Change = |view, _| view;
-    for (name, space, change) in [
-        ("homogeneous", Space::Homogeneous, camera),
-        ("screen", Space::Screen, camera),
-        ("jittered", Space::Homogeneous, |view, frame| views::jittered(views::moved(view), frame)),
-        ("orthographic", Space::Homogeneous, |view, _| views::parallel(view, 4.0, 3.0)),
+    for (name, space, change, eye) in [
+        ("homogeneous", Space::Homogeneous, camera, None),
+        ("screen", Space::Screen, camera, None),
+        ("jittered", Space::Homogeneous, |view, frame| views::jittered(views::moved(view), frame), None),
+        ("orthographic", Space::Homogeneous, |view, _| views::parallel(view, 4.0, 3.0), None),
+        // Some of the mesh is behind it in some frames.
+        ("amidst", Space::Homogeneous, camera, Some(0.45)),
     ] {
-        let animation = Animation { change, ..swing(sides, 12, [960, 540], 0.3) }.through_window(SIZE);
+        let mut animation = Animation { change, ..swing(sides, 12, [960, 540], 0.3) }.through_window(SIZE);
+        for camera in &mut animation.cameras {
+            camera.eye.z = eye.unwrap_or(camera.eye.z);
+            camera.target.z = eye.map_or(camera.target.z, |_| -2.0);
+        }
         let (mesh, settings) = (grid(sides), Settings { space, strength: 2.0, ..incomplete() });
         let parts = bands(&mesh);
         let desc = Desc { parts: Some(parts.sizes()), ..desc(animation.size, &mesh, settings.clone()) };
@@ -118,7 +127,9 @@ fn the_device_finds_of_parts_what_f64_finds() {
 fn what_stands_still_is_not_smeared() {
     let sides = [12, 9];
     let (mesh, settings) = (grid(sides), incomplete());
-    let mut animation = swing(sides, 12, [960, 540], 0.3).through_window(SIZE);
+    // Jitter is no motion.
+    let change: Change = |view, frame| View { jitter: [0.9 * (frame % 2) as f64 - 0.45, 0.0], ..view };
+    let mut animation = Animation { change, ..swing(sides, 12, [960, 540], 0.3) }.through_window(SIZE);
     let parts = bands(&mesh);
     let still: Vec<usize> = (0..mesh.points()).filter(|point| parts.labels()[*point] != 2 && point % 5 != 0).collect();
     let still: Vec<usize> = still.into_iter().chain((0..mesh.points()).filter(|p| parts.labels()[*p] == 1)).collect();
@@ -135,6 +146,40 @@ fn what_stands_still_is_not_smeared() {
     assert!(still.iter().all(|point| labels[*point] == 0) && labels.contains(&2));
     compare(&mut rig, &interval, "still");
     assert_eq!(rig.read::<Cluster>(layout::CLUSTERS, 3)[0].points, 0);
+}
+
+/// Of a rectangle, all corners are found: k is that of f32 brute force, also along directions between those of its outline.
+#[test]
+fn corners_of_an_outline_are_exact() {
+    let (mesh, settings) = (grid([9, 5]), incomplete());
+    let parts = Parts::new(&mesh, &[0; 45]).expect("parts");
+    for (angle, off) in [(0.7_f32, -0.011_f32), (0.7, 0.006), (1.31, 0.003), (2.0, -0.009)] {
+        let pose = |frame: u8| {
+            let ([sin, cos], way) = ([angle.sin(), angle.cos()], 0.2 * f32::from(frame) - 0.6);
+            let place = |point: u8| {
+                let [u, v] = [0.2 * f32::from(point % 9) - 0.8, 0.1 * f32::from(point / 9) - 0.2];
+                [
+                    cos * u - sin * v + way * (angle + off).cos(),
+                    sin * u + cos * v + way * (angle + off).sin() + 1.0,
+                    0.0,
+                ]
+            };
+            (0..45).map(place).collect()
+        };
+        let cameras = vec![swing([2, 2], 1, SIZE, 0.0).cameras[0]; 6];
+        let animation = Animation::new((0..6).map(pose).collect(), cameras, SIZE);
+        let desc = Desc { parts: Some(parts.sizes()), ..desc(SIZE, &mesh, settings.clone()) };
+        let Some(mut rig) = BlurRig::new(desc, mesh.clone()) else { return };
+        rig.parts = Some(parts.clone());
+        let (interval, knots) = expected(&animation, &mesh, &settings, &parts, 2);
+        rig.frame(&shot(&animation, 2, &interval, &knots, true)).expect("a frame");
+        let places: Vec<[f32; 2]> = interval.motion.iter().map(|[x, y, ..]| [*x, *y]).collect();
+        for (vertex, motion) in rig.vertices().iter().zip(&interval.motion) {
+            let [k, l] = extent(*motion, &places);
+            // Positions are off by 3e-4 pixels, of at least 20.
+            assert!((vertex.k - k).abs().max((vertex.l - l).abs()) < 1e-4, "{angle} {off}: {vertex:?}, {k} {l}");
+        }
+    }
 }
 
 /// Pictures of parts that the device finds are those of parts that the host has found, but for what the hull of directions is off.
