@@ -57,7 +57,8 @@
 //! | depth of [`smoke`] and [`blur`]: tested and written | `DEPTH_STENCIL_ATTACHMENT` | `state_in` | `state_out` |
 //! | depth of [`flame`]: read | `TRANSFER_SRC` | `state_in` | `state_out` |
 //! | images of a [`blur`]'s frames: read | `TRANSFER_SRC` | `state_in` | `state_out` |
-//! | all buffers | `TRANSFER_SRC` | `stage` and `access` of the last write | read at `ALL_TRANSFER` |
+//! | positions that a [`blur`]'s host has skinned | `STORAGE_BUFFER` | `stage` and `access` of the last write | read at `COMPUTE_SHADER` |
+//! | all other buffers | `TRANSFER_SRC` | `stage` and `access` of the last write | read at `ALL_TRANSFER` |
 //!
 //! The first frame of each: [`smoke::Frame`] has `Sequence::Restart` and a volume; [`flame::Frame`] has particles; [`blur::Frame`]
 //! has the mesh, and poses as its interval needs them. A blur's first output has no frame before it, so nothing moves in it: its

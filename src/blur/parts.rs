@@ -9,6 +9,45 @@ use crate::shaders::blur::constants::DIRECTIONS;
 /// A division of a mesh that does not depend on how it moves: by bone, by what a character is made of. It takes the place of
 /// clusters by direction: nothing has to be found from poses, which need not be on the CPU then.
 ///
+/// With poses that the host's own skinning has left on the device, no frame needs anything of them on the CPU:
+///
+/// ```
+/// # use celfx::blur::{self, Counts, Desc, Frame, FrameView, IntervalInput, Mesh, Motion, Parts, Settings, SkinnedInput, Source};
+/// # use celfx::host::{HostBuffer, HostImage};
+/// # fn f(mesh: &Mesh, bones: &[u32], settings: Settings, size: [u32; 2], skinned: HostBuffer, target: HostImage, first: Vec<FrameView>,
+/// #      generation: u32, next: FrameView, offset: u64) -> celfx::error::Result<()> {
+/// // Once: a part for each bone, and a buffer of vertices of 32 bytes.
+/// let parts = Parts::new(mesh, bones)?;
+/// let vertices = mesh.file_to_point().len() as u32;
+/// let (rows, points) = mesh.source_rows(&[vertices])?;
+/// let source = Source { buffer: skinned, stride: 8, vertices, points: points[0] };
+/// let mut desc = Desc { parts: Some(parts.sizes()), sources: vec![source], ..Desc::new(mesh, size, settings) };
+/// desc.frames_resident = 16;
+/// let motion = Motion::new(&desc.settings, size)?;
+/// let mut upload = blur::Upload::default(); // with the first frame
+/// upload.mesh(mesh, &[]);
+/// upload.parts(&parts);
+/// upload.source_rows(&rows);
+///
+/// // Each frame: the views of the last ones, the newest of which is that of the output.
+/// let mut views: Vec<FrameView> = first;
+/// views.push(next);
+/// let current = views.len() - 2;
+/// let found = motion.knots_of_views(&views, current);
+/// let earlier = views[current.saturating_sub(1)];
+/// let mut frame = Frame::new(target);
+/// frame.skinned = Some(SkinnedInput { frame: next.frame, offsets: [offset, 0, 0, 0, 0, 0, 0, 0] });
+/// frame.interval = found.as_ref().map(|(knots, segments)| IntervalInput {
+///     counts: Counts::of_parts(&parts.sizes(), generation),
+///     segments,
+///     views: [earlier, views[current], next, next],
+///     trajectories: blur::Trajectories::Poses(knots),
+///     clusters: None,
+/// });
+/// # Ok(())
+/// # }
+/// ```
+///
 /// Of each part, those points are smeared that move. They are labelled from 1, the larger label is the part with more points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {

@@ -32,6 +32,31 @@ fn another_size_is_another_effect() {
     assert!(film.again(2) == first && first != resized);
 }
 
+/// A second mesh is smeared over the picture of the first.
+#[test]
+fn two_blurs_in_one_picture() {
+    let settings = Settings::default;
+    let Some(mut first) = Film::new(Builtin::Run, 800, SIZE, 20..28, settings(), false) else { return };
+    let other = || Film::new(Builtin::Crossing, 600, SIZE, 4..12, settings(), false).expect("a device");
+    let under = first.output(2, true);
+    let mut alone = other();
+    alone.set_light(Light::default(), Background::Clear([0.0; 4]));
+    let alone = alone.output(3, true);
+    let mut second = other();
+    second.rig.set_backdrop(&under);
+    let both = second.output(3, true);
+    let mut mixed = 0;
+    for ((both, over), under) in both.iter().zip(&alone).zip(&under) {
+        mixed += usize::from(over[3] > 0.0 && over[3] < 1.0);
+        for c in 0..4 {
+            // Four samples are each blended and rounded.
+            let expected = over[c] + (1.0 - over[3]) * under[c];
+            assert!((both[c] - expected).abs() < 4e-6, "{both:?}: {over:?} over {under:?}");
+        }
+    }
+    assert!(mixed > 50 && both != under && both != alone, "{mixed} pixels of both");
+}
+
 /// Each frame has a slot's buffers and images, and is begun before the one before it has ended.
 #[test]
 fn frames_in_flight_are_those_that_are_waited_for() {

@@ -256,6 +256,11 @@ fn poses_are_read_where_the_host_has_them() {
         let expected: Vec<_> = mesh.point_to_file().iter().map(|vertex| place(frame, *vertex)).collect();
         assert_eq!(found[frame as usize * points..][..points], expected, "frame {frame}");
     }
+    // What the host makes in the same command buffer is waited for as its buffer says.
+    rig.skinning = vec![0.625; 4 + 8 * 6];
+    rig.skinned = Some(SkinnedInput { frame: 5, offsets: [16, 0, 0, 0, 0, 0, 0, 0] });
+    rig.frame(&Shot { poses: None, interval: None, views: animation.views(1), knots: None }).expect("a frame");
+    assert_eq!(rig.read::<[f32; 3]>(layout::POSES, 4), [[0.625; 3]; 4]);
     let beyond = SkinnedInput { frame: 5, offsets: [4 * values[0].len() as u64; MOST_SOURCES] };
     let odd = SkinnedInput { frame: 5, offsets: [2; MOST_SOURCES] };
     for skinned in [beyond, odd] {

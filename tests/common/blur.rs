@@ -68,6 +68,8 @@ pub struct BlurRig {
     pub source_rows: Vec<u32>,
     /// A pose in them, for the next output.
     pub skinned: Option<SkinnedInput>,
+    /// What the host writes to the start of the first of them, in the command buffer of the next output.
+    pub skinning: Vec<f32>,
     /// Which frame in flight is worked on.
     pub slot: usize,
     /// Whether closed objects are said to be.
@@ -144,7 +146,11 @@ impl BlurRig {
             sources.iter().map(|(values, ..)| host::source(&mut device, 4 * values.len() as u64)).collect();
         let described = sources.iter().zip(&mut buffers).zip(points);
         let described = described.map(|((&(values, stride, vertices), buffer), points)| Source {
-            buffer: host::fill(buffer, values),
+            buffer: HostBuffer {
+                stage: vk::PipelineStageFlags2::ALL_TRANSFER,
+                access: vk::AccessFlags2::TRANSFER_WRITE,
+                ..host::fill(buffer, values)
+            },
             stride,
             vertices,
             points,
@@ -179,6 +185,7 @@ impl BlurRig {
             sources,
             source_rows: Vec::new(),
             skinned: None,
+            skinning: Vec::new(),
             images,
             is_first: true,
             toon: None,
@@ -337,8 +344,14 @@ impl BlurRig {
     pub fn frame(&mut self, shot: &Shot) -> Result<()> {
         let frame = self.describe(shot);
         let (depth, wall) = (self.depth.as_ref().map(|image| image.handle), self.wall);
+        let skinning = std::mem::take(&mut self.skinning);
+        let source = self.sources.first().map(|source| source.handle).filter(|_| !skinning.is_empty());
         let blur = self.blur.as_mut().expect("an effect");
         let done = self.device.one_time("frame", |host, commands| {
+            // SAFETY: as below; earlier frames have been waited for.
+            source.iter().for_each(|source| unsafe {
+                host.device.cmd_update_buffer(commands, *source, 0, bytemuck::cast_slice(&skinning));
+            });
             // SAFETY: everything is the test's own, in the declared states, and the frame is waited for.
             depth.iter().for_each(|image| unsafe { record_depth(host, commands, *image, wall) });
             // SAFETY: as above.

@@ -190,7 +190,8 @@ pub fn host_image(
 
 /// A buffer that the host writes and the device copies from.
 pub fn source(device: &mut TestDevice, bytes: u64) -> Buffer {
-    let (usage, properties) = (vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::STORAGE_BUFFER, UPLOADED);
+    use vk::BufferUsageFlags as Use;
+    let (usage, properties) = (Use::TRANSFER_SRC | Use::TRANSFER_DST | Use::STORAGE_BUFFER, UPLOADED);
     buffer(device, &BufferDesc { name: "test", size: bytes.max(16), usage, properties })
 }
 
