@@ -9,6 +9,7 @@ use celfx::host::{HostBuffer, HostImage, ImageState};
 use celfx::low_level::gpu::buffer::{Buffer, BufferDesc, READ_BACK, UPLOADED};
 use celfx::low_level::gpu::headless::{Commands, Headless, Options, Submission};
 use celfx::low_level::gpu::image::{Image, ImageDesc};
+use celfx::low_level::gpu::scratch::Lifetime;
 use celfx::profile::{Timing, queries};
 use celfx::simulate::smoke::Builtin;
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, VolumeInput};
@@ -46,12 +47,14 @@ impl Slot {
     pub fn new(device: &mut Headless) -> Result<Slot> {
         let voxels = Builtin::Plume.volume(0, 24.0).density.len() as u64;
         let pixels = u64::from(SIZE[0]) * u64::from(SIZE[1]);
-        let buffer = |name, size, usage, properties| BufferDesc { name, size, usage, properties };
+        let buffer =
+            |name, size, usage, properties| BufferDesc { name, size, usage, properties, lifetime: Lifetime::Kept };
         let (from, to) = (vk::BufferUsageFlags::TRANSFER_SRC, vk::BufferUsageFlags::TRANSFER_DST);
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST;
-        let target = ImageDesc { name: "target", extent: SIZE, layers: 1, array_view: false, format: FORMAT, usage };
+        let (extent, format, lifetime) = (SIZE, FORMAT, Lifetime::Kept);
+        let target = ImageDesc { name: "target", extent, layers: 1, array_view: false, format, usage, lifetime };
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP);
         let info = info.query_count(queries(MOST_STEPS));
         let (host, allocator) = device.parts();

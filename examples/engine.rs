@@ -10,6 +10,7 @@ use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
 use celfx::host::{Background, DepthFormat, Host, HostImage, ImageState};
 use celfx::low_level::gpu::headless::{Headless, Options};
 use celfx::low_level::gpu::image::{Image, ImageDesc};
+use celfx::low_level::gpu::scratch::Lifetime;
 use celfx::low_level::gpu::transfer::{Copy, Download, Upload, record_readback};
 use celfx::profile::Timing;
 use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
@@ -33,7 +34,7 @@ fn images(device: &mut Headless, extent: [u32; 2]) -> Result<[Image; 3]> {
     let (host, allocator) = device.parts();
     let mut make = |name, format, usage| {
         let usage = usage | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
-        let desc = ImageDesc { name, extent, layers: 1, array_view: false, format, usage };
+        let desc = ImageDesc { name, extent, layers: 1, array_view: false, format, usage, lifetime: Lifetime::Kept };
         // SAFETY: the device's own handles.
         unsafe { Image::new(&host, allocator, &desc) }
     };

@@ -54,7 +54,7 @@ struct Touched {
 pub struct Tracker {
     buffers: Vec<Touched>,
     images: Vec<Touched>,
-    /// The states of images. Own ones begin and end frames in [`OWN`].
+    /// The states of images. Own ones begin and end frames in [`OWN`], unless they are in scratch memory.
     states: Vec<ImageState>,
     /// Which images the host has handed over.
     is_host: Vec<bool>,
@@ -117,6 +117,11 @@ impl Tracker {
         self.pending.src_access |= state.access;
     }
 
+    /// Notes an own image that the frame begins without: in layout UNDEFINED.
+    pub fn discard_image(&mut self, image: ImageId) {
+        self.states[usize::from(image.0)].layout = vk::ImageLayout::UNDEFINED;
+    }
+
     /// The barrier that `step` needs before it; then takes the step as done. The first one of a frame brings all
     /// images into the states in which they are used first.
     pub fn before(&mut self, plan: &Plan, index: usize, passes: &[Pass]) -> Barrier {
@@ -158,8 +163,9 @@ impl Tracker {
     /// The barrier after the last step, if images change with it: those of the host are to be left in `states`.
     pub fn end(&mut self, states: impl Iterator<Item = (ImageId, ImageState)>) -> Barrier {
         self.changes.clear();
-        let own =
-            self.states.iter().enumerate().filter(|(index, from)| !self.is_host[*index] && from.layout != OWN.layout);
+        // What no step has used stays without a layout.
+        let is_left = |from: &ImageState| ![OWN.layout, vk::ImageLayout::UNDEFINED].contains(&from.layout);
+        let own = self.states.iter().enumerate().filter(|(index, from)| !self.is_host[*index] && is_left(from));
         self.changes.extend(own.map(|(index, from)| Change { image: ImageId(index as u16), from: *from, to: OWN }));
         let host = states.map(|(image, to)| Change { image, from: self.states[usize::from(image.0)], to });
         self.changes.extend(host);

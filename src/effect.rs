@@ -32,6 +32,8 @@ pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::{Kept, Resources};
+use crate::gpu::scratch::{Lifetime, Shared};
+pub use crate::gpu::scratch::{ScratchNeeds, ScratchPool, ScratchRange};
 use crate::host::{Host, HostBuffer, Memory, MemorySource, NamedFormat, check_formats};
 use crate::plan::{BufferId, ImageId, Pass, Plan};
 
@@ -118,13 +120,25 @@ pub trait Inventory {
     const HOST_IMAGES: usize;
 
     /// The own buffers.
-    fn buffers(&self) -> Vec<BufferDesc>;
+    fn buffers(&self, desc: &Self::Desc) -> Vec<BufferDesc>;
 
     /// The own images.
     fn images(&self, desc: &Self::Desc) -> Vec<ImageDesc>;
 
     /// The memory of both, before alignment.
-    fn memory(&self, desc: &Self::Desc) -> Memory;
+    fn memory(&self, desc: &Self::Desc) -> Memory {
+        let buffers = self.buffers(desc).into_iter().map(|buffer| (buffer.lifetime, buffer.size, 0));
+        let images = self.images(desc).into_iter().map(|image| (image.lifetime, image.bytes(), image.bytes()));
+        let mut memory = Memory::default();
+        for (lifetime, bytes, of_images) in buffers.chain(images) {
+            match lifetime {
+                Lifetime::Scratch | Lifetime::Layer => memory.scratch += bytes,
+                Lifetime::Sequence | Lifetime::Kept => memory.history += bytes,
+            }
+            memory.images += of_images;
+        }
+        memory
+    }
 
     /// Buffers of the host's that kernels read in place: they stay the same from frame to frame.
     fn bound(&self, _: &Self::Desc) -> Vec<(BufferId, HostBuffer)> {
@@ -139,8 +153,9 @@ fn not_prepared() -> Error {
 /// Passes of a kind, and what they name.
 pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
     Description {
+        name: K::NAME,
         passes: kind.take_passes(),
-        buffers: kind.layout().buffers(),
+        buffers: kind.layout().buffers(desc),
         host_buffers: K::Layout::HOST_BUFFERS,
         images: kind.layout().images(desc),
         host_images: K::Layout::HOST_IMAGES,
@@ -215,10 +230,63 @@ impl<K: Kind> Effect<K> {
         effort: Effort,
     ) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        let (kind, description) = unsafe { Self::describe(host, kernels, &desc, effort)? };
+        unsafe { Self::make(host, kernels, allocator, desc, effort, None) }
+    }
+
+    /// [`Self::new`] in scratch memory that other effects may use, too. Frames of effects in one pool are recorded one after the
+    /// other, each to its end, and submitted in that order. What [`Self::buffer`] returns holds until one of another is.
+    ///
+    /// # Errors
+    /// As there; the pool is too small, and how large it has to be.
+    ///
+    /// # Safety
+    /// As there; `pool` is of the same device, and destroyed after the effect.
+    pub unsafe fn new_in(
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut dyn MemorySource,
+        desc: K::Desc,
+        pool: &ScratchPool,
+    ) -> Result<Effect<K>> {
         // SAFETY: the caller's.
-        let executor = unsafe { Executor::new(host, kernels, allocator, description)? };
-        Ok(Effect { desc, effort, kind, executor, prepared: None })
+        unsafe { Self::make(host, kernels, allocator, desc, Effort::Needed, Some(pool)) }
+    }
+
+    /// What scratch memory must be for an effect of this description. Objects are made to ask the device, and destroyed; no memory is
+    /// taken.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// # Safety
+    /// As [`Self::new`].
+    pub unsafe fn scratch_needs(
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut dyn MemorySource,
+        desc: &K::Desc,
+    ) -> Result<ScratchNeeds> {
+        // SAFETY: the caller's.
+        unsafe {
+            let (_, description) = Self::describe(host, kernels, desc, Effort::Needed)?;
+            Executor::scratch_needs(host, allocator, &description)
+        }
+    }
+
+    unsafe fn make(
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut dyn MemorySource,
+        desc: K::Desc,
+        effort: Effort,
+        pool: Option<&ScratchPool>,
+    ) -> Result<Effect<K>> {
+        // SAFETY: the caller's.
+        unsafe {
+            let (kind, description) = Self::describe(host, kernels, &desc, effort)?;
+            let executor = Executor::new(host, kernels, allocator, description, pool)?;
+            Ok(Effect { desc, effort, kind, executor, prepared: None })
+        }
     }
 
     /// All of an effect that needs no memory.
@@ -269,10 +337,40 @@ impl<K: Kind> Effect<K> {
         desc: K::Desc,
     ) -> Result<Retired> {
         // SAFETY: the caller's.
+        unsafe { self.change_in(host, kernels, allocator, desc, self.executor.pool()) }
+    }
+
+    /// [`Self::change`] of the scratch memory alone: to this pool, which may be a larger one.
+    ///
+    /// # Errors
+    /// As [`Self::new_in`].
+    ///
+    /// # Safety
+    /// As [`Self::change`] and [`Self::new_in`]. The pool before is destroyed after what is handed back.
+    pub unsafe fn move_to(
+        &mut self,
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut dyn MemorySource,
+        pool: &ScratchPool,
+    ) -> Result<Retired> {
+        // SAFETY: the caller's.
+        unsafe { self.change_in(host, kernels, allocator, self.desc.clone(), Some(pool.shared())) }
+    }
+
+    unsafe fn change_in(
+        &mut self,
+        host: &Host,
+        kernels: &Kernels,
+        allocator: &mut dyn MemorySource,
+        desc: K::Desc,
+        pool: Option<Shared>,
+    ) -> Result<Retired> {
+        // SAFETY: the caller's.
         let (mut kind, description) = unsafe { Self::describe(host, kernels, &desc, self.effort)? };
         self.drop_parts();
         // SAFETY: the caller's.
-        let (retired, kept) = unsafe { self.executor.change_to(host, kernels, allocator, description)? };
+        let (retired, kept) = unsafe { self.executor.change_to(host, kernels, allocator, description, pool)? };
         kind.go_on(&self.kind, [&self.desc, &desc], &kept);
         (self.kind, self.desc, self.prepared) = (kind, desc, None);
         Ok(retired)
@@ -445,7 +543,7 @@ impl<K: Kind> Effect<K> {
         self.executor.attachment(id, layer)
     }
 
-    /// Whether an own image has not been used yet, or holds nothing any more.
+    /// Whether a frame begins without what an own image holds: it has not been used yet, or is in scratch memory.
     pub fn is_new(&self, id: ImageId) -> bool {
         self.executor.is_new(id)
     }
@@ -496,6 +594,11 @@ impl<K: Kind> Effect<K> {
     /// The passes that the frame recorded last left out: each one's name, and why.
     pub fn skipped(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
         self.executor.skipped()
+    }
+
+    /// Where all is that frames begin without, for a host that puts other things there between frames; none if there is nothing.
+    pub fn scratch(&self) -> Option<ScratchRange> {
+        self.executor.scratch()
     }
 
     /// A buffer of the effect, to be read after a frame: handle, offset and size in bytes. The ids stand in the effect's

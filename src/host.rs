@@ -146,10 +146,13 @@ pub struct DepthFormat {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Memory {
-    /// Bytes that must survive from frame to frame.
+    /// Bytes of what must survive from frame to frame.
     pub history: u64,
-    /// Bytes that are rewritten within each frame.
+    /// Bytes of the range of all that each frame writes anew. Effects that never run at once can share it
+    /// ([`crate::effect::ScratchPool`]).
     pub scratch: u64,
+    /// Bytes of images, which devices pad, among both.
+    pub images: u64,
 }
 
 impl Memory {

@@ -2,12 +2,13 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
-use crate::host::Memory;
+use crate::gpu::scratch::Lifetime;
 use crate::plan::BufferId;
 
-/// Declares an effect's own buffers: each goes by one name, from shader block to error message.
+/// Declares an effect's own buffers: each goes by one name, from shader block to error message, and is scratch unless a
+/// [`Lifetime`] is said.
 macro_rules! buffers {
-    ($effect:literal $($id:ident = $name:literal),* $(,)?) => {
+    ($effect:literal $($id:ident = $name:literal $(: $lifetime:ident)?),* $(,)?) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         #[repr(u16)]
         #[derive(Clone, Copy)]
@@ -20,8 +21,11 @@ macro_rules! buffers {
         const NAMES: crate::layout::Names<{ BUFFERS as usize }> = crate::layout::Names {
             debug: [$(concat!($effect, " ", $name)),*],
             sizes: [$(concat!($effect, "'s buffer ", $name, " (in bytes)")),*],
+            lifetimes: [$($crate::layout::buffers!(@lifetime $($lifetime)?)),*],
         };
     };
+    (@lifetime) => { $crate::gpu::scratch::Lifetime::Scratch };
+    (@lifetime $lifetime:ident) => { $crate::gpu::scratch::Lifetime::$lifetime };
 }
 pub(crate) use buffers;
 
@@ -31,12 +35,14 @@ pub const LOOP_BUDGET: u32 = 48_000;
 /// Workgroups that every device can dispatch along an axis.
 pub const MOST_GROUPS: u64 = 65_535;
 
-/// Names of an effect's buffers.
+/// What is said of an effect's buffers.
 pub(crate) struct Names<const N: usize> {
     /// By debuggers.
     pub(crate) debug: [&'static str; N],
     /// Their sizes, by errors.
     pub(crate) sizes: [&'static str; N],
+    /// How long each is needed.
+    pub(crate) lifetimes: [Lifetime; N],
 }
 
 /// Bytes of an effect's own buffers.
@@ -66,28 +72,21 @@ impl<const N: usize> Sizes<N> {
         }
     }
 
-    /// Descriptions, in order. `uniform` are uniform buffers, all others are storage buffers.
+    /// Descriptions, in order, of an effect that keeps layers or does not. `uniform` are uniform buffers, all others are
+    /// storage buffers.
     pub(crate) fn descriptions<const M: usize>(
         &self,
         names: &Names<N>,
         uniform: [BufferId; M],
+        layers: bool,
     ) -> impl Iterator<Item = BufferDesc> + use<N, M> {
-        let names = names.debug;
-        self.0.into_iter().enumerate().map(move |(index, bytes)| match uniform.contains(&BufferId(index as u16)) {
-            true => BufferDesc::uniform(names[index], bytes),
-            false => BufferDesc::storage(names[index], bytes),
+        let Names { debug: names, lifetimes, .. } = *names;
+        self.0.into_iter().enumerate().map(move |(index, bytes)| {
+            let desc = match uniform.contains(&BufferId(index as u16)) {
+                true => BufferDesc::uniform(names[index], bytes),
+                false => BufferDesc::storage(names[index], bytes),
+            };
+            BufferDesc { lifetime: lifetimes[index].with_layers(layers), ..desc }
         })
-    }
-
-    /// Memory, of which what is `kept` survives from frame to frame.
-    pub(crate) fn memory(&self, kept: &[BufferId]) -> Memory {
-        let mut memory = Memory::default();
-        for (index, bytes) in self.0.iter().enumerate() {
-            match kept.contains(&BufferId(index as u16)) {
-                true => memory.history += bytes,
-                false => memory.scratch += bytes,
-            }
-        }
-        memory
     }
 }

@@ -421,6 +421,11 @@ impl Offline {
         &self.device
     }
 
+    /// The device, for commands of others between frames.
+    pub fn device_mut(&mut self) -> &mut Headless {
+        &mut self.device
+    }
+
     /// Nothing may be reused while it may still be running.
     fn check_free(&self) -> Result<()> {
         let running = || Error::vulkan("vkWaitForFences", "an earlier submission")(vk::Result::TIMEOUT);

@@ -26,6 +26,8 @@ mod plan;
 mod refine;
 #[path = "blur/scenes.rs"]
 mod scenes;
+#[path = "blur/scratch.rs"]
+mod scratch;
 #[path = "blur/shade.rs"]
 mod shade;
 #[path = "blur/toon.rs"]

@@ -16,6 +16,8 @@ mod extremes;
 mod oracle;
 #[path = "flame/raster.rs"]
 mod raster;
+#[path = "flame/scratch.rs"]
+mod scratch;
 #[path = "flame/shapes.rs"]
 mod shapes;
 #[path = "flame/skipping.rs"]

@@ -41,7 +41,8 @@ fn many(particles: u32, fade: u32) -> Settings {
 
 #[test]
 fn sizes_follow_from_counts() {
-    let layout = Layout::new(&desc([200, 150], [33, 20, 10], many(500, 6)), &TRAITS).unwrap();
+    let made = desc([200, 150], [33, 20, 10], many(500, 6));
+    let layout = Layout::new(&made, &TRAITS).unwrap();
     assert_eq!((layout.spheres, layout.tiles), (3500, [7, 5]));
     assert_eq!(layout.size(layout::PARTICLES), 500 * size_of::<Particle>() as u64);
     assert_eq!(layout.size(layout::SPHERES), 3500 * 16);
@@ -54,7 +55,7 @@ fn sizes_follow_from_counts() {
     assert_eq!((layout.batches, layout.batch_groups), (1, 8));
     assert_eq!(layout.size(layout::ROW_SUMS), 8 * 35 * u64::from(SLOT_PIXELS) * 8);
     assert_eq!(layout.window_blocks, 2, "a window of 12 pixels");
-    for buffer in layout.buffers() {
+    for buffer in layout.buffers(&made) {
         assert!(buffer.size >= 16 && buffer.size % 16 == 0, "{}: {}", buffer.name, buffer.size);
     }
 }
@@ -94,7 +95,7 @@ fn memory_is_what_buffers_and_images_take() {
     for shadow in [Shadow::Exact, Shadow::Map] {
         let desc = Desc { point_light: true, ..desc([64, 64], [8; 3], Settings { shadow, ..many(100, 6) }) };
         let layout = Layout::new(&desc, &TRAITS).unwrap();
-        let buffers: u64 = layout.buffers().iter().map(|buffer| buffer.size).sum();
+        let buffers: u64 = layout.buffers(&desc).iter().map(|buffer| buffer.size).sum();
         let images = layout.images(&desc);
         let pixels = images.iter().map(|i| u64::from(i.extent[0] * i.extent[1] * i.layers)).sum::<u64>();
         assert_eq!(Smoke::memory(&desc, &TRAITS).unwrap().total(), buffers + 4 * pixels);

@@ -22,6 +22,7 @@ fn scanned(device: &mut TestDevice, values: &[u32]) -> Vec<u32> {
     let [sums, add] = scan::passes("scan", VALUES, SUMS);
     let buffers = vec![BufferDesc::storage("values", bytes), BufferDesc::storage("sums", scan::sums_bytes(bytes))];
     let description = Description {
+        name: "scan",
         passes: vec![Pass::transfer("values").fills(VALUES).copies(GIVEN, VALUES), sums, add],
         buffers,
         host_buffers: 1,
@@ -34,7 +35,7 @@ fn scanned(device: &mut TestDevice, values: &[u32]) -> Vec<u32> {
     let handed = host::fill(&mut given, values);
     let (host, kernels, allocator) = device.making();
     // SAFETY: valid handles of one device.
-    let mut executor = unsafe { Executor::new(&host, kernels, allocator, description) }.expect("buffers");
+    let mut executor = unsafe { Executor::new(&host, kernels, allocator, description, None) }.expect("buffers");
     executor.resources_mut().set_host_buffer(GIVEN, Some(handed));
     let plan = executor.plan_mut();
     // What lies beyond the values is summed up after them: it changes none of their sums.

@@ -24,6 +24,8 @@ mod offline;
 mod particles;
 #[path = "smoke/radius.rs"]
 mod radius;
+#[path = "smoke/scratch.rs"]
+mod scratch;
 #[path = "smoke/sequence.rs"]
 mod sequence;
 #[path = "smoke/shadow.rs"]

@@ -10,7 +10,8 @@ use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::host::{HostBuffer, Memory};
+use crate::gpu::scratch::Lifetime;
+use crate::host::HostBuffer;
 use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource};
 use crate::shaders::blur as glsl;
@@ -26,42 +27,42 @@ use crate::shaders::blur::constants::{
 buffers! {
     "blur"
     PARAMS = "BlurParams",
-    CONTROL = "ControlBuffer",
+    CONTROL = "ControlBuffer": Kept,
     ROUND_LIST = "Rounds",
     KNOTS = "Knots",
-    POSES = "Poses",
-    TRIANGLES = "Triangles",
-    NEIGHBOUR_STARTS = "NeighbourStarts",
-    NEIGHBOURS = "Neighbours",
-    MOTIONS = "Motions",
-    LABELS = "Labels",
-    CLUSTERS = "Clusters",
+    POSES = "Poses": Sequence,
+    TRIANGLES = "Triangles": Sequence,
+    NEIGHBOUR_STARTS = "NeighbourStarts": Sequence,
+    NEIGHBOURS = "Neighbours": Sequence,
+    MOTIONS = "Motions": Layer,
+    LABELS = "Labels": Layer,
+    CLUSTERS = "Clusters": Layer,
     HULL = "Hull",
-    SEAMS = "Seams",
+    SEAMS = "Seams": Sequence,
     FRONTS = "Fronts",
     SMOOTH = "Smooth",
     CLIP = "Clip",
     SPLINES = "Splines",
-    VERTICES = "Vertices",
+    VERTICES = "Vertices": Layer,
     ACTIVE = "Active",
     NEXT = "Next",
-    FINISHED = "Finished",
+    FINISHED = "Finished": Layer,
     PART_SUMS = "PartSums",
-    TOON_BUFFER = "ToonBuffer",
+    TOON_BUFFER = "ToonBuffer": Sequence,
     TRAILING = "Trailing",
-    PREVIOUS_NAMES = "PreviousNames",
-    NEXT_NAMES = "NextNames",
-    DISTORTED_NAMES = "DistortedNames",
-    PICTURE = "Picture",
-    COLOUR_LAYER = "ColourLayer",
-    PREVIOUS_LAYER = "PreviousLayer",
-    NEXT_LAYER = "NextLayer",
-    SUBFRAME_LAYER = "SubframeLayer",
-    MASK_LAYER = "MaskLayer",
+    PREVIOUS_NAMES = "PreviousNames": Layer,
+    NEXT_NAMES = "NextNames": Layer,
+    DISTORTED_NAMES = "DistortedNames": Layer,
+    PICTURE = "Picture": Layer,
+    COLOUR_LAYER = "ColourLayer": Layer,
+    PREVIOUS_LAYER = "PreviousLayer": Layer,
+    NEXT_LAYER = "NextLayer": Layer,
+    SUBFRAME_LAYER = "SubframeLayer": Layer,
+    MASK_LAYER = "MaskLayer": Layer,
     LINES = "Lines",
-    CORNER_GROUPS = "CornerGroups",
-    GROUP_STARTS = "GroupStarts",
-    GROUP_TRIANGLES = "GroupTriangles",
+    CORNER_GROUPS = "CornerGroups": Sequence,
+    GROUP_STARTS = "GroupStarts": Sequence,
+    GROUP_TRIANGLES = "GroupTriangles": Sequence,
     NORMALS = "Normals",
     LARGE_GROUPS = "LargeGroups",
     TILES = "Tiles",
@@ -74,13 +75,13 @@ buffers! {
     SAMPLE_STATES = "SampleStates",
     SAMPLE_SIDES = "SampleSides",
     LISTS = "Lists",
-    SURFACE = "Surface",
+    SURFACE = "Surface": Kept,
     SCENE_WORDS = "SceneWords",
-    SOURCE_ROWS = "SourceRows",
-    PART_LABELS = "PartLabels",
-    PART_MEMBERS = "PartMembers",
-    PART_CHUNKS = "PartChunks",
-    PART_ROWS = "PartRows",
+    SOURCE_ROWS = "SourceRows": Sequence,
+    PART_LABELS = "PartLabels": Sequence,
+    PART_MEMBERS = "PartMembers": Sequence,
+    PART_CHUNKS = "PartChunks": Sequence,
+    PART_ROWS = "PartRows": Sequence,
     CHUNK_SUMS = "ChunkSums",
     CHUNK_FARTHEST = "ChunkFarthest",
     SUPPORT_VALUES = "SupportValues",
@@ -137,23 +138,6 @@ pub fn host_source(number: usize) -> BufferId {
     BufferId(FIRST_SOURCE + number as u16)
 }
 
-/// What frames need of frames before: the mesh and poses; with parts, points near seams, too.
-pub const KEPT: [BufferId; 14] = [
-    POSES,
-    TRIANGLES,
-    NEIGHBOUR_STARTS,
-    NEIGHBOURS,
-    TOON_BUFFER,
-    CORNER_GROUPS,
-    GROUP_STARTS,
-    GROUP_TRIANGLES,
-    SOURCE_ROWS,
-    PART_LABELS,
-    PART_MEMBERS,
-    PART_CHUNKS,
-    PART_ROWS,
-    SEAMS,
-];
 /// Where in [`TOON_BUFFER`] the base colours begin.
 pub const BASE_COLOURS: u64 = size_of::<ToonParams>() as u64;
 
@@ -425,8 +409,8 @@ impl Inventory for Layout {
     const HOST_BUFFERS: usize = HOST_BUFFERS;
     const HOST_IMAGES: usize = HOST_IMAGES;
 
-    fn buffers(&self) -> Vec<BufferDesc> {
-        self.sizes.descriptions(&NAMES, [PARAMS]).collect()
+    fn buffers(&self, desc: &Desc) -> Vec<BufferDesc> {
+        self.sizes.descriptions(&NAMES, [PARAMS], desc.layers).collect()
     }
 
     fn images(&self, desc: &Desc) -> Vec<ImageDesc> {
@@ -437,6 +421,7 @@ impl Inventory for Layout {
             array_view: false,
             format: vk::Format::R32_UINT,
             usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            lifetime: Lifetime::Scratch,
         };
         let (format, usage) =
             (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED);
@@ -454,6 +439,7 @@ impl Inventory for Layout {
             usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
                 | vk::ImageUsageFlags::TRANSFER_SRC
                 | vk::ImageUsageFlags::SAMPLED,
+            lifetime: Lifetime::Kept,
             ..frame
         };
         let outer_drawn = ImageDesc { extent: if desc.outer { drawn.extent } else { [1; 2] }, ..drawn };
@@ -496,13 +482,5 @@ impl Inventory for Layout {
 
     fn bound(&self, desc: &Desc) -> Vec<(BufferId, HostBuffer)> {
         desc.sources.iter().enumerate().map(|(number, source)| (host_source(number), source.buffer)).collect()
-    }
-
-    fn memory(&self, desc: &Desc) -> Memory {
-        let mut memory = self.sizes.memory(&KEPT);
-        for image in self.images(desc) {
-            memory.scratch += image.bytes();
-        }
-        memory
     }
 }

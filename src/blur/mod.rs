@@ -181,7 +181,7 @@ impl Kind for BlurKind {
         let same_parts = descs[0].parts == descs[1].parts && descs[0].sources.len() == descs[1].sources.len();
         let same_mesh =
             same_parts && mesh[0] == mesh[1] && (descs[0].toon, has_normals[0]) == (descs[1].toon, has_normals[1]);
-        if same_mesh && layout::KEPT.iter().all(|id| kept.buffer(*id)) {
+        if same_mesh && kept.sequence() {
             self.has_mesh = old.has_mesh;
             self.resident.clone_from(&old.resident);
         }

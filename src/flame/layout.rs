@@ -10,7 +10,7 @@ use crate::flame::limits::{Stage, buckets, is_raster, kernels, most_count, stage
 use crate::flame::settings::Mode;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::host::Memory;
+use crate::gpu::scratch::Lifetime;
 use crate::layout::{Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
 use crate::scan::{self, MOST_COUNTERS};
@@ -28,10 +28,10 @@ buffers! {
     "flame"
     PARAMS = "FlameParams",
     CONTROL = "ControlBuffer",
-    POSITIONS = "Positions",
-    IDS = "Ids",
-    COLOURS = "Colours",
-    PARTICLES = "Particles",
+    POSITIONS = "Positions": Sequence,
+    IDS = "Ids": Sequence,
+    COLOURS = "Colours": Kept,
+    PARTICLES = "Particles": Layer,
     CELLS = "Cells",
     CELL_SUMS = "CellSums",
     ENTRIES = "Entries",
@@ -43,19 +43,19 @@ buffers! {
     PART_ARGUMENTS = "PartArguments",
     SCENE_WORDS = "SceneWords",
     SCENE = "Scene",
-    MASK = "Mask",
-    KERNEL_STATE = "KernelState",
+    MASK = "Mask": Kept,
+    KERNEL_STATE = "KernelState": Kept,
     SHARES = "Shares",
-    SUMS = "Sums",
+    SUMS = "Sums": Kept,
     SPRITE_LIST = "SpriteList",
     SPRITE_SUMS = "SpriteSums",
     LAMP = "LampBuffer",
     WINNERS = "Winners",
     UNLAID = "Unlaid",
-    PICTURE = "Picture",
-    MEAN = "Mean",
-    VARIANCE = "Variance",
-    NEAREST = "Nearest",
+    PICTURE = "Picture": Layer,
+    MEAN = "Mean": Layer,
+    VARIANCE = "Variance": Layer,
+    NEAREST = "Nearest": Layer,
 }
 
 /// The host's particles: positions and temperatures.
@@ -217,8 +217,8 @@ impl Inventory for Layout {
     const HOST_BUFFERS: usize = HOST_BUFFERS;
     const HOST_IMAGES: usize = HOST_IMAGES;
 
-    fn buffers(&self) -> Vec<BufferDesc> {
-        self.sizes.descriptions(&NAMES, [PARAMS]).collect()
+    fn buffers(&self, desc: &Desc) -> Vec<BufferDesc> {
+        self.sizes.descriptions(&NAMES, [PARAMS], desc.layers).collect()
     }
 
     fn images(&self, desc: &Desc) -> Vec<ImageDesc> {
@@ -229,6 +229,7 @@ impl Inventory for Layout {
             array_view: false,
             format: vk::Format::R32_SFLOAT,
             usage: vk::ImageUsageFlags::STORAGE,
+            lifetime: Lifetime::Kept,
         };
         let extent = match desc.settings.mode {
             Mode::Expected => [KERNEL_DEPTHS * KERNEL_PLACES, KERNEL_PLACES * KERNEL_CLASSES],
@@ -240,19 +241,11 @@ impl Inventory for Layout {
             extent: if is_raster(desc) { desc.size } else { [1, 1] },
             format: vk::Format::R32G32_UINT,
             usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            lifetime: Lifetime::Scratch,
             ..levels
         };
         let (format, usage) = (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
         vec![levels, kernel, drawn, ImageDesc { name: "flame drawn depth", format, usage, ..drawn }]
-    }
-
-    fn memory(&self, desc: &Desc) -> Memory {
-        let kept = [POSITIONS, IDS, COLOURS, MASK, SUMS, TILE_REPETITIONS, SCENE];
-        let mut memory = self.sizes.memory(&kept);
-        for image in self.images(desc) {
-            memory.history += image.bytes();
-        }
-        memory
     }
 }
 

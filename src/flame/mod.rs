@@ -139,7 +139,7 @@ impl Kind for FlameKind {
     }
 
     fn go_on(&mut self, old: &FlameKind, [before, desc]: [&Desc; 2], kept: &Kept) {
-        if !kept.buffer(layout::POSITIONS) || !kept.buffer(layout::IDS) {
+        if !kept.sequence() {
             return;
         }
         let has_room = kept.buffer(layout::COLOURS) && kept.buffer(layout::MASK) && kept.image(layout::LEVELS);

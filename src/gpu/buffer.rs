@@ -1,9 +1,10 @@
-//! Buffers with a name and memory of their own.
+//! Buffers with a name, and memory of their own or a place in scratch memory.
 
 use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::gpu::debug;
+use crate::gpu::scratch::Lifetime;
 use crate::host::{Allocation, Host, MemoryRequest, MemorySource};
 
 /// Memory that the host writes and the device reads.
@@ -26,6 +27,8 @@ pub struct BufferDesc {
     pub usage: vk::BufferUsageFlags,
     /// Properties of its memory.
     pub properties: vk::MemoryPropertyFlags,
+    /// How long what it holds is needed.
+    pub lifetime: Lifetime,
 }
 
 impl BufferDesc {
@@ -35,13 +38,13 @@ impl BufferDesc {
             | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
-        BufferDesc { name, size, usage, properties: vk::MemoryPropertyFlags::DEVICE_LOCAL }
+        BufferDesc { name, size, usage, properties: vk::MemoryPropertyFlags::DEVICE_LOCAL, lifetime: Lifetime::Kept }
     }
 
     /// A uniform buffer in device memory, written by updates.
     pub fn uniform(name: &'static str, size: u64) -> BufferDesc {
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-        BufferDesc { name, size, usage, properties: vk::MemoryPropertyFlags::DEVICE_LOCAL }
+        BufferDesc { name, size, usage, properties: vk::MemoryPropertyFlags::DEVICE_LOCAL, lifetime: Lifetime::Kept }
     }
 }
 
@@ -54,6 +57,7 @@ pub struct Buffer {
     pub size: u64,
     /// What it was made as.
     pub desc: BufferDesc,
+    /// Memory of its own, if it is not in scratch memory.
     allocation: Option<Allocation>,
 }
 
@@ -63,29 +67,65 @@ impl Buffer {
     /// # Safety
     /// `host` holds valid handles, and `allocator` belongs to its device.
     pub unsafe fn new(host: &Host, allocator: &mut dyn MemorySource, desc: &BufferDesc) -> Result<Buffer> {
+        // SAFETY: the caller's; never used before it is destroyed.
+        unsafe {
+            let mut buffer = Buffer::unbound(host, desc)?;
+            match buffer.bind_own(host, allocator) {
+                Ok(()) => Ok(buffer),
+                Err(error) => {
+                    buffer.destroy(host, allocator);
+                    Err(error)
+                }
+            }
+        }
+    }
+
+    /// Creates the buffer alone.
+    ///
+    /// # Safety
+    /// `host` holds valid handles.
+    pub(crate) unsafe fn unbound(host: &Host, desc: &BufferDesc) -> Result<Buffer> {
         let info = vk::BufferCreateInfo::default().size(desc.size).usage(desc.usage);
         // SAFETY: the caller's.
         let handle = unsafe { host.device.create_buffer(&info, None) };
         let handle = handle.map_err(Error::vulkan("vkCreateBuffer", desc.name))?;
-        // SAFETY: `handle` was just made.
-        let requirements = unsafe { host.device.get_buffer_memory_requirements(handle) };
-        let properties = desc.properties;
-        let request = MemoryRequest { name: desc.name, requirements, properties, linear: true };
-        let mut buffer = Buffer { handle, size: desc.size, desc: *desc, allocation: None };
-        let bound = allocator.allocate(&request).and_then(|allocation| {
-            // SAFETY: fresh memory that fits the buffer's requirements.
-            let result = unsafe { host.device.bind_buffer_memory(handle, allocation.memory, allocation.offset) };
-            buffer.allocation = Some(allocation);
-            result.map_err(Error::vulkan("vkBindBufferMemory", desc.name))
-        });
-        if let Err(error) = bound {
-            // SAFETY: never used.
-            unsafe { buffer.destroy(host, allocator) };
-            return Err(error);
-        }
         // SAFETY: `handle` is valid.
         unsafe { debug::set_name(host, handle, desc.name) };
-        Ok(buffer)
+        Ok(Buffer { handle, size: desc.size, desc: *desc, allocation: None })
+    }
+
+    /// What its memory must be.
+    ///
+    /// # Safety
+    /// `host` is the one it was made with.
+    pub(crate) unsafe fn requirements(&self, host: &Host) -> vk::MemoryRequirements {
+        // SAFETY: the caller's.
+        unsafe { host.device.get_buffer_memory_requirements(self.handle) }
+    }
+
+    /// Takes memory of its own.
+    ///
+    /// # Safety
+    /// As [`Buffer::new`]; it has none.
+    pub(crate) unsafe fn bind_own(&mut self, host: &Host, allocator: &mut dyn MemorySource) -> Result<()> {
+        let BufferDesc { name, properties, .. } = self.desc;
+        // SAFETY: the caller's.
+        let requirements = unsafe { self.requirements(host) };
+        let allocation = allocator.allocate(&MemoryRequest { name, requirements, properties, linear: true })?;
+        // SAFETY: fresh memory that fits the buffer's requirements.
+        let bound = unsafe { self.bind(host, allocation.memory, allocation.offset) };
+        self.allocation = Some(allocation);
+        bound
+    }
+
+    /// Takes this memory.
+    ///
+    /// # Safety
+    /// It has none; this fits its requirements.
+    pub(crate) unsafe fn bind(&mut self, host: &Host, memory: vk::DeviceMemory, offset: u64) -> Result<()> {
+        // SAFETY: the caller's.
+        let bound = unsafe { host.device.bind_buffer_memory(self.handle, memory, offset) };
+        bound.map_err(Error::vulkan("vkBindBufferMemory", self.desc.name))
     }
 
     /// Its memory, if the host can see it.

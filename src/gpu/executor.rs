@@ -12,6 +12,7 @@ use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream, check};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Kept, Resources};
+use crate::gpu::scratch::{Lifetime, ScratchNeeds, ScratchPool, ScratchRange, Shared};
 use crate::host::{Host, HostBuffer, Memory, MemorySource};
 use crate::plan::{BufferId, ImageId, Pass, Plan, Step};
 
@@ -29,6 +30,8 @@ pub struct Executor {
 /// Passes, and what they name: own buffers and images in the order of their ids, then those that the host hands over.
 #[derive(Debug)]
 pub struct Description {
+    /// The effect's name.
+    pub name: &'static str,
     /// By [`crate::plan::PassId`].
     pub passes: Vec<Pass>,
     /// Own buffers.
@@ -46,10 +49,10 @@ pub struct Description {
 }
 
 impl Executor {
-    /// Creates everything; leaves nothing behind on error.
+    /// Creates everything, scratch in the pool if there is one; leaves nothing behind on error.
     ///
     /// # Errors
-    /// No memory, a pass that binds nothing to one of its bindings, a failed Vulkan call.
+    /// No memory, a pool that is too small, a pass that binds nothing to one of its bindings, a failed Vulkan call.
     ///
     /// # Safety
     /// `host` holds valid handles; `kernels`, which outlives the result, and `allocator` belong to its device.
@@ -58,15 +61,39 @@ impl Executor {
         kernels: &Kernels,
         allocator: &mut dyn MemorySource,
         description: Description,
+        pool: Option<&ScratchPool>,
     ) -> Result<Executor> {
+        let pool = pool.map(ScratchPool::shared);
         let mut resources = Resources::default();
         // SAFETY: the caller's; what was made is destroyed unused on error.
         unsafe {
-            let kept = Kept::new(&resources, &description.buffers, &description.images);
-            create(host, allocator, &description, &kept, &mut resources)
+            let kept = Kept::new(&resources, &description.buffers, &description.images, pool);
+            create(host, allocator, &description, &kept, pool, &mut resources)
                 .inspect_err(|_| resources.destroy(host, allocator))?;
             let executor = Executor::on(host, kernels, allocator, description.passes, resources)?;
             Ok(Executor { memory: description.memory, ..executor })
+        }
+    }
+
+    /// What the scratch memory of such an effect must be.
+    ///
+    /// # Errors
+    /// A failed Vulkan call.
+    ///
+    /// # Safety
+    /// `host` holds valid handles.
+    pub(crate) unsafe fn scratch_needs(
+        host: &Host,
+        allocator: &mut dyn MemorySource,
+        description: &Description,
+    ) -> Result<ScratchNeeds> {
+        let mut resources = Resources::default();
+        // SAFETY: the caller's; what was made is destroyed unused.
+        unsafe {
+            let made = create_scratch(host, description, &mut resources);
+            let (needs, _) = resources.place(host);
+            resources.destroy(host, allocator);
+            made.map(|()| needs)
         }
     }
 
@@ -89,7 +116,7 @@ impl Executor {
         Ok(Executor { passes, resources, pipelines, recorder, plan, memory })
     }
 
-    /// Changes to another description of the same kind. Buffers and images whose description stays the same keep what they
+    /// Changes to another description of the same kind, or to another pool. Buffers and images whose description stays the same keep what they
     /// hold; what is replaced is handed back. On error everything is as it was.
     ///
     /// # Errors
@@ -103,15 +130,16 @@ impl Executor {
         kernels: &Kernels,
         allocator: &mut dyn MemorySource,
         description: Description,
+        pool: Option<Shared>,
     ) -> Result<(Retired, Kept)> {
-        let kept = Kept::new(&self.resources, &description.buffers, &description.images);
+        let kept = Kept::new(&self.resources, &description.buffers, &description.images, pool);
         let is_bound =
             |(id, new): &(BufferId, HostBuffer)| self.resources.buffer(*id) == (new.buffer, new.offset, new.size);
         let same = description.bound.iter().all(is_bound) && same_bindings(&self.passes, &description.passes);
         let mut resources = Resources::default();
         // SAFETY: the caller's; what was made is destroyed unused on error.
         let pipelines = unsafe {
-            create(host, allocator, &description, &kept, &mut resources)
+            create(host, allocator, &description, &kept, pool, &mut resources)
                 .inspect_err(|_| resources.destroy(host, allocator))?;
             kept.exchange(&mut self.resources, &mut resources);
             match kept.is_all() && same {
@@ -195,6 +223,16 @@ impl Executor {
         self.memory
     }
 
+    /// The pool that scratch is in, if it is in one.
+    pub(crate) fn pool(&self) -> Option<Shared> {
+        self.resources.scratch.as_ref().and_then(|scratch| scratch.shared)
+    }
+
+    /// Where scratch is.
+    pub(crate) fn scratch(&self) -> Option<ScratchRange> {
+        self.resources.scratch.as_ref().map(|scratch| scratch.range)
+    }
+
     /// Refuses the plan if it does not fit the resources.
     ///
     /// # Errors
@@ -243,6 +281,7 @@ impl Executor {
     pub unsafe fn replay(&mut self, host: &Host, mut commands: vk::CommandBuffer, plan: &Plan) -> Result<()> {
         self.resources.take_back_images();
         let Executor { passes, resources, pipelines, recorder, .. } = self;
+        recorder.keep_scratch();
         let mut recording = Recording { host, stream: &mut commands, passes, pipelines, resources };
         // SAFETY: the caller's.
         unsafe { recorder.record(plan, 0..plan.steps.len(), &mut recording, &mut Timing::None) }.map(drop)
@@ -268,9 +307,10 @@ impl Executor {
         self.resources.attachment_view(id, layer)
     }
 
-    /// Whether an own image is in layout UNDEFINED.
+    /// Whether an own image begins the next frame in layout UNDEFINED.
     pub(crate) fn is_new(&self, id: ImageId) -> bool {
-        matches!(&self.resources.images[usize::from(id.0)], ImageSlot::Own(image) if !image.initialised)
+        let slot = &self.resources.images[usize::from(id.0)];
+        matches!(slot, ImageSlot::Own(image) if !image.initialised || image.is_scratch())
     }
 
     /// Own images have left layout UNDEFINED.
@@ -356,29 +396,48 @@ unsafe fn create(
     allocator: &mut dyn MemorySource,
     description: &Description,
     kept: &Kept,
+    pool: Option<Shared>,
     resources: &mut Resources,
 ) -> Result<()> {
     // SAFETY: the caller's.
     unsafe {
         for (id, buffer) in (0..).zip(&description.buffers) {
-            match kept.buffer(BufferId(id)) {
-                true => resources.buffers.push(BufferSlot::Host(None)),
-                false => drop(resources.add_buffer(host, allocator, buffer)?),
+            match buffer.lifetime {
+                _ if kept.buffer(BufferId(id)) => resources.buffers.push(BufferSlot::Host(None)),
+                Lifetime::Scratch | Lifetime::Layer => resources.add_scratch_buffer(host, buffer)?,
+                Lifetime::Sequence | Lifetime::Kept => drop(resources.add_buffer(host, allocator, buffer)?),
             }
         }
         for _ in 0..description.host_buffers {
             resources.add_host_buffer();
         }
         for (id, image) in (0..).zip(&description.images) {
-            match kept.image(ImageId(id)) {
-                true => resources.images.push(ImageSlot::Host(None)),
-                false => drop(resources.add_image(host, allocator, image)?),
+            match image.lifetime {
+                _ if kept.image(ImageId(id)) => resources.images.push(ImageSlot::Host(None)),
+                Lifetime::Scratch | Lifetime::Layer => resources.add_scratch_image(host, image)?,
+                Lifetime::Sequence | Lifetime::Kept => drop(resources.add_image(host, allocator, image)?),
             }
         }
         for _ in 0..description.host_images {
             resources.add_host_image();
         }
+        description.bound.iter().for_each(|(id, buffer)| resources.set_host_buffer(*id, Some(*buffer)));
+        resources.bind_scratch(host, allocator, &format!("{} scratch", description.name), pool)
     }
-    description.bound.iter().for_each(|(id, buffer)| resources.set_host_buffer(*id, Some(*buffer)));
+}
+
+/// What lies in scratch memory, without memory.
+unsafe fn create_scratch(host: &Host, description: &Description, resources: &mut Resources) -> Result<()> {
+    let buffers = description.buffers.iter().filter(|buffer| buffer.lifetime == Lifetime::Scratch);
+    let images = description.images.iter().filter(|image| image.lifetime == Lifetime::Scratch);
+    // SAFETY: the caller's.
+    unsafe {
+        for buffer in buffers {
+            resources.add_scratch_buffer(host, buffer)?;
+        }
+        for image in images {
+            resources.add_scratch_image(host, image)?;
+        }
+    }
     Ok(())
 }

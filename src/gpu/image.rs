@@ -1,9 +1,10 @@
-//! Images with a name, memory and views of their own.
+//! Images with a name and views, and memory of their own or a place in scratch memory.
 
 use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::gpu::debug;
+use crate::gpu::scratch::Lifetime;
 use crate::host::{Allocation, Host, MemoryRequest, MemorySource};
 
 /// Description of an image: two-dimensional, one mip level, single-sampled, optimal tiling.
@@ -21,6 +22,8 @@ pub struct ImageDesc {
     pub format: vk::Format,
     /// Its usage.
     pub usage: vk::ImageUsageFlags,
+    /// How long what it holds is needed.
+    pub lifetime: Lifetime,
 }
 
 impl ImageDesc {
@@ -64,6 +67,7 @@ pub struct Image {
     pub desc: ImageDesc,
     /// Whether it has left layout UNDEFINED.
     pub(crate) initialised: bool,
+    /// Memory of its own, if it is not in scratch memory.
     allocation: Option<Allocation>,
 }
 
@@ -73,6 +77,24 @@ impl Image {
     /// # Safety
     /// `host` holds valid handles, and `allocator` belongs to its device.
     pub unsafe fn new(host: &Host, allocator: &mut dyn MemorySource, desc: &ImageDesc) -> Result<Image> {
+        // SAFETY: the caller's; never used before it is destroyed.
+        unsafe {
+            let mut image = Image::unbound(host, desc)?;
+            match image.bind_own(host, allocator) {
+                Ok(()) => Ok(image),
+                Err(error) => {
+                    image.destroy(host, allocator);
+                    Err(error)
+                }
+            }
+        }
+    }
+
+    /// Creates the image alone, without memory and views.
+    ///
+    /// # Safety
+    /// `host` holds valid handles.
+    pub(crate) unsafe fn unbound(host: &Host, desc: &ImageDesc) -> Result<Image> {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(desc.format)
@@ -90,33 +112,53 @@ impl Image {
             _ => vk::ImageAspectFlags::COLOR,
         };
         let (view, layer_views) = (vk::ImageView::null(), Vec::new());
-        let mut image = Image { handle, view, layer_views, aspect, desc: *desc, initialised: false, allocation: None };
-        // SAFETY: `handle` was just made; on error everything made so far is destroyed unused.
-        unsafe {
-            if let Err(error) = image.complete(host, allocator, desc) {
-                image.destroy(host, allocator);
-                return Err(error);
-            }
-            debug::set_name(host, handle, desc.name);
-        }
-        Ok(image)
+        // SAFETY: `handle` was just made.
+        unsafe { debug::set_name(host, handle, desc.name) };
+        Ok(Image { handle, view, layer_views, aspect, desc: *desc, initialised: false, allocation: None })
     }
 
-    unsafe fn complete(&mut self, host: &Host, allocator: &mut dyn MemorySource, desc: &ImageDesc) -> Result<()> {
-        // SAFETY: `self.handle` is valid and unbound.
-        let requirements = unsafe { host.device.get_image_memory_requirements(self.handle) };
-        let properties = vk::MemoryPropertyFlags::DEVICE_LOCAL;
-        let request = MemoryRequest { name: desc.name, requirements, properties, linear: false };
-        let allocation = allocator.allocate(&request)?;
+    /// What its memory must be.
+    ///
+    /// # Safety
+    /// `host` is the one it was made with.
+    pub(crate) unsafe fn requirements(&self, host: &Host) -> vk::MemoryRequirements {
+        // SAFETY: the caller's.
+        unsafe { host.device.get_image_memory_requirements(self.handle) }
+    }
+
+    /// Whether it lies in scratch memory: frames begin without what it holds.
+    pub(crate) fn is_scratch(&self) -> bool {
+        self.allocation.is_none()
+    }
+
+    /// Takes memory of its own.
+    ///
+    /// # Safety
+    /// As [`Image::new`]; it has none.
+    pub(crate) unsafe fn bind_own(&mut self, host: &Host, allocator: &mut dyn MemorySource) -> Result<()> {
+        let (name, properties) = (self.desc.name, vk::MemoryPropertyFlags::DEVICE_LOCAL);
+        // SAFETY: the caller's.
+        let requirements = unsafe { self.requirements(host) };
+        let allocation = allocator.allocate(&MemoryRequest { name, requirements, properties, linear: false })?;
         // SAFETY: fresh memory that fits the image's requirements.
-        let bound = unsafe { host.device.bind_image_memory(self.handle, allocation.memory, allocation.offset) };
+        let bound = unsafe { self.bind(host, allocation.memory, allocation.offset) };
         self.allocation = Some(allocation);
-        bound.map_err(Error::vulkan("vkBindImageMemory", desc.name))?;
-        // SAFETY: the image is bound.
+        bound
+    }
+
+    /// Takes this memory, and makes views.
+    ///
+    /// # Safety
+    /// It has none; this fits its requirements.
+    pub(crate) unsafe fn bind(&mut self, host: &Host, memory: vk::DeviceMemory, offset: u64) -> Result<()> {
+        let desc = self.desc;
+        // SAFETY: the caller's; then the image is bound.
         unsafe {
-            self.view = self.make_view(host, desc, 0, desc.layers, desc.array_view)?;
+            let bound = host.device.bind_image_memory(self.handle, memory, offset);
+            bound.map_err(Error::vulkan("vkBindImageMemory", desc.name))?;
+            self.view = self.make_view(host, &desc, 0, desc.layers, desc.array_view)?;
             for layer in 0..desc.layers {
-                let view = self.make_view(host, desc, layer, 1, false)?;
+                let view = self.make_view(host, &desc, layer, 1, false)?;
                 self.layer_views.push(view);
             }
         }

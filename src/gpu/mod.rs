@@ -15,5 +15,6 @@ pub mod profiler;
 pub mod raster;
 pub mod recorder;
 pub mod resources;
+pub mod scratch;
 #[cfg(feature = "cli")]
 pub mod transfer;

@@ -22,6 +22,8 @@ pub struct Recorder {
     mode: Mode,
     /// Whether the next frame comes after ones of other passes, whose stages these may not have.
     follows_others: bool,
+    /// Whether the next frame finds in scratch memory what the last one left there.
+    keeps_scratch: bool,
     /// Images that change with the barrier to come.
     changing: Vec<vk::ImageMemoryBarrier2<'static>>,
 }
@@ -67,6 +69,7 @@ impl Recorder {
             tracker,
             mode: Mode::Overlapping,
             follows_others: false,
+            keeps_scratch: false,
             changing: Vec::with_capacity(resources.images.len()),
         }
     }
@@ -79,6 +82,12 @@ impl Recorder {
     /// A recorder for other resources and passes of the same effect, whose frames come after those of this one.
     pub(crate) fn following(&self, resources: &Resources) -> Recorder {
         Recorder { mode: self.mode, follows_others: true, ..Recorder::new(resources) }
+    }
+
+    /// The next frame is a part of the last one, and goes on from what that left in scratch memory.
+    #[cfg(feature = "cli")]
+    pub(crate) fn keep_scratch(&mut self) {
+        self.keeps_scratch = true;
     }
 
     /// Records steps of `plan`, which come in order; how many barriers all until now took. The frame begins with the first and
@@ -137,9 +146,11 @@ impl Recorder {
             }
         }
         host_images(resources).for_each(|(id, image)| self.tracker.take_image(id, image.state_in));
-        if std::mem::take(&mut self.follows_others) {
+        let is_shared = resources.scratch.as_ref().is_some_and(|scratch| scratch.shared.is_some());
+        if std::mem::take(&mut self.follows_others) || is_shared {
             self.tracker.take_buffer(vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::MEMORY_WRITE);
         }
+        let keeps_scratch = std::mem::take(&mut self.keeps_scratch);
         // Frames that were recorded before a dropped one may still run.
         let before = ImageState {
             stage: vk::PipelineStageFlags2::ALL_COMMANDS,
@@ -151,11 +162,18 @@ impl Recorder {
             access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
             layout: vk::ImageLayout::GENERAL,
         };
-        for slot in &mut resources.images {
-            if let ImageSlot::Own(image) = slot
-                && !std::mem::replace(&mut image.initialised, true)
-            {
-                self.changing.push(change(image.handle, range_of(image), before, all));
+        for (id, slot) in (0..).zip(&mut resources.images) {
+            match slot {
+                ImageSlot::Own(image) if image.is_scratch() => {
+                    if !keeps_scratch {
+                        self.tracker.discard_image(ImageId(id));
+                    }
+                }
+                ImageSlot::Own(image) if !image.initialised => {
+                    image.initialised = true;
+                    self.changing.push(change(image.handle, range_of(image), before, all));
+                }
+                ImageSlot::Own(_) | ImageSlot::Host(_) => {}
             }
         }
         if !self.changing.is_empty() {

@@ -5,6 +5,7 @@ use ash::vk;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::image::{Image, ImageDesc};
+use crate::gpu::scratch::{Lifetime, Placing, Scratch, ScratchNeeds, Shared};
 use crate::host::{Host, HostBuffer, HostImage, MemorySource, aspect_of};
 use crate::plan::{BufferId, ImageId};
 
@@ -33,6 +34,8 @@ pub struct Resources {
     pub buffers: Vec<BufferSlot>,
     /// By [`ImageId`].
     pub images: Vec<ImageSlot>,
+    /// Where those of them lie that frames begin without.
+    pub(crate) scratch: Option<Scratch>,
 }
 
 /// Which own buffers and images stay when a description changes, by their ids.
@@ -40,20 +43,41 @@ pub struct Resources {
 pub struct Kept {
     buffers: Vec<bool>,
     images: Vec<bool>,
+    /// Whether all does that a sequence goes on from.
+    sequence: bool,
+    /// Whether scratch memory does, with all in it.
+    scratch: bool,
 }
 
 impl Kept {
-    /// Those whose description stays the same.
-    pub(crate) fn new(resources: &Resources, buffers: &[BufferDesc], images: &[ImageDesc]) -> Kept {
-        let buffers = buffers.iter().enumerate().map(|(id, new)| match resources.buffers.get(id) {
-            Some(BufferSlot::Own(old)) => old.desc == *new,
-            _ => false,
-        });
-        let images = images.iter().enumerate().map(|(id, new)| match resources.images.get(id) {
-            Some(ImageSlot::Own(old)) => old.desc == *new,
-            _ => false,
-        });
-        Kept { buffers: buffers.collect(), images: images.collect() }
+    /// Those whose description stays the same; of those in scratch memory, which is to be that of `shared`, all or none.
+    pub(crate) fn new(
+        resources: &Resources,
+        buffers: &[BufferDesc],
+        images: &[ImageDesc],
+        shared: Option<Shared>,
+    ) -> Kept {
+        let buffer = |(id, new): (usize, &BufferDesc)| match resources.buffers.get(id) {
+            Some(BufferSlot::Own(old)) => (new.lifetime, old.desc == *new),
+            _ => (new.lifetime, false),
+        };
+        let image = |(id, new): (usize, &ImageDesc)| match resources.images.get(id) {
+            Some(ImageSlot::Own(old)) => (new.lifetime, old.desc == *new),
+            _ => (new.lifetime, false),
+        };
+        let buffers: Vec<_> = buffers.iter().enumerate().map(buffer).collect();
+        let images: Vec<_> = images.iter().enumerate().map(image).collect();
+        let all = |of: Lifetime| buffers.iter().chain(&images).all(|(lifetime, same)| *lifetime != of || *same);
+        let in_place = resources.scratch.as_ref().is_some_and(|scratch| scratch.shared == shared);
+        let (sequence, scratch) = (all(Lifetime::Sequence), in_place && all(Lifetime::Scratch));
+        let stays = |(lifetime, same): &(Lifetime, bool)| *same && (*lifetime != Lifetime::Scratch || scratch);
+        let [buffers, images] = [&buffers, &images].map(|slots| slots.iter().map(stays).collect());
+        Kept { buffers, images, sequence, scratch }
+    }
+
+    /// Whether all stays that a sequence goes on from, with what it holds.
+    pub fn sequence(&self) -> bool {
+        self.sequence
     }
 
     /// Whether a buffer stays, with what it holds.
@@ -78,6 +102,9 @@ impl Kept {
         }
         for (id, _) in self.images.iter().enumerate().filter(|(_, kept)| **kept) {
             std::mem::swap(&mut a.images[id], &mut b.images[id]);
+        }
+        if self.scratch {
+            std::mem::swap(&mut a.scratch, &mut b.scratch);
         }
     }
 }
@@ -113,6 +140,83 @@ impl Resources {
         let image = unsafe { Image::new(host, allocator, desc)? };
         self.images.push(ImageSlot::Own(image));
         Ok(ImageId(self.images.len() as u16 - 1))
+    }
+
+    /// Makes a buffer that is to lie in scratch memory; its id is the next.
+    ///
+    /// # Safety
+    /// As [`Buffer::unbound`].
+    pub(crate) unsafe fn add_scratch_buffer(&mut self, host: &Host, desc: &BufferDesc) -> Result<()> {
+        // SAFETY: the caller's.
+        self.buffers.push(BufferSlot::Own(unsafe { Buffer::unbound(host, desc)? }));
+        Ok(())
+    }
+
+    /// Makes an image that is to lie in scratch memory; its id is the next.
+    ///
+    /// # Safety
+    /// As [`Image::unbound`].
+    pub(crate) unsafe fn add_scratch_image(&mut self, host: &Host, desc: &ImageDesc) -> Result<()> {
+        // SAFETY: the caller's.
+        self.images.push(ImageSlot::Own(unsafe { Image::unbound(host, desc)? }));
+        Ok(())
+    }
+
+    /// Where what is to lie in scratch memory would lie: nowhere, if no memory suits it and the rest.
+    ///
+    /// # Safety
+    /// `host` is the one it was made with.
+    pub(crate) unsafe fn place(&self, host: &Host) -> (ScratchNeeds, Vec<Option<u64>>) {
+        // SAFETY: the caller's.
+        let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
+        let mut placing = Placing::new(properties.limits.buffer_image_granularity);
+        let mut places = Vec::new();
+        // SAFETY: the caller's.
+        unsafe {
+            for buffer in self.buffers.iter().filter_map(scratch_buffer) {
+                places.push(placing.place(&buffer.requirements(host), false));
+            }
+            for image in self.images.iter().filter_map(scratch_image) {
+                places.push(placing.place(&image.requirements(host), true));
+            }
+        }
+        (placing.needs(), places)
+    }
+
+    /// Takes scratch memory for what is to lie there, if anything is, that is named so: that of `shared`, or of its own.
+    ///
+    /// # Safety
+    /// As [`Buffer::new`]; nothing of it has memory.
+    pub(crate) unsafe fn bind_scratch(
+        &mut self,
+        host: &Host,
+        allocator: &mut dyn MemorySource,
+        name: &str,
+        shared: Option<Shared>,
+    ) -> Result<()> {
+        // SAFETY: the caller's.
+        let (needs, places) = unsafe { self.place(host) };
+        if places.is_empty() {
+            return Ok(());
+        }
+        let range = self.scratch.insert(Scratch::new(allocator, &needs, name, shared)?).range;
+        let mut places = places.into_iter().map(|place| place.map(|place| range.offset + place));
+        // SAFETY: each place fits what was placed there, and there is one for each.
+        unsafe {
+            for buffer in self.buffers.iter_mut().filter_map(scratch_buffer_mut) {
+                match places.next().flatten() {
+                    Some(offset) => buffer.bind(host, range.memory, offset)?,
+                    None => buffer.bind_own(host, allocator)?,
+                }
+            }
+            for image in self.images.iter_mut().filter_map(scratch_image_mut) {
+                match places.next().flatten() {
+                    Some(offset) => image.bind(host, range.memory, offset)?,
+                    None => image.bind_own(host, allocator)?,
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Room for a buffer of the host's.
@@ -229,6 +333,37 @@ impl Resources {
                 unsafe { image.destroy(host, allocator) };
             }
         }
+        if let Some(scratch) = self.scratch.take() {
+            scratch.destroy(allocator);
+        }
+    }
+}
+
+fn scratch_buffer(slot: &BufferSlot) -> Option<&Buffer> {
+    match slot {
+        BufferSlot::Own(buffer) if buffer.desc.lifetime == Lifetime::Scratch => Some(buffer),
+        _ => None,
+    }
+}
+
+fn scratch_buffer_mut(slot: &mut BufferSlot) -> Option<&mut Buffer> {
+    match slot {
+        BufferSlot::Own(buffer) if buffer.desc.lifetime == Lifetime::Scratch => Some(buffer),
+        _ => None,
+    }
+}
+
+fn scratch_image(slot: &ImageSlot) -> Option<&Image> {
+    match slot {
+        ImageSlot::Own(image) if image.desc.lifetime == Lifetime::Scratch => Some(image),
+        _ => None,
+    }
+}
+
+fn scratch_image_mut(slot: &mut ImageSlot) -> Option<&mut Image> {
+    match slot {
+        ImageSlot::Own(image) if image.desc.lifetime == Lifetime::Scratch => Some(image),
+        _ => None,
     }
 }
 

@@ -4,6 +4,7 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::gpu::buffer::{Buffer, BufferDesc, READ_BACK, UPLOADED};
+use crate::gpu::scratch::Lifetime;
 use crate::host::{Host, HostBuffer, ImageState, MemorySource};
 
 /// The state of an image that is copied from.
@@ -38,9 +39,10 @@ impl Upload {
         bytes: &[u8],
     ) -> Result<HostBuffer> {
         let size = bytes.len() as u64;
-        let (usage, properties) = (vk::BufferUsageFlags::TRANSFER_SRC, UPLOADED);
+        let (usage, properties, lifetime) = (vk::BufferUsageFlags::TRANSFER_SRC, UPLOADED, Lifetime::Kept);
+        let desc = BufferDesc { name, size, usage, properties, lifetime };
         // SAFETY: the caller's.
-        let buffer = unsafe { grown(&mut self.0, host, allocator, BufferDesc { name, size, usage, properties })? };
+        let buffer = unsafe { grown(&mut self.0, host, allocator, desc)? };
         let memory = buffer.mapped_mut().and_then(|memory| memory.get_mut(..bytes.len()));
         let unmapped = || Error::HostResource { name, why: "its memory cannot be mapped".into() };
         memory.ok_or_else(unmapped)?.copy_from_slice(bytes);
@@ -136,7 +138,8 @@ unsafe fn grown<'a>(
 
 /// A buffer that the device writes and the host reads.
 pub fn readback(name: &'static str, size: u64) -> BufferDesc {
-    BufferDesc { name, size, usage: vk::BufferUsageFlags::TRANSFER_DST, properties: READ_BACK }
+    let (usage, lifetime) = (vk::BufferUsageFlags::TRANSFER_DST, Lifetime::Kept);
+    BufferDesc { name, size, usage, properties: READ_BACK, lifetime }
 }
 
 /// Where a copy of an image or of a range of a buffer starts in the buffer that it goes to.

@@ -4,6 +4,7 @@ use ash::vk;
 
 use crate::error::Result;
 use crate::gpu::image::{Image, ImageDesc};
+use crate::gpu::scratch::Lifetime;
 use crate::gpu::transfer::{CLEARED, record_depth};
 use crate::host::{DepthFormat, Host, HostImage, ImageState, MemorySource};
 
@@ -37,7 +38,8 @@ impl SharedDepth {
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST;
         let format = FORMAT.format;
-        let desc = ImageDesc { name: "depth", extent, layers: 1, array_view: false, format, usage };
+        let desc =
+            ImageDesc { name: "depth", extent, layers: 1, array_view: false, format, usage, lifetime: Lifetime::Kept };
         // SAFETY: the caller's.
         Ok(SharedDepth { image: unsafe { Image::new(host, allocator, &desc)? }, extent })
     }

@@ -6,6 +6,7 @@ use super::TARGET_FORMAT;
 use crate::error::{Error, Result};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::{Image, ImageDesc};
+use crate::gpu::scratch::Lifetime;
 use crate::gpu::transfer::{Upload, record_picture};
 use crate::host::{HostImage, ImageState};
 
@@ -14,7 +15,7 @@ pub(crate) fn image_desc(name: &'static str, extent: [u32; 2]) -> ImageDesc {
     // A backdrop is only copied, but every image has a view, and a view needs a usage of its own.
     let usage =
         vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
-    ImageDesc { name, extent, layers: 1, array_view: false, format: TARGET_FORMAT, usage }
+    ImageDesc { name, extent, layers: 1, array_view: false, format: TARGET_FORMAT, usage, lifetime: Lifetime::Kept }
 }
 
 /// Such an image, as an effect takes it and leaves it: to be copied from.

@@ -6,7 +6,7 @@ use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::host::Memory;
+use crate::gpu::scratch::Lifetime;
 use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
 use crate::scan;
@@ -24,21 +24,21 @@ use crate::smoke::settings::Grow;
 buffers! {
     "smoke"
     PARAMS = "SmokeParams",
-    DENSITY = "Density",
-    VELOCITY = "Velocity",
-    OCCUPANCY = "Occupancy",
-    BIRTH_COUNTS = "BirthCounts",
-    CONTROL = "ControlBuffer",
-    HISTORY = "HistoryBuffer",
-    PARTICLES = "Particles",
-    DYING = "Dying",
-    DYING_STEPS = "DyingSteps",
-    SPHERES = "Spheres",
+    DENSITY = "Density": Sequence,
+    VELOCITY = "Velocity": Sequence,
+    OCCUPANCY = "Occupancy": Sequence,
+    BIRTH_COUNTS = "BirthCounts": Sequence,
+    CONTROL = "ControlBuffer": Layer,
+    HISTORY = "HistoryBuffer": Sequence,
+    PARTICLES = "Particles": Sequence,
+    DYING = "Dying": Sequence,
+    DYING_STEPS = "DyingSteps": Sequence,
+    SPHERES = "Spheres": Sequence,
     VIEW_SPHERES = "ViewSpheres",
-    GROUPS = "Groups",
+    GROUPS = "Groups": Sequence,
     OCCLUSION = "Occlusion",
     QUADS = "Quads",
-    FIELD = "Field",
+    FIELD = "Field": Kept,
     FIELD_COLUMNS = "FieldColumns",
     SEARCHES = "Searches",
     CONTINUATIONS = "Continuations",
@@ -48,29 +48,29 @@ buffers! {
     TILE_SUMS = "TileSums",
     ITEM_SUMS = "ItemSums",
     LIVE = "Live",
-    VISIBLE = "Visible",
-    CELLS = "Cells",
-    CASTERS = "Casters",
+    VISIBLE = "Visible": Layer,
+    CELLS = "Cells": Kept,
+    CASTERS = "Casters": Kept,
     BLOCK_MASKS = "BlockMasks",
     TILE_GROUPS = "TileGroups",
     OCCUPIED_TILES = "OccupiedTiles",
     LUMINANCE_PARTS = "LuminanceParts",
-    PIXELS = "Pixels",
-    DEPTH = "Depth",
-    SHADOW = "Shadow",
+    PIXELS = "Pixels": Layer,
+    DEPTH = "Depth": Kept,
+    SHADOW = "Shadow": Layer,
     REACHED = "Reached",
     ROW_ITEMS = "RowItems",
     COLUMN_ITEMS = "ColumnItems",
     ROW_SLOTS = "RowSlots",
     ITEM_ARGUMENTS = "ItemArguments",
-    WEIGHTS = "Weights",
+    WEIGHTS = "Weights": Kept,
     ROW_SUMS = "RowSums",
-    SMOOTH = "Smooth",
+    SMOOTH = "Smooth": Layer,
     LINES = "Lines",
-    TONES = "Tones",
-    PICTURE = "Picture",
-    TONE_LAYER = "ToneLayer",
-    OUTLINE_LAYER = "OutlineLayer",
+    TONES = "Tones": Kept,
+    PICTURE = "Picture": Layer,
+    TONE_LAYER = "ToneLayer": Layer,
+    OUTLINE_LAYER = "OutlineLayer": Layer,
     EDGES = "Edges",
 }
 
@@ -85,9 +85,6 @@ pub fn resource(binding: &Binding) -> Option<Resource> {
     image.map(Resource::Image).or(buffer.map(Resource::Buffer))
 }
 
-/// What frames need of frames before.
-pub const KEPT: [BufferId; 10] =
-    [DENSITY, VELOCITY, OCCUPANCY, BIRTH_COUNTS, HISTORY, PARTICLES, DYING, DYING_STEPS, SPHERES, GROUPS];
 /// The host's density.
 pub const HOST_DENSITY: BufferId = BufferId(BUFFERS);
 /// The host's velocity.
@@ -313,8 +310,8 @@ impl Inventory for Layout {
     const HOST_BUFFERS: usize = HOST_BUFFERS;
     const HOST_IMAGES: usize = HOST_IMAGES;
 
-    fn buffers(&self) -> Vec<BufferDesc> {
-        self.sizes.descriptions(&NAMES, [PARAMS]).collect()
+    fn buffers(&self, desc: &Desc) -> Vec<BufferDesc> {
+        self.sizes.descriptions(&NAMES, [PARAMS], desc.layers).collect()
     }
 
     fn images(&self, desc: &Desc) -> Vec<ImageDesc> {
@@ -328,6 +325,7 @@ impl Inventory for Layout {
             array_view: false,
             format: vk::Format::R32_UINT,
             usage: seen,
+            lifetime: Lifetime::Scratch,
         };
         vec![
             flat,
@@ -339,16 +337,9 @@ impl Inventory for Layout {
                 array_view: true,
                 format: vk::Format::D32_SFLOAT,
                 usage: depth | vk::ImageUsageFlags::SAMPLED,
+                lifetime: Lifetime::Kept,
             },
         ]
-    }
-
-    fn memory(&self, desc: &Desc) -> Memory {
-        let mut memory = self.sizes.memory(&KEPT);
-        for image in self.images(desc) {
-            memory.scratch += image.bytes();
-        }
-        memory
     }
 }
 

@@ -135,7 +135,7 @@ impl Kind for SmokeKind {
     }
 
     fn go_on(&mut self, old: &SmokeKind, descs: [&Desc; 2], kept: &Kept) {
-        if layout::KEPT.iter().all(|id| kept.buffer(*id)) && descs[0].velocity == descs[1].velocity {
+        if kept.sequence() && descs[0].velocity == descs[1].velocity {
             // Radii may be others now, and so may all that is made for the picture.
             self.state = State { quiet: 0, shadowed: None, stale: old.state.begun, ..old.state };
         }

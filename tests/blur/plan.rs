@@ -283,7 +283,7 @@ fn sizes_follow_from_counts_and_the_device() {
     let layout = Layout::new(&small, &TRAITS).expect("a layout");
     assert_eq!((layout.triangles, layout.vertices), (5000, 1000 + 3100));
     let memory = Blur::memory(&small, &TRAITS).expect("a size");
-    let buffers: u64 = layout.buffers().iter().map(|buffer| buffer.size).sum();
+    let buffers: u64 = layout.buffers(&small).iter().map(|buffer| buffer.size).sum();
     let pixels: u64 = layout.images(&small).iter().map(|i| u64::from(i.extent[0] * i.extent[1])).sum();
     assert!(memory.total() >= buffers + 4 * pixels && memory.history >= 26 * 12_000);
 }

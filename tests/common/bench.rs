@@ -72,7 +72,7 @@ impl Bench {
         let (host, kernels, allocator) = device.making();
         // SAFETY: the handles are the device's own; everything is destroyed before it.
         let pipelines = unsafe {
-            for buffer in layout.buffers() {
+            for buffer in layout.buffers(&desc) {
                 resources.add_buffer(&host, allocator, &buffer).expect("a buffer");
             }
             resources.add_host_buffer();

@@ -90,6 +90,8 @@ pub struct BlurRig {
     corner: [u32; 2],
     /// Depth images of frames i - 1 to i + 2.
     occluders: [Option<Image>; 4],
+    /// What scratch memory is filled with before each frame that is waited for, if it is.
+    pub poison: Option<u32>,
 }
 
 /// What lies beside pictures in larger images.
@@ -198,6 +200,7 @@ impl BlurRig {
             are_closed: true,
             corner,
             occluders: [const { None }; 4],
+            poison: None,
         };
         rig.clear_images();
         Some(rig)
@@ -342,6 +345,10 @@ impl BlurRig {
 
     /// Makes an output.
     pub fn frame(&mut self, shot: &Shot) -> Result<()> {
+        if let Some(word) = self.poison {
+            let scratch = self.blur().scratch();
+            host::poison(&mut self.device, scratch, word);
+        }
         let frame = self.describe(shot);
         let (depth, wall) = (self.depth.as_ref().map(|image| image.handle), self.wall);
         let skinning = std::mem::take(&mut self.skinning);

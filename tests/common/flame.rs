@@ -11,7 +11,7 @@ use celfx::offline::{EffectBuffer, Offline, Scene, TARGET_FORMAT};
 use celfx::view::Camera;
 
 use super::rig::Bits;
-use super::{TestOffline, device};
+use super::{TestOffline, device, host};
 
 /// The effect on a device of its own.
 pub struct FlameRig {
@@ -19,6 +19,8 @@ pub struct FlameRig {
     desc: Desc,
     /// Of the frame rendered last.
     particles: usize,
+    /// What scratch memory is filled with before each frame, if it is.
+    pub poison: Option<u32>,
 }
 
 /// An effect of this picture size for at most so many particles, with every layer kept, and without a scene. Particles
@@ -78,14 +80,14 @@ impl FlameRig {
 
     pub fn with_effort(desc: Desc, effort: Effort) -> Option<FlameRig> {
         let offline = device()?.offline(desc.clone(), effort).expect("the effect can be made");
-        Some(FlameRig { offline, desc, particles: 0 })
+        Some(FlameRig { offline, desc, particles: 0, poison: None })
     }
 
     /// Fitted to what `change` makes of the device's traits.
     pub fn fitted(desc: Desc, change: impl FnOnce(&mut DeviceTraits)) -> Option<FlameRig> {
         let device = device()?.fitted(change);
         let offline = device.offline(desc.clone(), Effort::Needed).expect("the effect can be made");
-        Some(FlameRig { offline, desc, particles: 0 })
+        Some(FlameRig { offline, desc, particles: 0, poison: None })
     }
 
     pub fn desc(&self) -> &Desc {
@@ -103,6 +105,10 @@ impl FlameRig {
 
     /// Renders a frame, which must succeed: with a scene depth, another number, accumulated.
     pub fn render(&mut self, scene: &Scene) {
+        if let Some(word) = self.poison {
+            let scratch = self.offline.effect::<FlameKind>().expect("an effect").scratch();
+            host::poison(self.offline.device_mut(), scratch, word);
+        }
         self.offline.frame(scene).expect("the frame can be rendered");
         self.particles = scene.particles.map_or(self.particles, |particles| particles.position.len());
     }

@@ -4,10 +4,12 @@
 use std::collections::VecDeque;
 
 use ash::vk;
+use celfx::effect::ScratchRange;
 use celfx::host::{Host, HostBuffer, HostImage, ImageState};
 use celfx::low_level::gpu::buffer::{Buffer, BufferDesc, UPLOADED};
-use celfx::low_level::gpu::headless::Submission;
+use celfx::low_level::gpu::headless::{Headless, Submission};
 use celfx::low_level::gpu::image::{Image, ImageDesc};
+use celfx::low_level::gpu::scratch::Lifetime;
 use celfx::low_level::gpu::transfer::{COPIED_FROM, readback};
 
 use super::TestDevice;
@@ -130,7 +132,9 @@ pub fn image(device: &mut TestDevice, extent: [u32; 2], format: vk::Format) -> I
     let (host, allocator) = device.parts();
     // SAFETY: the handles are the device's own.
     unsafe {
-        Image::new(&host, allocator, &ImageDesc { name: "test", extent, layers: 1, array_view: false, format, usage })
+        let desc =
+            ImageDesc { name: "test", extent, layers: 1, array_view: false, format, usage, lifetime: Lifetime::Kept };
+        Image::new(&host, allocator, &desc)
     }
     .expect("an image")
 }
@@ -192,7 +196,7 @@ pub fn host_image(
 pub fn source(device: &mut TestDevice, bytes: u64) -> Buffer {
     use vk::BufferUsageFlags as Use;
     let (usage, properties) = (Use::TRANSFER_SRC | Use::TRANSFER_DST | Use::STORAGE_BUFFER, UPLOADED);
-    buffer(device, &BufferDesc { name: "test", size: bytes.max(16), usage, properties })
+    buffer(device, &BufferDesc { name: "test", size: bytes.max(16), usage, properties, lifetime: Lifetime::Kept })
 }
 
 /// A buffer that the device copies to and the host reads.
@@ -227,6 +231,29 @@ pub fn destroy<'a>(
         buffers.into_iter().for_each(|buffer| buffer.destroy(&host, allocator));
         images.into_iter().for_each(|image| image.destroy(&host, allocator));
     }
+}
+
+/// Words that no frame may find in what it has not written: all bits, and a quiet NaN.
+pub const POISONS: [u32; 2] = [u32::MAX, 0x7fc0_dead];
+
+/// Fills scratch memory with a word between frames.
+pub fn poison(device: &mut Headless, scratch: Option<ScratchRange>, word: u32) {
+    let range = scratch.expect("scratch memory");
+    let info = vk::BufferCreateInfo::default().size(range.bytes).usage(vk::BufferUsageFlags::TRANSFER_DST);
+    let mut poisoned = None;
+    let done = device.one_time("poison", |host, commands| {
+        // SAFETY: valid handles; nothing else is on its way, and nothing in the range is needed.
+        unsafe {
+            let buffer = host.device.create_buffer(&info, None).expect("a buffer");
+            host.device.bind_buffer_memory(buffer, range.memory, range.offset).expect("it fits");
+            host.device.cmd_fill_buffer(commands, buffer, 0, vk::WHOLE_SIZE, word);
+            poisoned = Some(buffer);
+        }
+        Ok(())
+    });
+    done.expect("it runs");
+    // SAFETY: it has been waited for.
+    unsafe { device.parts().0.device.destroy_buffer(poisoned.expect("a buffer"), None) };
 }
 
 /// Records, submits and waits.

@@ -11,12 +11,14 @@ use celfx::smoke::reference;
 use celfx::smoke::{Desc, Sequence};
 use celfx::view::{Camera, Light, View};
 
-use super::{TestOffline, device};
+use super::{TestOffline, device, host};
 
 /// The effect on a device of its own.
 pub struct Rig {
     offline: TestOffline,
     desc: Desc,
+    /// What scratch memory is filled with before each frame, if it is.
+    pub poison: Option<u32>,
 }
 
 /// A frame at `dt` = 1/24 s, rendered.
@@ -55,7 +57,7 @@ impl Rig {
 
     pub fn with_effort(desc: Desc, effort: Effort) -> Option<Rig> {
         let offline = device()?.offline(desc.clone(), effort).expect("the effect can be made");
-        Some(Rig { offline, desc })
+        Some(Rig { offline, desc, poison: None })
     }
 
     pub fn desc(&self) -> &Desc {
@@ -68,6 +70,10 @@ impl Rig {
 
     /// Renders a frame, which must succeed.
     pub fn frame(&mut self, scene: &Scene) {
+        if let Some(word) = self.poison {
+            let scratch = self.offline.effect::<SmokeKind>().expect("an effect").scratch();
+            host::poison(self.offline.device_mut(), scratch, word);
+        }
         self.offline.frame(scene).expect("the frame can be rendered");
     }
 

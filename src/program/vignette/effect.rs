@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::gpu::resources::{Kept, Resources};
-use crate::host::{HostImage, Memory, NamedFormat, target_format};
+use crate::host::{HostImage, NamedFormat, target_format};
 use crate::layout::{Sizes, buffers};
 use crate::plan::{
     Binding, Blend, BufferId, ColourAttachment, Command, ImageId, Pass, Plan, Raster, Resource, Topology, passes,
@@ -128,15 +128,11 @@ impl Inventory for Layout {
     const HOST_BUFFERS: usize = 0;
     const HOST_IMAGES: usize = 1;
 
-    fn buffers(&self) -> Vec<BufferDesc> {
-        self.0.descriptions(&NAMES, [PARAMS]).collect()
+    fn buffers(&self, _: &Desc) -> Vec<BufferDesc> {
+        self.0.descriptions(&NAMES, [PARAMS], false).collect()
     }
 
     fn images(&self, _: &Desc) -> Vec<ImageDesc> {
         Vec::new()
-    }
-
-    fn memory(&self, _: &Desc) -> Memory {
-        self.0.memory(&[])
     }
 }

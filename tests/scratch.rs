@@ -1,0 +1,314 @@
+//! Effects that share scratch memory make what they make without.
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::iter::zip;
+
+use ash::vk;
+use celfx::blur::{self, Blur, FrameView, Interval, Mesh, MeshInput, Motion, Pose, Window};
+use celfx::effect::{ScratchNeeds, ScratchPool};
+use celfx::flame::{self, Flame, ParticleInput};
+use celfx::host::{Background, Host, HostBuffer, HostImage};
+use celfx::low_level::gpu::buffer::Buffer;
+use celfx::low_level::gpu::image::Image;
+use celfx::low_level::gpu::transfer::COPIED_FROM;
+use celfx::profile::Timing;
+use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
+use celfx::view::{Light, View};
+use common::flame::embers;
+use common::scenes::{camera, puffs};
+use common::{TestDevice, device, host};
+
+const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+const FRAMES: u32 = 6;
+/// Frames on their way at once.
+const SLOTS: usize = 2;
+
+/// What a frame brings.
+struct Input {
+    density: Buffer,
+    particles: Buffer,
+    blurred: Buffer,
+    interval: Interval,
+    placed: blur::Placed,
+}
+
+/// Where a frame is drawn: each effect for itself.
+struct Slot {
+    targets: [Image; 3],
+    sinks: [Buffer; 3],
+    size: [u32; 2],
+}
+
+struct Effects {
+    smoke: Smoke,
+    flame: Flame,
+    blur: Blur,
+    mesh: Mesh,
+}
+
+/// A box that turns.
+fn corners(frame: u32) -> Vec<[f32; 3]> {
+    let corner = |i: u32| 0.6 * (2.0 * glam::Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 1.0);
+    (0..8).map(|i| (glam::Quat::from_rotation_y(0.3 * frame as f32) * corner(i)).to_array()).collect()
+}
+
+fn view(size: [u32; 2]) -> View {
+    camera(0.0).view(size)
+}
+
+fn mesh() -> Mesh {
+    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    let input = MeshInput { vertices: 8, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
+    Mesh::new(&input).expect("a mesh").faceted(|_| true)
+}
+
+fn descs(size: [u32; 2], mesh: &Mesh) -> (smoke::Desc, flame::Desc, blur::Desc) {
+    let of_smoke = smoke::Settings { particles: 120, ..smoke::Settings::default() };
+    let of_smoke = smoke::Desc::new(size, [16; 3], of_smoke);
+    let of_flame = flame::Settings { spread: Some(0.1), repetitions: 8, ..flame::Settings::default() };
+    let of_blur = blur::Desc::new(mesh, size, blur::Settings::default());
+    (
+        smoke::Desc { target_format: FORMAT, ..of_smoke },
+        flame::Desc { target_format: FORMAT, ..flame::Desc::new(size, 50, of_flame) },
+        blur::Desc { target_format: FORMAT, toon: true, frames_resident: 16, most_triangles: 10_000, ..of_blur },
+    )
+}
+
+/// What scratch memory must be for any of the three.
+fn needs(device: &mut TestDevice, size: [u32; 2]) -> [ScratchNeeds; 3] {
+    let (of_smoke, of_flame, of_blur) = descs(size, &mesh());
+    let (host, kernels, allocator) = device.making();
+    // SAFETY: the device's own handles.
+    let needs = unsafe {
+        [
+            Smoke::scratch_needs(&host, kernels, allocator, &of_smoke),
+            Flame::scratch_needs(&host, kernels, allocator, &of_flame),
+            Blur::scratch_needs(&host, kernels, allocator, &of_blur),
+        ]
+    };
+    needs.map(|needs| needs.expect("sizes"))
+}
+
+fn pool(device: &mut TestDevice, size: [u32; 2]) -> ScratchPool {
+    let needs = needs(device, size).into_iter().fold(ScratchNeeds::NONE, ScratchNeeds::or);
+    ScratchPool::new(device.parts().1, needs).expect("memory")
+}
+
+impl Effects {
+    fn new(device: &mut TestDevice, size: [u32; 2], pool: Option<&ScratchPool>) -> Effects {
+        let mesh = mesh();
+        let (of_smoke, of_flame, of_blur) = descs(size, &mesh);
+        let (host, kernels, allocator) = device.making();
+        // SAFETY: the device's own handles.
+        unsafe {
+            let (smoke, flame, blur) = match pool {
+                Some(pool) => (
+                    Smoke::new_in(&host, kernels, allocator, of_smoke, pool),
+                    Flame::new_in(&host, kernels, allocator, of_flame, pool),
+                    Blur::new_in(&host, kernels, allocator, of_blur, pool),
+                ),
+                None => (
+                    Smoke::new(&host, kernels, allocator, of_smoke),
+                    Flame::new(&host, kernels, allocator, of_flame),
+                    Blur::new(&host, kernels, allocator, of_blur),
+                ),
+            };
+            let (smoke, flame, blur) = (smoke.expect("smoke"), flame.expect("a fire"), blur.expect("a blur"));
+            Effects { smoke, flame, blur, mesh }
+        }
+    }
+
+    fn input(&self, device: &mut TestDevice, frame: u32, size: [u32; 2]) -> Input {
+        let poses: Vec<_> = (0..8).map(|pose| self.mesh.gather(&corners(pose)).expect("a pose")).collect();
+        let view = view(size);
+        let window: Vec<_> = poses.iter().map(|positions| Pose { positions, view: &view, cut: false }).collect();
+        let window = Window { frame, poses: &window, current: frame as usize, between: &[] };
+        let motion = Motion::new(&self.blur.desc().settings, size).expect("settings");
+        let interval = motion.interval(&self.mesh, &window, 1).expect("an interval");
+        let mut packed = blur::Upload::default();
+        if frame == 0 {
+            packed.mesh(&self.mesh, &[[0.9, 0.5, 0.2]; 8]);
+            packed.poses(0, &poses);
+        }
+        packed.interval(&interval, true);
+        let fire = embers(50, frame);
+        let rows = zip(&fire.position, &fire.temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
+        let (rows, density) = (rows.collect::<Vec<_>>(), puffs(16, 0.2 * frame as f32).density);
+        let mut blurred = host::source(device, packed.bytes().len() as u64);
+        let placed = packed.placed(host::fill(&mut blurred, packed.bytes()));
+        let (mut from, mut hot) = (host::source(device, 4 * density.len() as u64), host::source(device, 16 * 50));
+        host::fill(&mut from, &density);
+        host::fill(&mut hot, &rows);
+        Input { density: from, particles: hot, blurred, interval, placed }
+    }
+
+    /// One of them, in a frame of a sequence that goes on.
+    unsafe fn record(
+        &mut self,
+        host: &Host,
+        commands: vk::CommandBuffer,
+        which: usize,
+        n: u32,
+        input: &Input,
+        slot: &Slot,
+    ) {
+        let (size, timing) = (slot.size, &mut Timing::None);
+        let given = |buffer: &Buffer| {
+            let (stage, access) = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
+            HostBuffer { buffer: buffer.handle, offset: 0, size: buffer.size, stage, access }
+        };
+        let image = &slot.targets[which];
+        let target = HostImage::new(image.handle, image.view, FORMAT, size, host::DISCARDED, COPIED_FROM);
+        let (view, background) = (view(size), Background::Clear([0.25, 0.5, 0.75, 1.0]));
+        // SAFETY: the caller's.
+        let done = unsafe {
+            match which {
+                0 => {
+                    let (dimensions, voxel_size, origin) = ([16; 3], [2.0 / 16.0; 3], [-1.0; 3]);
+                    let density = given(&input.density);
+                    let volume = VolumeInput { dimensions, voxel_size, origin, density, velocity: None };
+                    let sequence = if n == 0 { Sequence::Restart } else { Sequence::Advance };
+                    let frame = smoke::Frame { sequence, background, ..smoke::Frame::new(view, volume, target) };
+                    // The volume and the shadow of the frame before serve every second one.
+                    let volume = frame.volume.filter(|_| n % 2 == 0);
+                    self.smoke.record(host, commands, &smoke::Frame { volume, ..frame }, timing)
+                }
+                1 => {
+                    let position_temperature = given(&input.particles);
+                    let given = ParticleInput { count: 50, hottest: f32::INFINITY, position_temperature, ids: None };
+                    let frame = flame::Frame { background, ..flame::Frame::new(view, given, target) };
+                    let particles = frame.particles.filter(|_| n % 3 == 0);
+                    let accumulate = particles.is_none();
+                    self.flame.record(host, commands, &flame::Frame { particles, accumulate, ..frame }, timing)
+                }
+                _ => {
+                    let seen = |frame| FrameView { frame, view };
+                    let views = [n.saturating_sub(1), n, n + 1, n + 2].map(seen);
+                    let frame = blur::Frame {
+                        mesh: input.placed.mesh,
+                        poses: input.placed.poses,
+                        interval: input.placed.interval(&input.interval, &self.mesh, views, None),
+                        toon: Some(blur::ToonInput { view: seen(n + 1), light: Light::default() }),
+                        background,
+                        ..blur::Frame::new(target)
+                    };
+                    self.blur.record(host, commands, &frame, timing)
+                }
+            }
+        };
+        done.expect("a frame");
+    }
+
+    /// The pictures of all three in frames from this number, recorded in an order that changes, and several on their way at once.
+    fn frames(&mut self, device: &mut TestDevice, first: u32, size: [u32; 2]) -> Vec<[Vec<u64>; 3]> {
+        let pixels = (size[0] * size[1]) as usize;
+        let mut inputs: Vec<_> = (first..first + FRAMES / 2).map(|n| self.input(device, n, size)).collect();
+        let mut slots = [(); SLOTS].map(|()| Slot {
+            targets: [(); 3].map(|()| host::image(device, size, FORMAT)),
+            sinks: [(); 3].map(|()| host::sink(device, 8 * pixels as u64)),
+            size,
+        });
+        let record = |host: &Host, commands, slot: &mut Slot, number: u32| {
+            for place in 0..3 {
+                let which = (place + number as usize) % 3;
+                let input = &inputs[number as usize];
+                // SAFETY: everything is the test's own, in the declared states; frames go to one queue in order.
+                unsafe {
+                    self.record(host, commands, which, first + number, input, slot);
+                    let image = (slot.targets[which].handle, slot.targets[which].aspect);
+                    host::show(host, commands, image, size, &slot.sinks[which]);
+                }
+            }
+        };
+        let shown = |slot: &Slot| slot.sinks.each_ref().map(|sink| host::values(sink, pixels));
+        let pictures = host::in_flight(device, &mut slots, FRAMES / 2, record, shown);
+        for Slot { targets, sinks, .. } in &mut slots {
+            host::destroy(device, sinks, targets);
+        }
+        for Input { density, particles, blurred, .. } in &mut inputs {
+            host::destroy(device, [density, particles, blurred], []);
+        }
+        pictures
+    }
+
+    fn resize(&mut self, device: &mut TestDevice, size: [u32; 2]) -> celfx::error::Result<()> {
+        let (host, kernels, allocator) = device.making();
+        // SAFETY: the device's own handles; every frame has been waited for.
+        unsafe {
+            self.smoke.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
+            self.flame.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
+            self.blur.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
+        }
+        Ok(())
+    }
+
+    fn move_to(&mut self, device: &mut TestDevice, pool: &ScratchPool) {
+        let (host, kernels, allocator) = device.making();
+        // SAFETY: the device's own handles; every frame has been waited for.
+        unsafe {
+            let moved = self.smoke.move_to(&host, kernels, allocator, pool);
+            moved.expect("it fits").destroy(&host, allocator);
+            let moved = self.flame.move_to(&host, kernels, allocator, pool);
+            moved.expect("it fits").destroy(&host, allocator);
+            let moved = self.blur.move_to(&host, kernels, allocator, pool);
+            moved.expect("it fits").destroy(&host, allocator);
+        }
+    }
+
+    fn destroy(mut self, device: &mut TestDevice) {
+        let (host, allocator) = device.parts();
+        // SAFETY: every frame has been waited for.
+        unsafe {
+            self.smoke.destroy(&host, allocator);
+            self.flame.destroy(&host, allocator);
+            self.blur.destroy(&host, allocator);
+        }
+    }
+}
+
+const SIZE: [u32; 2] = [80, 60];
+const LARGER: [u32; 2] = [112, 84];
+
+/// Three that share a pool, that are moved to a larger one, and resized there, make the bits of three that share nothing.
+#[test]
+fn effects_in_one_pool_are_as_apart() {
+    let Some(mut device) = device() else { return };
+    let mut apart = Effects::new(&mut device, SIZE, None);
+    let mut expected = apart.frames(&mut device, 0, SIZE);
+    apart.resize(&mut device, LARGER).expect("a size");
+    expected.extend(apart.frames(&mut device, FRAMES / 2, LARGER));
+    apart.destroy(&mut device);
+
+    let small = pool(&mut device, SIZE);
+    let mut sharing = Effects::new(&mut device, SIZE, Some(&small));
+    let ranges = [sharing.smoke.scratch(), sharing.flame.scratch(), sharing.blur.scratch()];
+    assert_eq!(ranges, [Some(small.range()); 3]);
+    let mut shared = sharing.frames(&mut device, 0, SIZE);
+    let said = sharing.resize(&mut device, LARGER).expect_err("too small").to_string();
+    let needed = needs(&mut device, LARGER).map(|needs| needs.bytes);
+    assert!(needed.iter().any(|bytes| said.contains(&format!("scratch needs {bytes}"))), "{said}");
+    let large = pool(&mut device, LARGER);
+    sharing.move_to(&mut device, &large);
+    // SAFETY: nothing is in it any more.
+    unsafe { small.destroy(device.parts().1) };
+    sharing.resize(&mut device, LARGER).expect("a size");
+    shared.extend(sharing.frames(&mut device, FRAMES / 2, LARGER));
+    sharing.destroy(&mut device);
+    // SAFETY: as above.
+    unsafe { large.destroy(device.parts().1) };
+
+    for (number, (shared, expected)) in zip(&shared, &expected).enumerate() {
+        for (which, name) in ["smoke", "flame", "blur"].iter().enumerate() {
+            let background = expected[which][0];
+            assert!(
+                expected[which].iter().any(|pixel| *pixel != background),
+                "{name}, frame {number}: it shows nothing"
+            );
+            assert!(shared[which] == expected[which], "{name}, frame {number}");
+        }
+    }
+    assert_eq!((shared.len(), expected.len()), (FRAMES as usize, FRAMES as usize));
+}
