@@ -127,7 +127,17 @@ fn smoke_refuses_before_the_first_command() {
 fn flame_desc() -> flame::Desc {
     let settings = flame::Settings { spread: Some(0.1), ..flame::Settings::default() };
     let (hottest, scene) = (settings.hottest, Some(SceneFormat::Image(REVERSED)));
-    flame::Desc { size: SIZE, target_format: FORMAT, scene, particles: 9, hottest, seed: 1, settings, layers: false }
+    flame::Desc {
+        size: SIZE,
+        target_format: FORMAT,
+        scene,
+        accumulates: false,
+        particles: 9,
+        hottest,
+        seed: 1,
+        settings,
+        layers: false,
+    }
 }
 
 #[test]
@@ -155,6 +165,7 @@ fn flame_refuses_before_the_first_command() {
         ("scene: a buffer", flame::Frame { scene: Some(SceneDepth::Buffer(buffer(4 * 48))), ..good }),
         ("particles", flame::Frame { particles: Some(short), ..good }),
         ("particles: the first frame needs some", flame::Frame { particles: None, ..good }),
+        ("frame.accumulate = true: not unless", flame::Frame { accumulate: true, ..good }),
     ];
     for (expected, frame) in cases {
         let said = refusal(&host, &mut flame, &frame, &mut Timing::None);

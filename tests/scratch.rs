@@ -72,7 +72,7 @@ fn descs(size: [u32; 2], mesh: &Mesh) -> (smoke::Desc, flame::Desc, blur::Desc) 
     let of_blur = blur::Desc::new(mesh, size, blur::Settings::default());
     (
         smoke::Desc { target_format: FORMAT, ..of_smoke },
-        flame::Desc { target_format: FORMAT, ..flame::Desc::new(size, 50, of_flame) },
+        flame::Desc { target_format: FORMAT, accumulates: true, ..flame::Desc::new(size, 50, of_flame) },
         blur::Desc { target_format: FORMAT, toon: true, frames_resident: 16, most_triangles: 10_000, ..of_blur },
     )
 }

@@ -23,6 +23,9 @@ pub struct Desc {
     pub seed: u32,
     /// The look.
     pub settings: Settings,
+    /// Whether frames may add their repetitions to those of the frame before ([`crate::flame::Frame::accumulate`]): the sums of all
+    /// pixels are then kept between frames.
+    pub accumulates: bool,
     /// Whether every buffer that is a layer is kept for reading after the frame.
     pub layers: bool,
 }
@@ -38,7 +41,7 @@ pub enum SceneFormat {
 
 impl Desc {
     /// For pictures of `size` pixels and 32-bit floats and at most so many particles, no hotter than the settings' hottest; no scene,
-    /// no layers. What is to be otherwise is set after.
+    /// no layers, nothing that is added up over frames. What is to be otherwise is set after.
     pub fn new(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
         Desc {
             size,
@@ -48,6 +51,7 @@ impl Desc {
             hottest: settings.hottest,
             seed: 0,
             settings,
+            accumulates: false,
             layers: false,
         }
     }

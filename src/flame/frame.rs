@@ -92,6 +92,13 @@ impl Frame {
             }
             None => {}
         }
+        if self.accumulate && !desc.accumulates {
+            return Err(Error::setting(
+                "frame.accumulate",
+                true,
+                "not unless the effect is made for it: Desc::accumulates",
+            ));
+        }
         if self.accumulate && desc.settings.is_adaptive() {
             return Err(Error::setting("frame.accumulate", true, "not with flame.adaptive"));
         }

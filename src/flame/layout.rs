@@ -46,7 +46,7 @@ buffers! {
     MASK = "Mask": Kept,
     KERNEL_STATE = "KernelState": Kept,
     SHARES = "Shares",
-    SUMS = "Sums": Kept,
+    SUMS = "Sums",
     SPRITE_LIST = "SpriteList",
     SPRITE_SUMS = "SpriteSums",
     LAMP = "LampBuffer",
@@ -218,7 +218,11 @@ impl Inventory for Layout {
     const HOST_IMAGES: usize = HOST_IMAGES;
 
     fn buffers(&self, desc: &Desc) -> Vec<BufferDesc> {
-        self.sizes.descriptions(&NAMES, [PARAMS], desc.layers).collect()
+        let mut buffers: Vec<_> = self.sizes.descriptions(&NAMES, [PARAMS], desc.layers).collect();
+        if desc.accumulates {
+            buffers[usize::from(SUMS.0)].lifetime = Lifetime::Kept;
+        }
+        buffers
     }
 
     fn images(&self, desc: &Desc) -> Vec<ImageDesc> {

@@ -30,6 +30,7 @@ pub fn desc(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
         size,
         target_format: TARGET_FORMAT,
         scene: None,
+        accumulates: true,
         particles,
         hottest: settings.hottest,
         seed: 1,

@@ -19,7 +19,7 @@ fn frames(desc: &Desc, poison: Option<u32>) -> Option<Vec<Bits>> {
     let depth = desc.scene.is_some().then_some(wall.as_slice());
     let (some, others, cold) = (embers(50, 1), embers(30, 2), particles(&[[0.0, 0.0, 0.0, 200.0]]));
     let (front, side) = (camera(0.0), camera(60.0));
-    let adds = desc.settings.adaptive == 0.0;
+    let adds = desc.accumulates && desc.settings.adaptive == 0.0;
     let steps = [
         (Some(&cold), front, false),
         (Some(&some), front, false),
@@ -56,14 +56,15 @@ fn frames_need_nothing_of_scratch() {
     let expected = with(Settings { mode: Mode::Expected, ..own() });
     let cases = [
         base.clone(),
+        Desc { accumulates: false, ..base.clone() },
         Desc { layers: false, ..base.clone() },
         Desc { scene: Some(SceneFormat::Buffer), layers: false, ..with(Settings { light: 2.0, ..own() }) },
-        with(Settings { adaptive: 0.05, repetitions: 60, ..own() }),
+        Desc { layers: false, accumulates: false, ..with(Settings { adaptive: 0.05, repetitions: 60, ..own() }) },
         Desc { layers: false, ..with(Settings { sampling: Sampling::ShuffledSobol, flicker: 0.3, ..own() }) },
         // So many sprites that a repetition is cut into parts.
         Desc { layers: false, ..with(Settings { count: 2000.0, repetitions: 2, ..own() }) },
         expected.clone(),
-        Desc { layers: false, scene: Some(SceneFormat::Buffer), ..expected },
+        Desc { layers: false, accumulates: false, scene: Some(SceneFormat::Buffer), ..expected },
     ];
     for desc in cases {
         let Some(clean) = frames(&desc, None) else { return };

@@ -71,6 +71,7 @@ fn a_frame_of_fire() {
             size: SIZE,
             target_format: FORMAT,
             scene: None,
+            accumulates: false,
             particles: 50_000,
             hottest,
             seed: 1,

@@ -271,6 +271,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     size: SIZE,
                     target_format: FORMAT,
                     scene: format,
+                    accumulates: true,
                     particles,
                     hottest,
                     seed: 1,

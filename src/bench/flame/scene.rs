@@ -119,6 +119,7 @@ impl Scene {
             size: self.size,
             target_format: FORMAT,
             scene: None,
+            accumulates: false,
             particles: self.particles.position.len() as u32,
             hottest: settings.hottest,
             seed: SEED,

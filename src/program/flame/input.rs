@@ -97,6 +97,7 @@ impl Input for FlameInput {
             size: self.shot.size,
             target_format: TARGET_FORMAT,
             scene: None,
+            accumulates: false,
             particles: extent.most,
             hottest: extent.hottest,
             seed: self.shot.seed,

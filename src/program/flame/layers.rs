@@ -92,6 +92,7 @@ mod tests {
             size: [2, 1],
             target_format: TARGET_FORMAT,
             scene: None,
+            accumulates: false,
             particles: 4,
             hottest: 2000.0,
             seed: 0,

@@ -31,6 +31,7 @@ fn variant(
         size: SIZE,
         target_format: TARGET_FORMAT,
         scene: scene.then_some(SceneFormat::Buffer),
+        accumulates: false,
         particles: 8,
         hottest: settings.hottest,
         seed: 1,
