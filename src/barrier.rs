@@ -6,6 +6,7 @@
 
 use ash::vk;
 
+use crate::gpu::scratch::Overlay;
 use crate::host::ImageState;
 use crate::plan::{Command, ImageId, Pass, Plan, Resource, Step, Usage};
 
@@ -66,6 +67,8 @@ pub struct Tracker {
     frame: (vk::PipelineStageFlags2, vk::AccessFlags2),
     /// Barriers so far.
     count: u32,
+    /// What lies where others lay before it in the frame, and each of those.
+    successors: Vec<(Resource, Resource)>,
 }
 
 impl Tracker {
@@ -80,7 +83,22 @@ impl Tracker {
             pending: Barrier::default(),
             frame: Default::default(),
             count: 0,
+            successors: Vec::new(),
         }
+    }
+
+    /// For resources some of which lie in the same place.
+    #[must_use]
+    pub fn with_overlays(mut self, overlays: &[Overlay]) -> Tracker {
+        for overlay in overlays {
+            let mut before: Vec<Resource> = Vec::new();
+            for group in overlay {
+                let pairs = group.iter().flat_map(|later| before.iter().map(|earlier| (*later, *earlier)));
+                self.successors.extend(pairs);
+                before.extend(group);
+            }
+        }
+        self
     }
 
     /// Begins a frame. Its first barrier orders it after the frame before it, whatever that one ran: it waits for every
@@ -220,8 +238,21 @@ impl Tracker {
     /// Whether a resource was touched since the last barrier so that this use has to wait.
     fn conflicts(&mut self, resource: Resource, usage: &Usage) -> bool {
         let now = self.count;
-        let touched = self.touched(resource);
-        touched.written > now || (touched.read > now && !usage.writes.is_empty())
+        let touched = *self.touched(resource);
+        let conflicts = touched.written > now || (touched.read > now && !usage.writes.is_empty());
+        conflicts || self.evicts(resource)
+    }
+
+    /// Whether something that lay in the same place before was touched since the last barrier.
+    fn evicts(&mut self, resource: Resource) -> bool {
+        let now = self.count;
+        (0..self.successors.len()).any(|index| {
+            let (later, earlier) = self.successors[index];
+            later == resource && {
+                let touched = self.touched(earlier);
+                touched.read.max(touched.written) > now
+            }
+        })
     }
 
     fn note(&mut self, resource: Resource, usage: &Usage) {
@@ -234,6 +265,25 @@ impl Tracker {
             false => touched.written = now,
         }
     }
+}
+
+/// What a plan uses together with or after what lies in its place later, if it does that to anything: such a plan must not be.
+pub fn return_to(plan: &Plan, passes: &[Pass], overlays: &[Overlay]) -> Option<Resource> {
+    let mut returned = None;
+    for overlay in overlays {
+        let group_of = |resource: &Resource| overlay.iter().position(|group| group.contains(resource));
+        let mut latest = 0;
+        for step in &plan.steps {
+            let pass = &passes[usize::from(step.pass.0)];
+            for_each_use(step, pass, |resource, _| latest = latest.max(group_of(&resource).unwrap_or(0)));
+            for_each_use(step, pass, |resource, _| {
+                if group_of(&resource).is_some_and(|group| group < latest) {
+                    returned = Some(resource);
+                }
+            });
+        }
+    }
+    returned
 }
 
 /// The state of own images at the start and the end of a frame.

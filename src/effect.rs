@@ -17,25 +17,26 @@
 //! A setting becomes a pass in `steps.rs`, which fills a [`Plan`]; [`crate::low_level::barrier`] derives the barriers between its
 //! steps from what `passes.rs` and the shaders declare; [`crate::low_level::gpu::recorder`] walks the list into a command buffer.
 
+mod inventory;
+
 use std::fmt;
 
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::gpu::buffer::BufferDesc;
 pub use crate::gpu::capabilities::DeviceTraits;
 use crate::gpu::debug;
 use crate::gpu::executor::{Description, Executor};
 pub use crate::gpu::executor::{Retired, StepParts};
-use crate::gpu::image::ImageDesc;
 pub use crate::gpu::kernels::Kernels;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::Stream;
 use crate::gpu::resources::{Kept, Resources};
-use crate::gpu::scratch::{Lifetime, Shared};
+use crate::gpu::scratch::Shared;
 pub use crate::gpu::scratch::{ScratchNeeds, ScratchPool, ScratchRange};
-use crate::host::{Host, HostBuffer, Memory, MemorySource, NamedFormat, check_formats};
+use crate::host::{Host, Memory, MemorySource, NamedFormat, check_formats};
 use crate::plan::{BufferId, ImageId, Pass, Plan};
+pub use inventory::Inventory;
 
 /// How much of a frame's work is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,12 +46,14 @@ pub enum Effort {
     Needed,
     /// All of it: only to prove that leaving work out changes nothing.
     Everything,
+    /// The work that the frame needs, and nothing lies where something else has lain: parts of a frame can run once more.
+    Repeatable,
 }
 
 impl Effort {
     /// Whether work that a frame does not need is left out.
     pub fn skips(self) -> bool {
-        self == Effort::Needed
+        self != Effort::Everything
     }
 }
 
@@ -110,48 +113,12 @@ pub trait Kind: fmt::Debug + Sized {
     fn formats(desc: &Self::Desc) -> Vec<NamedFormat>;
 }
 
-/// Which buffers and images an effect has, by their ids: own ones first, then those that the host hands over.
-pub trait Inventory {
-    /// Description of the effect.
-    type Desc;
-    /// How many buffers the host hands over.
-    const HOST_BUFFERS: usize;
-    /// How many images the host hands over.
-    const HOST_IMAGES: usize;
-
-    /// The own buffers.
-    fn buffers(&self, desc: &Self::Desc) -> Vec<BufferDesc>;
-
-    /// The own images.
-    fn images(&self, desc: &Self::Desc) -> Vec<ImageDesc>;
-
-    /// The memory of both, before alignment.
-    fn memory(&self, desc: &Self::Desc) -> Memory {
-        let buffers = self.buffers(desc).into_iter().map(|buffer| (buffer.lifetime, buffer.size, 0));
-        let images = self.images(desc).into_iter().map(|image| (image.lifetime, image.bytes(), image.bytes()));
-        let mut memory = Memory::default();
-        for (lifetime, bytes, of_images) in buffers.chain(images) {
-            match lifetime {
-                Lifetime::Scratch | Lifetime::Layer => memory.scratch += bytes,
-                Lifetime::Sequence | Lifetime::Kept => memory.history += bytes,
-            }
-            memory.images += of_images;
-        }
-        memory
-    }
-
-    /// Buffers of the host's that kernels read in place: they stay the same from frame to frame.
-    fn bound(&self, _: &Self::Desc) -> Vec<(BufferId, HostBuffer)> {
-        Vec::new()
-    }
-}
-
 fn not_prepared() -> Error {
     Error::HostResource { name: "frame", why: "none is prepared".to_owned() }
 }
 
 /// Passes of a kind, and what they name.
-pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
+pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc, effort: Effort) -> Description {
     Description {
         name: K::NAME,
         passes: kind.take_passes(),
@@ -160,6 +127,7 @@ pub fn describe<K: Kind>(kind: &mut K, desc: &K::Desc) -> Description {
         images: kind.layout().images(desc),
         host_images: K::Layout::HOST_IMAGES,
         bound: kind.layout().bound(desc),
+        overlays: if effort == Effort::Needed { kind.layout().overlays(desc) } else { Vec::new() },
         memory: kind.layout().memory(desc),
     }
 }
@@ -296,7 +264,7 @@ impl<K: Kind> Effect<K> {
             let mut kind = K::new(desc, &kernels.traits(host), effort)?;
             check_formats(host, &K::formats(desc))?;
             debug::check(host)?;
-            let description = describe(&mut kind, desc);
+            let description = describe(&mut kind, desc, effort);
             Ok((kind, description))
         }
     }

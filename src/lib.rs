@@ -34,6 +34,8 @@
 //! - **Record.** `Effect::record` checks the frame and records it. It submits nothing, waits for nothing, and allocates nothing.
 //!   Or `prepare` the frame and `record_steps` of it, with your own commands between. Images and buffers are in the states that
 //!   the frame declares ([`host::ImageState`], [`host::HostBuffer`]), and images are left in the state that it asks for.
+//! - **Share memory.** What an effect rewrites in each frame is scratch: effects whose frames are recorded one after the other can have
+//!   it in one [`effect::ScratchPool`] (`Effect::scratch_needs`, `Effect::new_in`).
 //! - **Change and resize.** `Effect::change` takes another `Desc` between any two frames, `resize` another size. What is replaced is
 //!   handed back ([`effect::Retired`]); nothing waits.
 //! - **Two views** of a frame, as for two eyes: record it twice. The second time smoke has `Sequence::Hold`, and a blur an interval

@@ -2,8 +2,11 @@
 #![cfg(feature = "cli")]
 
 use ash::vk;
+use celfx::blur::{self, Blur};
 use celfx::effect::{DeviceTraits, Inventory};
 use celfx::error::Error;
+use celfx::flame::{self, Flame};
+use celfx::host::Memory;
 use celfx::low_level::shaders::smoke as shaders;
 use celfx::low_level::shaders::smoke::constants::BLOCK;
 use celfx::low_level::smoke::layout::{self, Layout};
@@ -276,5 +279,71 @@ fn looking_at_light_space_lists_keeps_the_loop_budget() {
             let lists = (layout.light_cells * layout.light_faces).div_ceil(lanes);
             assert!(u64::from(lists + lanes.ilog2()) <= BUDGET, "{particles}, {point_light}: {lists}");
         }
+    }
+}
+
+/// What all three take at 1920 x 1080, in the README's rows: what is kept of each, and the scratch memory of the largest.
+#[test]
+fn three_effects_share_scratch() {
+    let size = [1920, 1080];
+    let mesh = |target_format, outer, toon| {
+        let settings = blur::Settings::default();
+        blur::Desc {
+            size,
+            target_format,
+            points: 10_000,
+            triangles: 20_000,
+            neighbours: 60_000,
+            objects: 1,
+            groups: 10_000,
+            group_triangles: 60_000,
+            outer,
+            toon,
+            depth: None,
+            occluders: None,
+            most_triangles: blur::MOST_TRIANGLES,
+            segments: blur::Desc::segments_of(&settings),
+            frames_resident: 48,
+            parts: None,
+            sources: Vec::new(),
+            seed: 0,
+            settings,
+            layers: false,
+        }
+    };
+    let all = |target_format, mode, outer, toon| {
+        let settings = Settings { particles: 2000, ..Settings::default() };
+        let of_smoke = Desc { target_format, layers: false, ..desc(size, [128; 3], settings) };
+        let settings = flame::Settings { spread: Some(0.1), mode, ..flame::Settings::default() };
+        let of_flame = flame::Desc { target_format, ..flame::Desc::new(size, 10_000, settings) };
+        let of_blur = mesh(target_format, outer, toon);
+        let found =
+            [Smoke::memory(&of_smoke, &TRAITS), Flame::memory(&of_flame, &TRAITS), Blur::memory(&of_blur, &TRAITS)]
+                .map(|memory| memory.expect("a size"));
+        let history: u64 = found.iter().map(|memory| memory.history).sum();
+        let scratch = found.iter().map(|memory| memory.scratch).max().unwrap_or(0);
+        let [mib, apart] =
+            [history + scratch, found.iter().map(Memory::total).sum()].map(|bytes| bytes as f64 / 1048576.0);
+        println!("{target_format:?}, {mode:?}, outer {outer}, drawn {toon}: {mib:.1} MiB shared, {apart:.1} apart");
+        for memory in found {
+            let [history, scratch] = [memory.history, memory.scratch].map(|bytes| bytes as f64 / 1048576.0);
+            println!("    {history:.1} kept, {scratch:.1} scratch");
+        }
+        mib
+    };
+    let (half, float) = (vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_SFLOAT);
+    let [stochastic, expected] = [flame::settings::Mode::Stochastic, flame::settings::Mode::Expected];
+    for (mode, toon) in [(stochastic, false), (stochastic, true), (expected, false)] {
+        assert!(all(half, mode, false, toon) <= 500.0);
+    }
+    // The table of the expected image and two drawn frames are kept; images of 16 bytes a pixel, and of four frames instead of
+    // two, are larger by themselves.
+    for (format, mode, outer, toon) in [
+        (half, expected, false, true),
+        (half, stochastic, true, false),
+        (float, stochastic, false, false),
+        (float, stochastic, true, false),
+    ] {
+        assert!(all(format, mode, outer, toon) <= 610.0);
     }
 }

@@ -13,7 +13,7 @@ mod kinds;
 use ash::vk;
 use celfx::effect::{DeviceTraits, Effort};
 use celfx::host::{HostImage, ImageState};
-use celfx::low_level::barrier::{Barrier, Tracker};
+use celfx::low_level::barrier::{Barrier, Tracker, return_to};
 use celfx::low_level::plan::{BufferId, Command, ImageId, Kernel, Pass, PassId, Plan, Resource, Usage};
 use celfx::low_level::shaders::smoke as glsl;
 use celfx::low_level::smoke::layout::Layout;
@@ -111,6 +111,24 @@ fn one_barrier_orders_all_before_it_with_all_after_it() {
     // A reader before a barrier is not waited for again.
     assert_eq!(waiting(&[write(A), read(A), write(B), read(B), write(A)]), [0, 1, 3]);
     assert_eq!(waiting(&[write(A), fragment_read(A), read(A), write(A), read(A)]), [0, 1, 3, 4]);
+}
+
+/// What lies where something else has lain waits for all that was done there; what lies elsewhere does not.
+#[test]
+fn what_lies_in_the_same_place_waits() {
+    for passes in [[read(A), write(B)], [write(A), write(B)], [write(A), read(B)]] {
+        let plan = in_order(&passes);
+        let overlay = vec![vec![A.into()], vec![B.into()]];
+        assert_eq!(return_to(&plan, &passes, std::slice::from_ref(&overlay)), None);
+        let mut tracker = Tracker::new(2, 1).with_overlays(&[overlay]);
+        tracker.begin(&plan, &passes);
+        let found = derived(&mut tracker, &plan, &passes);
+        assert!(found[1].src_stage.contains(COMPUTE) && found[1].dst_stage.contains(COMPUTE), "{found:?}");
+        assert!(barriers(&passes)[1].is_empty(), "elsewhere");
+    }
+    let back = [write(A), write(B), read(A)];
+    let overlay = vec![vec![A.into()], vec![B.into()]];
+    assert_eq!(return_to(&in_order(&back), &back, &[overlay]), Some(A.into()));
 }
 
 #[test]

@@ -29,6 +29,7 @@ fn scanned(device: &mut TestDevice, values: &[u32]) -> Vec<u32> {
         images: Vec::new(),
         host_images: 0,
         bound: Vec::new(),
+        overlays: Vec::new(),
         memory: Default::default(),
     };
     let mut given = host::source(device, bytes);

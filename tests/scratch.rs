@@ -173,14 +173,14 @@ impl Effects {
                     let sequence = if n == 0 { Sequence::Restart } else { Sequence::Advance };
                     let frame = smoke::Frame { sequence, background, ..smoke::Frame::new(view, volume, target) };
                     // The volume and the shadow of the frame before serve every second one.
-                    let volume = frame.volume.filter(|_| n % 2 == 0);
+                    let volume = frame.volume.filter(|_| n.is_multiple_of(2));
                     self.smoke.record(host, commands, &smoke::Frame { volume, ..frame }, timing)
                 }
                 1 => {
                     let position_temperature = given(&input.particles);
                     let given = ParticleInput { count: 50, hottest: f32::INFINITY, position_temperature, ids: None };
                     let frame = flame::Frame { background, ..flame::Frame::new(view, given, target) };
-                    let particles = frame.particles.filter(|_| n % 3 == 0);
+                    let particles = frame.particles.filter(|_| n.is_multiple_of(3));
                     let accumulate = particles.is_none();
                     self.flame.record(host, commands, &flame::Frame { particles, accumulate, ..frame }, timing)
                 }

@@ -126,7 +126,7 @@ impl Rig {
         let size = desc.size();
         self.effects.push(Slot { player: None, target: None, size });
         let Some(slot) = self.effects.last_mut() else { return Ok(id) };
-        slot.player.insert(make(&mut self.headless, desc, Effort::Needed)?).executor_mut().set_mode(Mode::Isolated);
+        slot.player.insert(make(&mut self.headless, desc, Effort::Repeatable)?).executor_mut().set_mode(Mode::Isolated);
         let (host, allocator) = self.headless.parts();
         // SAFETY: the device's own handles; it is destroyed in `clear`.
         slot.target = Some(unsafe { Image::new(&host, allocator, &image_desc("picture", size))? });

@@ -10,7 +10,7 @@ use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
-use crate::gpu::scratch::Lifetime;
+use crate::gpu::scratch::{Lifetime, Overlay};
 use crate::host::HostBuffer;
 use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource};
@@ -411,6 +411,16 @@ impl Inventory for Layout {
 
     fn buffers(&self, desc: &Desc) -> Vec<BufferDesc> {
         self.sizes.descriptions(&NAMES, [PARAMS], desc.layers).collect()
+    }
+
+    /// Layers, and lines and after-images behind the mesh, look at all of it once more.
+    fn overlays(&self, desc: &Desc) -> Vec<Overlay> {
+        if desc.layers || desc.settings.draws_behind() {
+            return Vec::new();
+        }
+        let refinement = [SPLINES, ACTIVE, NEXT, LINES].map(Resource::Buffer).into();
+        let samples = vec![vec![SAMPLED.into()], vec![LISTS.into()], vec![PICTURE.into()]];
+        vec![vec![refinement, vec![SAMPLE_COLOURS.into()]], samples]
     }
 
     fn images(&self, desc: &Desc) -> Vec<ImageDesc> {

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use ash::vk;
 
+use crate::barrier::return_to;
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
@@ -12,7 +13,7 @@ use crate::gpu::pipelines::Pipelines;
 use crate::gpu::profiler::{Mode, Timing};
 use crate::gpu::recorder::{Recorder, Recording, Stream, check};
 use crate::gpu::resources::{BufferSlot, ImageSlot, Kept, Resources};
-use crate::gpu::scratch::{Lifetime, ScratchNeeds, ScratchPool, ScratchRange, Shared};
+use crate::gpu::scratch::{Lifetime, Overlay, ScratchNeeds, ScratchPool, ScratchRange, Shared};
 use crate::host::{Host, HostBuffer, Memory, MemorySource};
 use crate::plan::{BufferId, ImageId, Pass, Plan, Step};
 
@@ -44,6 +45,8 @@ pub struct Description {
     pub host_images: usize,
     /// Those of the host's buffers that stay the same.
     pub bound: Vec<(BufferId, HostBuffer)>,
+    /// What of those lies in the same place.
+    pub overlays: Vec<Overlay>,
     /// Of own buffers and images, before alignment.
     pub memory: Memory,
 }
@@ -67,7 +70,7 @@ impl Executor {
         let mut resources = Resources::default();
         // SAFETY: the caller's; what was made is destroyed unused on error.
         unsafe {
-            let kept = Kept::new(&resources, &description.buffers, &description.images, pool);
+            let kept = Kept::new(&resources, &description.buffers, &description.images, &description.overlays, pool);
             create(host, allocator, &description, &kept, pool, &mut resources)
                 .inspect_err(|_| resources.destroy(host, allocator))?;
             let executor = Executor::on(host, kernels, allocator, description.passes, resources)?;
@@ -132,7 +135,7 @@ impl Executor {
         description: Description,
         pool: Option<Shared>,
     ) -> Result<(Retired, Kept)> {
-        let kept = Kept::new(&self.resources, &description.buffers, &description.images, pool);
+        let kept = Kept::new(&self.resources, &description.buffers, &description.images, &description.overlays, pool);
         let is_bound =
             |(id, new): &(BufferId, HostBuffer)| self.resources.buffer(*id) == (new.buffer, new.offset, new.size);
         let same = description.bound.iter().all(is_bound) && same_bindings(&self.passes, &description.passes);
@@ -238,6 +241,7 @@ impl Executor {
     /// # Errors
     /// A copy of more than a host's buffer has.
     pub fn check(&self) -> Result<()> {
+        debug_assert_eq!(return_to(&self.plan, &self.passes, &self.resources.overlays), None);
         check(&self.plan, &self.passes, &self.resources)
     }
 
@@ -399,6 +403,7 @@ unsafe fn create(
     pool: Option<Shared>,
     resources: &mut Resources,
 ) -> Result<()> {
+    resources.overlays.clone_from(&description.overlays);
     // SAFETY: the caller's.
     unsafe {
         for (id, buffer) in (0..).zip(&description.buffers) {
@@ -426,17 +431,22 @@ unsafe fn create(
     }
 }
 
-/// What lies in scratch memory, without memory.
+/// What lies in scratch memory, without memory, in its place among others.
 unsafe fn create_scratch(host: &Host, description: &Description, resources: &mut Resources) -> Result<()> {
-    let buffers = description.buffers.iter().filter(|buffer| buffer.lifetime == Lifetime::Scratch);
-    let images = description.images.iter().filter(|image| image.lifetime == Lifetime::Scratch);
+    resources.overlays.clone_from(&description.overlays);
     // SAFETY: the caller's.
     unsafe {
-        for buffer in buffers {
-            resources.add_scratch_buffer(host, buffer)?;
+        for buffer in &description.buffers {
+            match buffer.lifetime {
+                Lifetime::Scratch | Lifetime::Layer => resources.add_scratch_buffer(host, buffer)?,
+                Lifetime::Sequence | Lifetime::Kept => drop(resources.add_host_buffer()),
+            }
         }
-        for image in images {
-            resources.add_scratch_image(host, image)?;
+        for image in &description.images {
+            match image.lifetime {
+                Lifetime::Scratch | Lifetime::Layer => resources.add_scratch_image(host, image)?,
+                Lifetime::Sequence | Lifetime::Kept => drop(resources.add_host_image()),
+            }
         }
     }
     Ok(())

@@ -64,7 +64,7 @@ pub struct Recording<'a> {
 impl Recorder {
     /// A recorder for an effect with so many buffers and images.
     pub fn new(resources: &Resources) -> Recorder {
-        let tracker = Tracker::new(resources.buffers.len(), resources.images.len());
+        let tracker = Tracker::new(resources.buffers.len(), resources.images.len()).with_overlays(&resources.overlays);
         Recorder {
             tracker,
             mode: Mode::Overlapping,

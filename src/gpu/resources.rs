@@ -5,9 +5,9 @@ use ash::vk;
 use crate::error::Result;
 use crate::gpu::buffer::{Buffer, BufferDesc};
 use crate::gpu::image::{Image, ImageDesc};
-use crate::gpu::scratch::{Lifetime, Placing, Scratch, ScratchNeeds, Shared};
+use crate::gpu::scratch::{Lifetime, Overlay, Placing, Scratch, ScratchNeeds, Shared};
 use crate::host::{Host, HostBuffer, HostImage, MemorySource, aspect_of};
-use crate::plan::{BufferId, ImageId};
+use crate::plan::{BufferId, ImageId, Resource};
 
 /// A buffer as the recorder sees it.
 #[derive(Debug)]
@@ -36,6 +36,8 @@ pub struct Resources {
     pub images: Vec<ImageSlot>,
     /// Where those of them lie that frames begin without.
     pub(crate) scratch: Option<Scratch>,
+    /// What of it lies in the same place.
+    pub(crate) overlays: Vec<Overlay>,
 }
 
 /// Which own buffers and images stay when a description changes, by their ids.
@@ -55,6 +57,7 @@ impl Kept {
         resources: &Resources,
         buffers: &[BufferDesc],
         images: &[ImageDesc],
+        overlays: &[Overlay],
         shared: Option<Shared>,
     ) -> Kept {
         let buffer = |(id, new): (usize, &BufferDesc)| match resources.buffers.get(id) {
@@ -68,7 +71,8 @@ impl Kept {
         let buffers: Vec<_> = buffers.iter().enumerate().map(buffer).collect();
         let images: Vec<_> = images.iter().enumerate().map(image).collect();
         let all = |of: Lifetime| buffers.iter().chain(&images).all(|(lifetime, same)| *lifetime != of || *same);
-        let in_place = resources.scratch.as_ref().is_some_and(|scratch| scratch.shared == shared);
+        let is_there = resources.scratch.as_ref().is_some_and(|scratch| scratch.shared == shared);
+        let in_place = is_there && resources.overlays == overlays;
         let (sequence, scratch) = (all(Lifetime::Sequence), in_place && all(Lifetime::Scratch));
         let stays = |(lifetime, same): &(Lifetime, bool)| *same && (*lifetime != Lifetime::Scratch || scratch);
         let [buffers, images] = [&buffers, &images].map(|slots| slots.iter().map(stays).collect());
@@ -166,21 +170,47 @@ impl Resources {
     ///
     /// # Safety
     /// `host` is the one it was made with.
-    pub(crate) unsafe fn place(&self, host: &Host) -> (ScratchNeeds, Vec<Option<u64>>) {
+    pub(crate) unsafe fn place(&self, host: &Host) -> (ScratchNeeds, Vec<(Resource, Option<u64>)>) {
         // SAFETY: the caller's.
         let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
         let mut placing = Placing::new(properties.limits.buffer_image_granularity);
-        let mut places = Vec::new();
+        let is_alone = |resource: &Resource| !self.overlays.iter().flatten().flatten().any(|over| over == resource);
+        let buffers = (0..self.buffers.len() as u16).map(|id| Resource::Buffer(BufferId(id)));
+        let images = (0..self.images.len() as u16).map(|id| Resource::Image(ImageId(id)));
         // SAFETY: the caller's.
-        unsafe {
-            for buffer in self.buffers.iter().filter_map(scratch_buffer) {
-                places.push(placing.place(&buffer.requirements(host), false));
-            }
-            for image in self.images.iter().filter_map(scratch_image) {
-                places.push(placing.place(&image.requirements(host), true));
-            }
+        let requirements = |resource: &Resource| unsafe { self.scratch_requirements(host, *resource) };
+        let mut places = Vec::new();
+        for resource in buffers.filter(is_alone) {
+            places.extend(requirements(&resource).map(|needs| (resource, placing.place(&needs, false))));
+        }
+        for overlay in &self.overlays {
+            let groups: Vec<Vec<_>> =
+                overlay.iter().map(|group| group.iter().filter_map(requirements).collect()).collect();
+            let over = overlay.iter().flatten().filter(|resource| requirements(resource).is_some());
+            places.extend(over.copied().zip(placing.overlay(&groups)));
+        }
+        for resource in images.filter(is_alone) {
+            places.extend(requirements(&resource).map(|needs| (resource, placing.place(&needs, true))));
         }
         (placing.needs(), places)
+    }
+
+    /// What the memory of a buffer or image must be that is to lie in scratch memory; none of others.
+    unsafe fn scratch_requirements(&self, host: &Host, resource: Resource) -> Option<vk::MemoryRequirements> {
+        let is_scratch = |lifetime| lifetime == Lifetime::Scratch;
+        // SAFETY: the caller's.
+        unsafe {
+            match resource {
+                Resource::Buffer(id) => match &self.buffers[usize::from(id.0)] {
+                    BufferSlot::Own(own) if is_scratch(own.desc.lifetime) => Some(own.requirements(host)),
+                    _ => None,
+                },
+                Resource::Image(id) => match &self.images[usize::from(id.0)] {
+                    ImageSlot::Own(own) if is_scratch(own.desc.lifetime) => Some(own.requirements(host)),
+                    _ => None,
+                },
+            }
+        }
     }
 
     /// Takes scratch memory for what is to lie there, if anything is, that is named so: that of `shared`, or of its own.
@@ -200,19 +230,21 @@ impl Resources {
             return Ok(());
         }
         let range = self.scratch.insert(Scratch::new(allocator, &needs, name, shared)?).range;
-        let mut places = places.into_iter().map(|place| place.map(|place| range.offset + place));
-        // SAFETY: each place fits what was placed there, and there is one for each.
-        unsafe {
-            for buffer in self.buffers.iter_mut().filter_map(scratch_buffer_mut) {
-                match places.next().flatten() {
-                    Some(offset) => buffer.bind(host, range.memory, offset)?,
-                    None => buffer.bind_own(host, allocator)?,
-                }
-            }
-            for image in self.images.iter_mut().filter_map(scratch_image_mut) {
-                match places.next().flatten() {
-                    Some(offset) => image.bind(host, range.memory, offset)?,
-                    None => image.bind_own(host, allocator)?,
+        for (resource, place) in places {
+            let offset = place.map(|place| range.offset + place);
+            // SAFETY: each place fits what was placed there.
+            unsafe {
+                match resource {
+                    Resource::Buffer(id) => match (&mut self.buffers[usize::from(id.0)], offset) {
+                        (BufferSlot::Own(own), Some(offset)) => own.bind(host, range.memory, offset)?,
+                        (BufferSlot::Own(own), None) => own.bind_own(host, allocator)?,
+                        (BufferSlot::Host(_), _) => {}
+                    },
+                    Resource::Image(id) => match (&mut self.images[usize::from(id.0)], offset) {
+                        (ImageSlot::Own(own), Some(offset)) => own.bind(host, range.memory, offset)?,
+                        (ImageSlot::Own(own), None) => own.bind_own(host, allocator)?,
+                        (ImageSlot::Host(_), _) => {}
+                    },
                 }
             }
         }
@@ -336,34 +368,6 @@ impl Resources {
         if let Some(scratch) = self.scratch.take() {
             scratch.destroy(allocator);
         }
-    }
-}
-
-fn scratch_buffer(slot: &BufferSlot) -> Option<&Buffer> {
-    match slot {
-        BufferSlot::Own(buffer) if buffer.desc.lifetime == Lifetime::Scratch => Some(buffer),
-        _ => None,
-    }
-}
-
-fn scratch_buffer_mut(slot: &mut BufferSlot) -> Option<&mut Buffer> {
-    match slot {
-        BufferSlot::Own(buffer) if buffer.desc.lifetime == Lifetime::Scratch => Some(buffer),
-        _ => None,
-    }
-}
-
-fn scratch_image(slot: &ImageSlot) -> Option<&Image> {
-    match slot {
-        ImageSlot::Own(image) if image.desc.lifetime == Lifetime::Scratch => Some(image),
-        _ => None,
-    }
-}
-
-fn scratch_image_mut(slot: &mut ImageSlot) -> Option<&mut Image> {
-    match slot {
-        ImageSlot::Own(image) if image.desc.lifetime == Lifetime::Scratch => Some(image),
-        _ => None,
     }
 }
 

@@ -5,6 +5,7 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::host::{Allocation, MemoryRequest, MemorySource};
+use crate::plan::Resource;
 
 /// How long what a buffer or image holds is needed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -170,6 +171,10 @@ impl Scratch {
     }
 }
 
+/// Groups of resources that lie in the same place, one group after the other: in a frame, none of a group is used after one of a later
+/// group is. Images are in the first.
+pub type Overlay = Vec<Vec<Resource>>;
+
 /// Places buffers, and then images, in a range. Pure.
 #[derive(Debug)]
 pub(crate) struct Placing {
@@ -196,6 +201,19 @@ impl Placing {
         let alignment = self.needs.alignment.max(alignment);
         self.needs = ScratchNeeds { bytes: offset + requirements.size, alignment, memory_types };
         Some(offset)
+    }
+
+    /// The offsets of groups that lie in the same place, one behind the other within each: pages of their own.
+    pub(crate) fn overlay(&mut self, groups: &[Vec<vk::MemoryRequirements>]) -> Vec<Option<u64>> {
+        let begin = self.needs.bytes.next_multiple_of(self.granularity);
+        let (mut end, mut places) = (begin, Vec::new());
+        for group in groups {
+            self.needs.bytes = begin;
+            places.extend(group.iter().map(|requirements| self.place(requirements, true)));
+            end = end.max(self.needs.bytes);
+        }
+        self.needs.bytes = end.next_multiple_of(self.granularity);
+        places
     }
 
     /// What the range must be: whole pages.
@@ -232,6 +250,15 @@ mod tests {
         assert_eq!(places, [Some(0), Some(128), Some(1024), Some(8192)]);
         assert_eq!(placing.place(&requirements(8, 8, 0b101), true), None, "no type is left");
         assert_eq!(placing.needs(), ScratchNeeds { bytes: 9216, alignment: 4096, memory_types: 0b010 });
+    }
+
+    #[test]
+    fn groups_lie_in_the_same_pages() {
+        let mut placing = Placing::new(1024);
+        assert_eq!(placing.place(&requirements(100, 16, 1), false), Some(0));
+        let groups = [vec![requirements(1500, 64, 1)], vec![requirements(500, 64, 1), requirements(2000, 64, 1)]];
+        assert_eq!(placing.overlay(&groups), [Some(1024), Some(1024), Some(2048)]);
+        assert_eq!(placing.place(&requirements(8, 8, 1), false), Some(4096), "behind the longest");
     }
 
     #[test]

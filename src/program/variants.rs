@@ -18,5 +18,5 @@ pub(super) fn switches<const N: usize>() -> impl Iterator<Item = [bool; N]> {
 
 /// The passes of an effect.
 pub(super) fn passes<K: Kind>(desc: &K::Desc, traits: &DeviceTraits, effort: Effort) -> Result<Vec<Pass>> {
-    Ok(describe(&mut K::new(desc, traits, effort)?, desc).passes)
+    Ok(describe(&mut K::new(desc, traits, effort)?, desc, effort).passes)
 }

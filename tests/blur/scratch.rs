@@ -3,7 +3,7 @@
 use ash::vk;
 use celfx::blur::motion::{Motion, Window};
 use celfx::blur::settings::{Completion, Ghosts, Lines};
-use celfx::blur::{Background, DepthFormat, Desc, Settings};
+use celfx::blur::{Background, DepthFormat, Desc, Mesh, Settings};
 use celfx::effect::Effort;
 use celfx::low_level::blur::layout;
 use celfx::view::Light;
@@ -37,13 +37,17 @@ fn bits(rig: &mut BlurRig, moves: bool) -> Bits {
 }
 
 /// Outputs in order, of the same frames again, and of some in which nothing moves; the frames are images, or drawn.
-fn frames(desc: impl Fn(&celfx::blur::Mesh) -> Desc, poison: Option<u32>) -> Option<Vec<Bits>> {
+fn frames(desc: impl Fn(&Mesh) -> Desc, poison: Option<u32>) -> Option<Vec<Bits>> {
+    frames_with(desc, Effort::Needed, poison)
+}
+
+fn frames_with(desc: impl Fn(&Mesh) -> Desc, effort: Effort, poison: Option<u32>) -> Option<Vec<Bits>> {
     let (mesh, animation) = (grid(SIDES), swing(SIDES, 9, SIZE, 0.3));
     let seen = animation.all_seen();
     let desc = desc(&mesh);
     let motion = Motion::new(&desc.settings, SIZE).expect("settings");
     let (toon, outer) = (desc.toon, desc.outer);
-    let mut rig = BlurRig::with_effort(desc, mesh.clone(), Effort::Needed)?;
+    let mut rig = BlurRig::with_effort(desc, mesh.clone(), effort)?;
     rig.poison = poison;
     rig.toon = toon.then(|| (Light::default(), Background::Clear([0.25, 0.5, 0.75, 1.0])));
     let picture = |key| -> Vec<[f32; 4]> {
@@ -97,6 +101,23 @@ fn frames_need_nothing_of_scratch() {
         Desc { outer: false, layers: false, ..desc(SIZE, mesh, settings) }
     };
     check("lines and ghosts", |poison| frames(behind, poison));
+}
+
+/// What is done with in a frame makes room for what comes later in it: the bits are those of an effect in which nothing does.
+#[test]
+fn what_lies_in_the_same_place_changes_nothing() {
+    let depth = Some(DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true });
+    let gradient = Settings { completion: Completion::Gradient, ..Settings::default() };
+    for (toon, depth, settings) in
+        [(false, None, Settings::default()), (true, depth, Settings::default()), (false, depth, gradient)]
+    {
+        let desc = |mesh: &_| Desc { layers: false, toon, depth, ..desc(SIZE, mesh, settings.clone()) };
+        let Some(over) = frames_with(desc, Effort::Needed, None) else { return };
+        let apart = frames_with(desc, Effort::Repeatable, None).expect("a device");
+        for (number, (over, apart)) in over.iter().zip(&apart).enumerate() {
+            assert_eq!(over.differences(apart), [], "toon {toon}, frame {number}");
+        }
+    }
 }
 
 /// Frames that have been drawn stay while scratch memory does not.

@@ -16,7 +16,7 @@ use crate::kinds::{FORMAT, SIZE, buffer, image, mesh, segments};
 /// Steps and barriers of the last of these frames.
 fn commands<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) -> (usize, u32) {
     let mut kind = K::new(desc, &DeviceTraits::LEAST, Effort::Needed).expect("it can be made");
-    let description = describe(&mut kind, desc);
+    let description = describe(&mut kind, desc, Effort::Needed);
     let mut plan = Plan::for_passes(&description.passes);
     for frame in frames {
         plan.clear();
@@ -25,7 +25,7 @@ fn commands<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) -> (usize, u32) {
     }
     let buffers = description.buffers.len() + K::Layout::HOST_BUFFERS;
     let images = description.images.len() + K::Layout::HOST_IMAGES;
-    let mut tracker = Tracker::new(buffers, images);
+    let mut tracker = Tracker::new(buffers, images).with_overlays(&description.overlays);
     tracker.begin(&plan, &description.passes);
     let of_host = (description.images.len()..images).map(|index| (ImageId(index as u16), ImageState::default()));
     of_host.clone().for_each(|(image, state)| tracker.take_image(image, state));

@@ -6,7 +6,7 @@ use celfx::blur::{self, BlurKind};
 use celfx::effect::{DeviceTraits, Effort, Kind, describe};
 use celfx::flame::{self, FlameKind, ParticleInput, SceneDepth, SceneFormat};
 use celfx::host::{Background, DepthFormat, HostBuffer, HostImage, ImageState, requirements};
-use celfx::low_level::barrier::{Barrier, Tracker};
+use celfx::low_level::barrier::{Barrier, Tracker, return_to};
 use celfx::low_level::gpu::executor::Description;
 use celfx::low_level::plan::{BufferId, Command, DescriptorKind, Kernel, Pass, Plan, Resource, Step, Topology, Usage};
 use celfx::program::vignette::{self, VignetteKind};
@@ -62,9 +62,12 @@ fn backgrounds() -> [Background; 3] {
 /// Plans the frames one after the other, as they follow each other, and checks each.
 fn check<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) {
     let mut kind = K::new(desc, &TRAITS, Effort::Needed).expect("it can be made");
-    let description = describe(&mut kind, desc);
+    let description = describe(&mut kind, desc, Effort::Needed);
     let mut plan = Plan::for_passes(&description.passes);
     bound(&description);
+    // What begins in a frame's middle has no layout to begin with.
+    let later = description.overlays.iter().flat_map(|overlay| overlay.iter().skip(1).flatten());
+    assert!({ later }.all(|resource| matches!(resource, Resource::Buffer(_))), "{desc:?}");
     for frame in frames {
         plan.clear();
         let before = allocated();
@@ -75,6 +78,8 @@ fn check<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) {
         declared(&plan, &description);
         plan.steps.iter().for_each(|step| fits(step, &description));
         covered(&plan, &description);
+        let returned = return_to(&plan, &description.passes, &description.overlays);
+        assert_eq!(returned, None, "it is used after what lies there later: {desc:?}");
     }
 }
 
@@ -162,11 +167,12 @@ fn touched(step: &Step) -> Vec<Resource> {
     }
 }
 
-/// What a step uses waits for the last write of it, and a write for what was read before it.
+/// What a step uses waits for the last write of it, a write for what was read before it, and what lies where something else has
+/// lain for all uses of that.
 fn covered(plan: &Plan, description: &Description) {
     let buffers = description.buffers.len() + description.host_buffers;
     let images = description.images.len() + description.host_images;
-    let mut tracker = Tracker::new(buffers, images);
+    let mut tracker = Tracker::new(buffers, images).with_overlays(&description.overlays);
     let before = allocated();
     tracker.begin(plan, &description.passes);
     for index in 0..plan.steps.len() {
@@ -180,8 +186,17 @@ fn covered(plan: &Plan, description: &Description) {
         let pass = &description.passes[usize::from(step.pass.0)];
         barriers.push(tracker.before(plan, index, &description.passes));
         for (resource, usage) in uses(step, pass) {
-            let earlier = touched.entry(resource).or_default();
-            for (since, other) in earlier.iter().filter(|(_, other)| !(other.writes | usage.writes).is_empty()) {
+            let is_own = |other: &Resource| *other == resource;
+            let lain = description.overlays.iter().filter_map(|overlay| {
+                let own = overlay.iter().position(|group| group.contains(&resource))?;
+                Some(overlay[..own].iter().flatten().copied())
+            });
+            let others: Vec<Resource> = lain.flatten().chain([resource]).collect();
+            let earlier = others.iter().flat_map(|other| {
+                let uses = touched.get(other).into_iter().flatten();
+                uses.filter(|(_, before)| !is_own(other) || !(before.writes | usage.writes).is_empty())
+            });
+            for (since, other) in earlier {
                 let is_covered = barriers[since + 1..].iter().any(|barrier| {
                     barrier.src_stage.contains(other.stage)
                         && barrier.src_access.contains(other.writes)
@@ -310,9 +325,15 @@ fn blur_with_everything_that_a_frame_may_bring() {
     let view = |frame| blur::FrameView { frame, view: camera.view(SIZE) };
     let toon = Some(blur::ToonInput { view: view(2), light: Light::default() });
     for completion in [Completion::Surface, Completion::Gradient, Completion::None] {
-        for (has_depth, layers, strength) in [(true, true, 1.0), (false, false, 2.5), (true, false, 0.0)] {
+        for (has_depth, layers, strength, behind) in [
+            (true, true, 1.0, true),
+            (false, false, 2.5, false),
+            (true, false, 0.0, false),
+            (true, false, 1.0, false),
+            (false, false, 1.0, true),
+        ] {
             let mut settings = blur::Settings { completion, strength, ..Default::default() };
-            if layers {
+            if behind {
                 settings.lines = Lines { count: 3, length: 0.4, ..Lines::default() };
                 settings.ghosts = Ghosts { count: 2, step: 0.2, ..Ghosts::default() };
             } else {

@@ -155,7 +155,7 @@ fn one_into(device: &mut TestDevice, smoke: &mut Smoke, slot: Slot, frame: &Fram
 fn threads_share_pipelines() {
     let Some(device) = device() else { return };
     let mut kind = SmokeKind::new(&effect(), &device.traits(), Effort::Needed).expect("an effect");
-    let passes = describe(&mut kind, &effect()).passes;
+    let passes = describe(&mut kind, &effect(), Effort::Needed).passes;
     let (host, mut shared, mut alone) = (device.host(), Kernels::new(), Kernels::new());
     // SAFETY: valid handles, of one device; nothing is submitted.
     unsafe {
