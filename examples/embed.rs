@@ -5,7 +5,7 @@
 
 use ash::vk;
 use celfx::error::Result;
-use celfx::host::{HostBuffer, HostImage, ImageState};
+use celfx::host::{HostBuffer, HostImage, ImageState, TemporalFormats, TemporalImages};
 use celfx::low_level::gpu::buffer::{Buffer, BufferDesc, READ_BACK, UPLOADED};
 use celfx::low_level::gpu::headless::{Commands, Headless, Options, Submission};
 use celfx::low_level::gpu::image::{Image, ImageDesc};
@@ -198,6 +198,7 @@ pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Resu
         layers: false,
         depth: None,
         edges: false,
+        temporal: TemporalFormats::default(), // nothing for temporal upscalers
     };
     let (host, kernels, allocator) = device.making();
     let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, desc)? };
@@ -219,6 +220,7 @@ pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Resu
             background: Background::Keep, // smoke goes over what the host has drawn
             depth: None,
             edges: None,
+            temporal: TemporalImages::default(),
         };
         let mut timing = Timing::Queries { pool: slot.queries, first: 0, count: queries(MOST_STEPS) };
         unsafe { smoke.record(&device.host(), commands.raw(), &frame, &mut timing)? };

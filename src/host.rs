@@ -10,12 +10,14 @@
 
 mod check;
 mod memory;
+mod temporal;
 
 use ash::vk;
 
 pub use crate::gpu::capabilities::check_device;
 pub(crate) use check::*;
 pub use memory::{Allocation, CallbackAllocation, CallbackRequest, MemoryCallbacks, MemoryRequest, MemorySource};
+pub use temporal::{MOTION_FORMATS, REACTIVE_FORMATS, TemporalFormats, TemporalImages};
 
 /// The host's Vulkan objects, borrowed for the length of a call.
 #[derive(Clone, Copy)]

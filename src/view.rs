@@ -2,6 +2,7 @@
 
 mod camera;
 mod light;
+mod motion;
 mod projection;
 
 use glam::{DMat4, DVec3};

@@ -86,6 +86,7 @@ fn smoke_frame() -> smoke::Frame {
         background: Background::Clear([0.0; 4]),
         depth: Some(depth()),
         edges: Some(buffer(16 * 48)),
+        temporal: Default::default(),
     }
 }
 

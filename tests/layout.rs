@@ -35,6 +35,7 @@ fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
         layers: true,
         depth: None,
         edges: false,
+        temporal: Default::default(),
     }
 }
 

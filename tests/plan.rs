@@ -270,6 +270,7 @@ fn desc(settings: Settings) -> Desc {
         layers: false,
         depth: None,
         edges: false,
+        temporal: Default::default(),
     }
 }
 
@@ -300,6 +301,7 @@ impl Effect {
             new_tables: true,
             still: None,
             same_shadow: None,
+            view_before: None,
         }
     }
 
@@ -323,6 +325,7 @@ impl Effect {
             background: Background::Clear([0.0; 4]),
             depth: None,
             edges: None,
+            temporal: Default::default(),
         }
     }
 

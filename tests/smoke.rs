@@ -18,6 +18,8 @@ mod graph;
 mod groups;
 #[path = "smoke/host.rs"]
 mod host;
+#[path = "smoke/motion.rs"]
+mod motion;
 #[path = "smoke/offline.rs"]
 mod offline;
 #[path = "smoke/particles.rs"]

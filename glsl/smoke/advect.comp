@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(constant_id = 0) const bool MIDPOINT = false;  // the midpoint rule instead of Euler's
+layout(constant_id = 1) const bool KEEP_MOTION = false;  // how far spheres move is asked for
 #include "params.glsl"
 #include "../common/bits.glsl"
 #include "../common/random.glsl"
@@ -17,6 +18,7 @@ layout(std430, binding = 6) buffer Dying { vec4 dying[]; };           // positio
 layout(std430, binding = 7) buffer DyingSteps { vec4 dying_steps[]; };
 layout(std430, binding = 8) buffer Spheres { vec4 spheres[]; };       // position, displayed radius
 layout(std430, binding = 9) buffer Groups { uint groups[]; };
+layout(std430, binding = 10) writeonly buffer Moved { vec4 moved[]; };
 #include "voxels.glsl"
 #include "occupancy.glsl"
 
@@ -102,6 +104,12 @@ vec3 birth_position(uint slot, uint generation) {
     return p;
 }
 
+void keep_motion(uint sphere, vec3 way) {
+    if (KEEP_MOTION) {
+        moved[sphere] = vec4(way, 0.0);
+    }
+}
+
 float falling(uint age) {
     float t = min(float(age + 1u) / float(params.fade + 1u), 1.0);
     return 1.0 - t * t * (3.0 - 2.0 * t);
@@ -116,7 +124,9 @@ void move_dying(uint slot) {
         if (row == params.ring_row || body.w <= 0.0) {
             continue;
         }
-        vec3 p = body.xyz + dying_steps[at].xyz;
+        vec3 way = dying_steps[at].xyz;
+        vec3 p = body.xyz + way;
+        keep_motion(count + at, way);
         uint age = (params.ring_row + fade - row) % fade;
         dying[at] = vec4(p, body.w);
         dying_steps[at] = vec4(step_from(p), 0.0);
@@ -124,7 +134,8 @@ void move_dying(uint slot) {
     }
 }
 
-void begin_dying(uint slot, vec3 p, float radius) {
+// At `p`, where it has gone `way`.
+void begin_dying(uint slot, vec3 p, vec3 way, float radius) {
     if (params.fade == 0u) {
         return;
     }
@@ -134,6 +145,7 @@ void begin_dying(uint slot, vec3 p, float radius) {
     dying_steps[at] = vec4(radius > 0.0 ? step_from(p) : vec3(0.0), 0.0);
     spheres[sphere] = vec4(p, radius * falling(0u));
     groups[sphere] = radius > 0.0 ? groups[slot] : 0u;
+    keep_motion(sphere, way);
 }
 
 void main() {
@@ -149,9 +161,11 @@ void main() {
     if (!restart) {
         move_dying(slot);
     }
+    vec3 way = vec3(0.0);
     float dying_radius = 0.0;
     if (age_bits != DEAD) {
-        p += to_vector(particle.displacement);
+        way = to_vector(particle.displacement);
+        p += way;
         uint age = (age_bits & ~FULL_SIZE) + 1u;
         bool dies = !is_occupied(voxel_of(p)) || (params.lifetime > 0u && age >= params.lifetime)
             || (params.has_velocity != 0u && length(velocity_at(p)) <= params.still_speed);
@@ -163,10 +177,11 @@ void main() {
         }
     }
     if (!restart) {
-        begin_dying(slot, p, dying_radius);
+        begin_dying(slot, p, way, dying_radius);
     }
     if (age_bits == DEAD) {
         groups[slot] = 0u;
+        way = vec3(0.0);
         if (birth_counts[birth_blocks()] > 0u) {
             p = birth_position(slot, generation);
             generation += 1u;
@@ -174,6 +189,7 @@ void main() {
             age_bits = restart ? FULL_SIZE | below(hash(params.seed, slot, 0u, FIRST_AGE), params.lifetime) : 0u;
         }
     }
+    keep_motion(slot, way);
     bool alive = age_bits != DEAD;
     vec3 d = alive ? step_from(p) : vec3(0.0);
     particles[slot] = Particle(float[](p.x, p.y, p.z), age_bits, float[](d.x, d.y, d.z), generation);

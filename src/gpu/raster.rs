@@ -96,18 +96,22 @@ unsafe fn create_pipeline(
 fn blend(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
     use vk::BlendFactor as Factor;
     let (source, target, target_alpha) = match blend {
-        Blend::Replace | Blend::Over => (Factor::ONE, Factor::ONE_MINUS_SRC_ALPHA, Factor::ONE_MINUS_SRC_ALPHA),
+        // Factors do not count for the larger.
+        Blend::Replace | Blend::Over | Blend::Max => {
+            (Factor::ONE, Factor::ONE_MINUS_SRC_ALPHA, Factor::ONE_MINUS_SRC_ALPHA)
+        }
         Blend::Brighten => (Factor::DST_COLOR, Factor::ONE, Factor::ONE),
     };
+    let operation = if blend == Blend::Max { vk::BlendOp::MAX } else { vk::BlendOp::ADD };
     vk::PipelineColorBlendAttachmentState::default()
         .color_write_mask(vk::ColorComponentFlags::RGBA)
         .blend_enable(blend != Blend::Replace)
         .src_color_blend_factor(source)
         .dst_color_blend_factor(target)
-        .color_blend_op(vk::BlendOp::ADD)
+        .color_blend_op(operation)
         .src_alpha_blend_factor(if blend == Blend::Brighten { Factor::ZERO } else { Factor::ONE })
         .dst_alpha_blend_factor(target_alpha)
-        .alpha_blend_op(vk::BlendOp::ADD)
+        .alpha_blend_op(operation)
 }
 
 /// The whole of an area.

@@ -17,7 +17,7 @@ pub(crate) enum Content {
     Replaced,
 }
 
-fn refuse<T>(name: &'static str, why: String) -> Result<T> {
+pub(super) fn refuse<T>(name: &'static str, why: String) -> Result<T> {
     Err(Error::HostResource { name, why })
 }
 
@@ -92,11 +92,15 @@ pub(crate) fn check_beside(depth: Option<&HostImage>, target: &HostImage) -> Res
 
 /// Refuses an image that is read and is the target at once.
 pub(crate) fn check_distinct(name: &'static str, image: Option<&HostImage>, target: &HostImage) -> Result<()> {
-    let place = |image: &HostImage| (image.image, image.base_mip, image.base_layer);
     match image {
-        Some(image) if place(image) == place(target) => refuse(name, "it is the target's image".to_owned()),
+        Some(image) if is_same(image, target) => refuse(name, "it is the target's image".to_owned()),
         _ => Ok(()),
     }
+}
+
+/// Whether both are the same layer of the same level of an image.
+pub(super) fn is_same(a: &HostImage, b: &HostImage) -> bool {
+    (a.image, a.base_mip, a.base_layer) == (b.image, b.base_mip, b.base_layer)
 }
 
 /// Refuses depth that an effect was not made for, or that goes another way than the view projects it; none is expected exactly if

@@ -225,6 +225,8 @@ pub enum Blend {
     Over,
     /// Brightens: `target * (1 + drawn)`; alpha stays.
     Brighten,
+    /// Keeps the larger of both.
+    Max,
 }
 
 /// Primitives of a render pass. Vertex shaders make their vertices from `gl_VertexIndex`.

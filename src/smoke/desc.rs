@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::host::DepthFormat;
+use crate::host::{DepthFormat, TemporalFormats};
 use crate::smoke::settings::Settings;
 
 /// Description of a smoke effect. All of it is fixed until `resize`.
@@ -29,11 +29,14 @@ pub struct Desc {
     pub settings: Settings,
     /// Whether every buffer that is a layer is kept for reading after the frame.
     pub layers: bool,
+    /// Outputs for temporal upscalers.
+    pub temporal: TemporalFormats,
 }
 
 impl Desc {
     /// For pictures of `size` pixels and 32-bit floats and volumes of at most so many voxels without velocities, lit by a directional
-    /// light; no depth, no layers. What is to be otherwise is set after.
+    /// light; no depth, no layers,
+    /// no outputs for temporal upscalers. What is to be otherwise is set after.
     pub fn new(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
         Desc {
             size,
@@ -46,12 +49,14 @@ impl Desc {
             seed: 0,
             settings,
             layers: false,
+            temporal: TemporalFormats::default(),
         }
     }
 
     /// Checks every value that does not depend on the device.
     pub(super) fn validate(&self) -> Result<()> {
         self.settings.validate()?;
+        self.temporal.validate()?;
         if self.size.contains(&0) {
             return Err(Error::setting("size", format!("{:?}", self.size), "at least 1 pixel a side"));
         }

@@ -1,7 +1,7 @@
 //! A host's description of one frame.
 
 use crate::error::{Error, Result};
-use crate::host::{Background, HostBuffer, HostImage};
+use crate::host::{Background, HostBuffer, HostImage, TemporalImages};
 use crate::host::{check_background, check_beside, check_buffer, check_depth, check_target};
 use crate::smoke::desc::Desc;
 use crate::view::{FARTHEST, Light, View};
@@ -57,6 +57,8 @@ pub struct Frame {
     /// behind is blended with it. 16 bytes a pixel: linear RGB, premultiplied by the share that is covered, and that
     /// share, as halves; view depth in metres, `f32`; 4 unused bytes. Usage: `TRANSFER_SRC`.
     pub edges: Option<HostBuffer>,
+    /// Outputs for temporal upscalers, if there is a target. What a pixel shows has moved with its sphere.
+    pub temporal: TemporalImages,
 }
 
 /// Shape and place of a volume.
@@ -126,6 +128,7 @@ impl Frame {
             background: Background::Keep,
             depth: None,
             edges: None,
+            temporal: TemporalImages::default(),
         }
     }
 
@@ -165,7 +168,10 @@ impl Frame {
         match &self.target {
             Some(target) => {
                 check_beside(self.depth.as_ref(), target)?;
-                check_target(target, &self.background, desc.size, desc.target_format)
+                check_target(target, &self.background, desc.size, desc.target_format)?;
+                let background = self.background.image();
+                let others = [self.depth.as_ref(), background.as_ref()];
+                self.temporal.check(&desc.temporal, desc.size, target, &others)
             }
             None => check_background(&self.background, desc.size, desc.target_format),
         }

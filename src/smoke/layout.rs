@@ -72,6 +72,7 @@ buffers! {
     TONE_LAYER = "ToneLayer": Layer,
     OUTLINE_LAYER = "OutlineLayer": Layer,
     EDGES = "Edges",
+    MOVED = "Moved",
 }
 
 /// The resource of a shader's binding: each buffer and image goes by one name everywhere.
@@ -105,8 +106,12 @@ pub const TARGET: ImageId = ImageId(3);
 pub const BACKGROUND: ImageId = ImageId(4);
 /// The host's depth.
 pub const HOST_DEPTH: ImageId = ImageId(5);
+/// The host's motion vectors.
+pub const MOTION: ImageId = ImageId(6);
+/// The host's reactive mask.
+pub const REACTIVE: ImageId = ImageId(7);
 /// Images of the host's.
-pub const HOST_IMAGES: usize = 3;
+pub const HOST_IMAGES: usize = 5;
 
 /// Sizes of everything, from what the effect is made for.
 #[derive(Clone, Debug)]
@@ -216,6 +221,7 @@ impl Layout {
         self.set(LIST_SUMS, spheres.div_ceil(u64::from(LIST_RUN) * lanes(&glsl::count::SHADER)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
+        self.set(MOVED, if desc.temporal.motion.is_some() { spheres * 16 } else { 0 });
         self.set(LUMINANCE_PARTS, u64::from(self.luminance_parts) * 16);
     }
 
@@ -297,7 +303,7 @@ impl Layout {
                 "use a smaller volume"
             }
             PARTICLES | DYING | DYING_STEPS | SPHERES | VIEW_SPHERES | QUADS | GROUPS | SEARCHES | LIST_SUMS | LIVE
-            | VISIBLE => "use fewer particles or less fade",
+            | VISIBLE | MOVED => "use fewer particles or less fade",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "render a smaller picture",
         };
@@ -366,6 +372,7 @@ mod tests {
             layers: true,
             depth: None,
             edges: false,
+            temporal: Default::default(),
         };
         let limit = DeviceTraits::LEAST.storage_range;
         let layout = Layout::new(&desc, &DeviceTraits::LEAST).expect("small");

@@ -29,7 +29,7 @@ use crate::error::Result;
 use crate::gpu::resources::{Kept, Resources};
 use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
 use crate::plan::{Pass, Plan};
-use crate::view::Light;
+use crate::view::{Light, View};
 use layout::Layout;
 use params::SmokeParams;
 use passes::Passes;
@@ -68,6 +68,8 @@ pub struct State {
     stale: bool,
     /// The light of the shadows on the device; none if there are none.
     shadowed: Option<Light>,
+    /// The view of the last frame.
+    view: Option<View>,
 }
 
 impl Kind for SmokeKind {
@@ -120,6 +122,9 @@ impl Kind for SmokeKind {
         resources.set_host_image(layout::HOST_DEPTH, depth);
         let edges = frame.edges.filter(|_| frame.target.is_some());
         resources.set_host_buffer(layout::HOST_EDGES, edges);
+        let temporal = frame.target.map(|_| frame.temporal).unwrap_or_default();
+        resources.set_host_image(layout::MOTION, temporal.motion);
+        resources.set_host_image(layout::REACTIVE, temporal.reactive);
     }
 
     fn recorded(&mut self, _: &Desc, state: State) {
@@ -143,7 +148,7 @@ impl Kind for SmokeKind {
 
     fn formats(desc: &Desc) -> Vec<NamedFormat> {
         let depth = desc.depth.map(|depth| depth_format(depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT));
-        [target_format(desc.target_format)].into_iter().chain(depth).collect()
+        [target_format(desc.target_format)].into_iter().chain(depth).chain(desc.temporal.formats()).collect()
     }
 }
 
@@ -156,6 +161,7 @@ impl SmokeKind {
         let State { stale, .. } = self.state;
         let mut state = State { stale: false, ..self.state };
         state.begun = true;
+        state.view = Some(frame.view);
         state.range_before = 1 - self.state.range_before;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());
@@ -177,7 +183,10 @@ impl SmokeKind {
             state.shadowed = None;
         }
         let new_tables = !self.state.begun || restart || stale;
-        (FrameDelta { shape: state.shape, restart, new_volume, stale, new_tables, still, same_shadow }, state)
+        let view_before = self.state.view.filter(|_| !restart);
+        let shape = state.shape;
+        let delta = FrameDelta { shape, restart, new_volume, stale, new_tables, still, same_shadow, view_before };
+        (delta, state)
     }
 }
 

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::effect::Effort;
-use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
+use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Shader, Topology, passes};
 use crate::scan;
 use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
@@ -32,7 +32,7 @@ passes! {
     field: [PassId; 3] = [&glsl::field_rows::SHADER, &glsl::field_columns::SHADER, &glsl::field_slices::SHADER]
         .map(|shader| Pass::compute("smoke.field", shader));
     advect = Pass::compute("smoke.advect", &glsl::advect::SHADER)
-        .specialise([u32::from(desc.settings.integrator == Integrator::Rk2)]);
+        .specialise([desc.settings.integrator == Integrator::Rk2, desc.temporal.motion.is_some()].map(u32::from));
     grow_field = Pass::compute("smoke.grow", &glsl::grow_field::SHADER);
     grow_pyramid = Pass::compute("smoke.grow", &glsl::grow_pyramid::SHADER).times(layout.search_parts as usize);
     grow_growth = Pass::compute("smoke.grow", &glsl::grow_growth::SHADER).times(layout.search_parts as usize);
@@ -65,6 +65,8 @@ passes! {
         .specialise([desc.settings.outline.operator.is_second().into()]);
     tone = tone(desc);
     edges = Pass::transfer("smoke.edges").copies(HOST_EDGES, EDGES);
+    motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
+    reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
     composite = composite(desc);
 }
 
@@ -128,16 +130,34 @@ fn tone(desc: &Desc) -> Pass {
 }
 
 fn composite(desc: &Desc) -> Pass {
-    let raster = Raster {
+    let fragment = match desc.depth {
+        Some(_) => &glsl::composite_depth_fragment::SHADER,
+        None => &glsl::composite_fragment::SHADER,
+    };
+    let colour = ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over };
+    Pass::raster("smoke.composite", over_tiles(desc, fragment, colour, true))
+}
+
+/// Before the composite: the host's depth still decides where smoke is seen.
+fn motion(desc: &Desc, format: vk::Format) -> Pass {
+    let colour = ColourAttachment { image: MOTION, format, clear: None, blend: Blend::Replace };
+    Pass::raster("smoke.motion", over_tiles(desc, &glsl::motion_fragment::SHADER, colour, false))
+}
+
+/// As `motion`.
+fn reactive(desc: &Desc, format: vk::Format) -> Pass {
+    let colour = ColourAttachment { image: REACTIVE, format, clear: None, blend: Blend::Max };
+    Pass::raster("smoke.reactive", over_tiles(desc, &glsl::reactive_fragment::SHADER, colour, false))
+}
+
+/// A draw over occupied tiles, in front of the host's depth, which takes the smoke's or not.
+fn over_tiles(desc: &Desc, fragment: &'static Shader, colour: ColourAttachment, write: bool) -> Raster {
+    Raster {
         topology: Topology::Quads,
         vertex: &glsl::composite_vertex::SHADER,
-        fragment: match desc.depth {
-            Some(_) => &glsl::composite_depth_fragment::SHADER,
-            None => &glsl::composite_fragment::SHADER,
-        },
-        colour: Some(ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over }),
-        depth: desc.depth.map(|format| DepthAttachment::of_host(HOST_DEPTH, format, true)),
+        fragment,
+        colour: Some(colour),
+        depth: desc.depth.map(|format| DepthAttachment::of_host(HOST_DEPTH, format, write)),
         extent: desc.size,
-    };
-    Pass::raster("smoke.composite", raster)
+    }
 }

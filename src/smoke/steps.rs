@@ -17,6 +17,7 @@ use crate::smoke::passes::Passes;
 use crate::smoke::search::{Pyramid, chosen_grow, growth_rows};
 use crate::smoke::settings::{Grow, Radius, Shadow};
 use crate::smoke::tables::Tables;
+use crate::view::View;
 
 /// The relation of a frame to the ones before, from which the effect chooses the steps.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +36,8 @@ pub struct FrameDelta {
     pub still: Option<&'static str>,
     /// Why the shadows of the last frame serve, if they do.
     pub same_shadow: Option<&'static str>,
+    /// The view of the frame before; none if this one begins anew.
+    pub view_before: Option<View>,
 }
 
 /// Fills a plan with the steps of a frame.
@@ -115,9 +118,11 @@ impl Steps<'_> {
     fn skip_picture(&mut self, reason: &'static str) {
         let Passes { shadow_reset, occluders, spheres, tiles, luminance, .. } = self.passes;
         let Passes { rows, columns, outline, tone, composite, .. } = self.passes;
-        for pass in [shadow_reset, occluders, spheres, tiles, luminance, rows, columns, outline, tone, composite] {
+        for pass in [shadow_reset, occluders, spheres, tiles, luminance, rows, columns, outline, tone] {
             self.plan.skip(*pass, reason);
         }
+        let temporal = [self.passes.motion, self.passes.reactive].into_iter().flatten();
+        temporal.chain([*composite]).for_each(|pass| self.plan.skip(pass, reason));
     }
 
     fn background(&mut self, background: &Background) {
@@ -246,6 +251,7 @@ impl Steps<'_> {
         self.gaussian();
         self.plan.step(self.passes.tone, tiles);
         let tiles = draw(offset_of!(Control, tile_draw));
+        self.temporal(frame, tiles);
         match &frame.depth {
             Some(_) => {
                 self.edges(frame);
@@ -253,6 +259,18 @@ impl Steps<'_> {
                 self.plan.step_with(self.passes.composite, tiles, &constants)
             }
             None => self.plan.step(self.passes.composite, tiles),
+        }
+    }
+
+    /// Outputs for temporal upscalers.
+    fn temporal(&mut self, frame: &Frame, tiles: Command) {
+        if let Some(pass) = self.passes.motion {
+            let moves = self.delta.still.is_none() && !self.delta.restart;
+            let before = self.delta.view_before.as_ref();
+            self.plan.step_with(pass, tiles, &MotionConstants::new(before, &frame.view, self.desc.size, moves));
+        }
+        if let Some(pass) = self.passes.reactive {
+            self.plan.step(pass, tiles);
         }
     }
 

@@ -154,6 +154,7 @@ impl Bench {
             background: Background::Clear([0.0; 4]),
             depth: None,
             edges: None,
+            temporal: Default::default(),
         };
         let shape = Shape { dimensions, voxel_size, origin };
         let delta = FrameDelta {
@@ -163,6 +164,7 @@ impl Bench {
             stale: false,
             new_tables: true,
             still: None,
+            view_before: None,
             same_shadow: None,
         };
         let mut params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);

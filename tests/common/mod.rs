@@ -16,6 +16,7 @@ pub mod host;
 pub mod picture;
 pub mod rig;
 pub mod scenes;
+pub mod temporal;
 pub mod views;
 
 use std::ops::{Deref, DerefMut};

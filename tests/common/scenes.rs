@@ -26,6 +26,7 @@ pub fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
         layers: true,
         depth: None,
         edges: false,
+        temporal: Default::default(),
     }
 }
 

@@ -351,6 +351,7 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
             background: smoke::Background::Keep,
             depth: None,
             edges: None,
+            temporal: Default::default(),
         };
         let target = HostImage { state_in: SMOKED, ..fire.target };
         let fire = Frame { scene: Some(SceneDepth::Buffer(depth)), target, ..fire };

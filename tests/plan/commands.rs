@@ -56,6 +56,7 @@ fn a_frame_of_smoke() {
         background: Background::Clear([1.0; 4]),
         depth: None,
         edges: None,
+        temporal: Default::default(),
     };
     let next = smoke::Frame { sequence: smoke::Sequence::Advance, ..first };
     let (_, barriers) = commands::<SmokeKind>(&desc, &[first, next]);

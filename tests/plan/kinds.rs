@@ -249,6 +249,7 @@ fn smoke_with_everything_that_a_frame_may_bring() {
                 background: Background::Keep,
                 depth: has_depth.then(depth),
                 edges: has_depth.then(buffer),
+                temporal: Default::default(),
             };
             let next = smoke::Frame { sequence: smoke::Sequence::Advance, volume: None, edges: None, ..first };
             let mut frames = vec![first, next, smoke::Frame { target: None, ..next }];

@@ -64,6 +64,7 @@ impl Slot {
             background: Background::Clear([0.0; 4]),
             depth: None,
             edges: None,
+            temporal: Default::default(),
         }
     }
 

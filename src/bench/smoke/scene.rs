@@ -46,6 +46,7 @@ pub(super) fn desc(size: [u32; 2], volume: &Volume, settings: Settings, layers: 
         layers,
         depth: None,
         edges: false,
+        temporal: Default::default(),
     }
 }
 

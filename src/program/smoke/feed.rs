@@ -56,6 +56,7 @@ impl Feed for SmokeFeed {
             depth: place.target.and(place.depth),
             edges: place.target.and(place.left.edges),
             background: place.background,
+            temporal: Default::default(),
         })
     }
 

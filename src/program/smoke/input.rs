@@ -70,6 +70,7 @@ impl Input for SmokeInput {
             layers,
             depth: None,
             edges: false,
+            temporal: Default::default(),
         }))
     }
 

@@ -57,7 +57,19 @@ mod tests {
         let (size, target_format, dimensions) = ([2, 1], TARGET_FORMAT, [1; 3]);
         let (velocity, point_light, layers) = (false, false, true);
         let (depth, edges, seed) = (None, false, 0);
-        Desc { size, target_format, depth, edges, dimensions, velocity, point_light, seed, settings, layers }
+        Desc {
+            size,
+            target_format,
+            depth,
+            edges,
+            dimensions,
+            velocity,
+            point_light,
+            seed,
+            settings,
+            layers,
+            temporal: Default::default(),
+        }
     }
 
     #[test]

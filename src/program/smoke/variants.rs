@@ -2,9 +2,10 @@
 
 use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
+use crate::host::TemporalFormats;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
-use crate::program::variants::{DEPTH, SIZE, passes, switches};
+use crate::program::variants::{DEPTH, SIZE, TEMPORAL, passes, switches};
 use crate::smoke::settings::{Integrator, Shadow};
 use crate::smoke::{Desc, Settings, SmokeKind};
 use crate::toon::Operator;
@@ -36,6 +37,8 @@ fn variant(
         layers,
         depth: depth.then_some(DEPTH),
         edges: depth,
+        // Beside each way of moving, with depth and without.
+        temporal: if flat { TEMPORAL } else { TemporalFormats::default() },
     };
     passes::<SmokeKind>(&desc, traits, if thorough { Effort::Everything } else { Effort::Needed })
 }
