@@ -138,6 +138,7 @@ fn flame_desc() -> flame::Desc {
         seed: 1,
         settings,
         layers: false,
+        temporal: Default::default(),
     }
 }
 
@@ -147,7 +148,7 @@ fn flame_refuses_before_the_first_command() {
     let mut flame = make::<flame::FlameKind>(&mut device, &flame_desc()).expect("an effect");
     let host = device.host();
     let position_temperature = buffer(16 * 9);
-    let given = ParticleInput { count: 9, hottest: f32::INFINITY, position_temperature, ids: None };
+    let given = ParticleInput { count: 9, hottest: f32::INFINITY, position_temperature, ids: None, previous: None };
     let good = flame::Frame {
         view: Camera::default().view(SIZE),
         particles: Some(given),
@@ -156,6 +157,7 @@ fn flame_refuses_before_the_first_command() {
         target: image(FORMAT),
         background: Background::Keep,
         scene: Some(SceneDepth::Image(depth())),
+        temporal: Default::default(),
     };
     let lost = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..good.target };
     let short = ParticleInput { position_temperature: buffer(16 * 8), ..given };

@@ -12,6 +12,8 @@ mod adaptive;
 mod determinism;
 #[path = "flame/extremes.rs"]
 mod extremes;
+#[path = "flame/motion.rs"]
+mod motion;
 #[path = "flame/oracle.rs"]
 mod oracle;
 #[path = "flame/raster.rs"]

@@ -178,7 +178,13 @@ impl Effects {
                 }
                 1 => {
                     let position_temperature = given(&input.particles);
-                    let given = ParticleInput { count: 50, hottest: f32::INFINITY, position_temperature, ids: None };
+                    let given = ParticleInput {
+                        count: 50,
+                        hottest: f32::INFINITY,
+                        position_temperature,
+                        previous: None,
+                        ids: None,
+                    };
                     let frame = flame::Frame { background, ..flame::Frame::new(view, given, target) };
                     let particles = frame.particles.filter(|_| n.is_multiple_of(3));
                     let accumulate = particles.is_none();

@@ -40,6 +40,7 @@ const uint UNFINISHED_VECTORS = 2u;  // of a bin of the expected image that is n
 const uint UNLAID_VECTORS = 3u;      // of its last two bins, between dispatches; one more with layers
 
 const uint QUAD_VERTICES = 4u;
+const uint DISPLACEMENT_VERTICES = 6u;  // of a particle: of two triangles
 
 // A level of the screen's cells.
 struct CellLevel {

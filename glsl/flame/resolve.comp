@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 layout(constant_id = 0) const uint KEEP_LAYERS = 0;
 layout(constant_id = 1) const uint EXPECTED = 0;  // 1: sums hold the integral, in shares of the brightest colour
+layout(constant_id = 2) const uint KEEP_DEPTH = 0;  // 1: motion vectors, or layers, are made of it
 #include "params.glsl"
 #include "../common/exact.glsl"
 layout(local_size_x = 64) in;
@@ -88,6 +89,8 @@ void main() {
             if (KEEP_LAYERS == 1u) {
                 means[at] = vec4(mean, pixel.coverage);
                 variances[at] = vec4(pixel.variance * brightest * brightest, n);
+            }
+            if (KEEP_DEPTH == 1u) {
                 nearest_depths[at] = pixel.depth;
             }
         }

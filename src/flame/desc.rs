@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::flame::settings::{HOTTEST, Settings};
-use crate::host::DepthFormat;
+use crate::host::{DepthFormat, TemporalFormats};
 
 /// Description of a flame effect. All of it is fixed until `resize`.
 #[derive(Clone, Debug)]
@@ -28,6 +28,8 @@ pub struct Desc {
     pub accumulates: bool,
     /// Whether every buffer that is a layer is kept for reading after the frame.
     pub layers: bool,
+    /// Outputs for temporal upscalers.
+    pub temporal: TemporalFormats,
 }
 
 /// How frames hand over the depth of the scene.
@@ -41,7 +43,7 @@ pub enum SceneFormat {
 
 impl Desc {
     /// For pictures of `size` pixels and 32-bit floats and at most so many particles, no hotter than the settings' hottest; no scene,
-    /// no layers, nothing that is added up over frames. What is to be otherwise is set after.
+    /// no layers, nothing that is added up over frames, no outputs for temporal upscalers. What is to be otherwise is set after.
     pub fn new(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
         Desc {
             size,
@@ -53,12 +55,19 @@ impl Desc {
             settings,
             accumulates: false,
             layers: false,
+            temporal: TemporalFormats::default(),
         }
+    }
+
+    /// Whether the mean depth of each pixel is kept: as a layer, or for motion vectors.
+    pub(super) fn keeps_depth(&self) -> bool {
+        self.layers || self.temporal.motion.is_some()
     }
 
     /// Checks every value that does not depend on the device.
     pub(super) fn validate(&self) -> Result<()> {
         self.settings.validate()?;
+        self.temporal.validate()?;
         if self.settings.spread.is_none() {
             let allowed = "metres, 0 or above; celfx::flame::mean_spacing finds the usual one";
             return Err(Error::setting("flame.spread", "none", allowed));

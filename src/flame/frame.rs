@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::flame::desc::{Desc, SceneFormat};
-use crate::host::{Background, HostBuffer, HostImage, check_buffer, check_depth, check_target};
+use crate::host::{Background, HostBuffer, HostImage, TemporalImages, check_buffer, check_depth, check_target};
 use crate::view::View;
 
 /// The depth of the scene: what is nearer hides fire.
@@ -27,6 +27,9 @@ pub struct ParticleInput {
     pub position_temperature: HostBuffer,
     /// A `u32` a particle that keeps its random draws over frames; none: its row. Usage: `TRANSFER_SRC`.
     pub ids: Option<HostBuffer>,
+    /// Four `f32` a particle: where it was in the frame before, in metres (x, y, z), and one that is not used. One that is not finite has
+    /// not moved; none: no particle has. Only if the effect was made for motion vectors. Usage: `TRANSFER_SRC`.
+    pub previous: Option<HostBuffer>,
 }
 
 /// One frame.
@@ -48,12 +51,25 @@ pub struct Frame {
     pub background: Background,
     /// The depth of the scene, given exactly if the effect was made for one.
     pub scene: Option<SceneDepth>,
+    /// Outputs for temporal upscalers. What a pixel shows is at its mean depth, and has moved as the particles whose sprites reach the
+    /// pixel have in the mean: weighed by their render particles and by how near they are to that place.
+    pub temporal: TemporalImages,
+}
+
+impl SceneDepth {
+    /// Its image, if it is one.
+    pub(super) fn image(self) -> Option<HostImage> {
+        match self {
+            SceneDepth::Image(image) => Some(image),
+            SceneDepth::Buffer(_) => None,
+        }
+    }
 }
 
 impl ParticleInput {
     fn validate(&self, desc: &Desc) -> Result<()> {
         let refuse = |why: String| Err(Error::HostResource { name: "particles", why });
-        let ParticleInput { count, hottest, position_temperature, ids } = *self;
+        let ParticleInput { count, hottest, position_temperature, ids, previous } = *self;
         if count > desc.particles {
             return refuse(format!("{count} of them; the effect was made for at most {}", desc.particles));
         }
@@ -63,6 +79,15 @@ impl ParticleInput {
         let bytes = u64::from(count);
         if position_temperature.size < 16 * bytes || ids.is_some_and(|ids| ids.size < 4 * bytes) {
             return refuse(format!("their buffers are smaller than {count} particles need"));
+        }
+        match previous {
+            Some(_) if desc.temporal.motion.is_none() => {
+                return refuse(
+                    "previous places are not expected: the effect was made for no motion vectors".to_owned(),
+                );
+            }
+            Some(previous) => check_buffer("particles", &previous, 16 * bytes)?,
+            None => {}
         }
         Ok(())
     }
@@ -79,6 +104,7 @@ impl Frame {
             target,
             background: Background::Keep,
             scene: None,
+            temporal: TemporalImages::default(),
         }
     }
 
@@ -103,6 +129,9 @@ impl Frame {
             return Err(Error::setting("frame.accumulate", true, "not with flame.adaptive"));
         }
         check_target(&self.target, &self.background, desc.size, desc.target_format)?;
+        let (background, scene) = (self.background.image(), self.scene.and_then(SceneDepth::image));
+        let others = [background.as_ref(), scene.as_ref()];
+        self.temporal.check(&desc.temporal, desc.size, &self.target, &others)?;
         match (&self.scene, desc.scene) {
             (None, None) => Ok(()),
             (Some(SceneDepth::Image(depth)), Some(SceneFormat::Image(made))) => {

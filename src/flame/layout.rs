@@ -21,6 +21,8 @@ use crate::shaders::flame::constants::{
     UNFINISHED_VECTORS, UNLAID_VECTORS,
 };
 
+/// Sums of many weights: halves would lose most of them.
+pub const DISPLACEMENT_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// Bytes of a vector of four words.
 const VECTOR: u64 = 16;
 
@@ -56,6 +58,7 @@ buffers! {
     MEAN = "Mean": Layer,
     VARIANCE = "Variance": Layer,
     NEAREST = "Nearest": Layer,
+    PREVIOUS = "Previous",
 }
 
 /// The host's particles: positions and temperatures.
@@ -64,6 +67,8 @@ pub const HOST_POSITIONS: BufferId = BufferId(BUFFERS);
 pub const HOST_IDS: BufferId = BufferId(BUFFERS + 1);
 /// The host's view depths.
 pub const HOST_SCENE: BufferId = BufferId(BUFFERS + 2);
+/// Where the host's particles were in the frame before.
+pub const HOST_PREVIOUS: BufferId = BufferId(BUFFERS + 3);
 /// The mask, level beside level, variant below variant.
 pub const LEVELS: ImageId = ImageId(0);
 /// The table of the expected image.
@@ -72,16 +77,22 @@ pub const KERNEL: ImageId = ImageId(1);
 pub const DRAWN: ImageId = ImageId(2);
 /// Its depth buffer.
 pub const DRAWN_DEPTH: ImageId = ImageId(3);
+/// Displacements of the particles at each pixel, by weight, and the weights.
+pub const DISPLACEMENTS: ImageId = ImageId(4);
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 3;
+pub const HOST_BUFFERS: usize = 4;
 /// The host's target.
-pub const TARGET: ImageId = ImageId(4);
+pub const TARGET: ImageId = ImageId(5);
 /// The host's background.
-pub const BACKGROUND: ImageId = ImageId(5);
+pub const BACKGROUND: ImageId = ImageId(6);
 /// The host's depth image.
-pub const HOST_DEPTH: ImageId = ImageId(6);
+pub const HOST_DEPTH: ImageId = ImageId(7);
+/// The host's motion vectors.
+pub const MOTION: ImageId = ImageId(8);
+/// The host's reactive mask.
+pub const REACTIVE: ImageId = ImageId(9);
 /// Images of the host's.
-pub const HOST_IMAGES: usize = 3;
+pub const HOST_IMAGES: usize = 5;
 
 /// The resource of a shader's binding: each buffer and image goes by one name everywhere.
 pub fn resource(binding: &Binding) -> Option<Resource> {
@@ -89,6 +100,7 @@ pub fn resource(binding: &Binding) -> Option<Resource> {
         "levels" => Some(LEVELS),
         "kernel" => Some(KERNEL),
         "drawn" => Some(DRAWN),
+        "displacements" => Some(DISPLACEMENTS),
         _ => None,
     };
     let buffer = BLOCKS.iter().position(|name| *name == binding.name).map(|index| BufferId(index as u16));
@@ -161,6 +173,7 @@ impl Layout {
         self.set(CELL_SUMS, scan::sums_bytes(self.size(CELLS)));
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
         self.set(MASK, texels * 4);
+        self.set(PREVIOUS, if desc.temporal.motion.is_some() { particles * VECTOR } else { 0 });
         if desc.settings.is_expected() {
             self.set(KERNEL_STATE, size_of::<KernelTable>() as u64);
             self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
@@ -197,12 +210,12 @@ impl Layout {
         self.set(PICTURE, pixels * VECTOR);
         self.set(MEAN, kept(desc.layers, pixels * VECTOR));
         self.set(VARIANCE, kept(desc.layers, pixels * VECTOR));
-        self.set(NEAREST, kept(desc.layers, pixels * 4));
+        self.set(NEAREST, kept(desc.keeps_depth(), pixels * 4));
     }
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            POSITIONS | IDS | PARTICLES | ENTRIES | SPRITE_LIST => "use fewer particles",
+            POSITIONS | PREVIOUS | IDS | PARTICLES | ENTRIES | SPRITE_LIST => "use fewer particles",
             CELLS => "use fewer flame.bins or a smaller picture",
             MASK => "use fewer flame.variants",
             PART_ARGUMENTS => "use fewer particles or fewer flame.repetitions",
@@ -249,7 +262,14 @@ impl Inventory for Layout {
             ..levels
         };
         let (format, usage) = (vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
-        vec![levels, kernel, drawn, ImageDesc { name: "flame drawn depth", format, usage, ..drawn }]
+        let drawn_depth = ImageDesc { name: "flame drawn depth", format, usage, ..drawn };
+        let displacements = ImageDesc {
+            name: "flame displacements",
+            extent: if desc.temporal.motion.is_some() { desc.size } else { [1, 1] },
+            format: DISPLACEMENT_FORMAT,
+            ..drawn
+        };
+        vec![levels, kernel, drawn, drawn_depth, displacements]
     }
 }
 

@@ -21,7 +21,7 @@ mod spacing;
 pub(crate) mod steps;
 
 pub use crate::host::{Background, DepthFormat};
-use crate::host::{NamedFormat, depth_format, target_format};
+use crate::host::{FormatUse, NamedFormat, depth_format, target_format};
 pub use desc::{Desc, SceneFormat};
 pub use frame::{Frame, ParticleInput, SceneDepth};
 pub use settings::Settings;
@@ -117,17 +117,19 @@ impl Kind for FlameKind {
 
     fn upload(&self, _: &Desc, frame: &Frame, resources: &mut Resources) {
         let particles = frame.particles.filter(|particles| particles.count > 0);
-        let (buffer, image) = match frame.scene {
-            Some(SceneDepth::Buffer(buffer)) => (Some(buffer), None),
-            Some(SceneDepth::Image(depth)) => (None, Some(depth)),
-            None => (None, None),
+        let buffer = match frame.scene {
+            Some(SceneDepth::Buffer(buffer)) => Some(buffer),
+            Some(SceneDepth::Image(_)) | None => None,
         };
         resources.set_host_buffer(layout::HOST_POSITIONS, particles.map(|p| p.position_temperature));
         resources.set_host_buffer(layout::HOST_IDS, particles.and_then(|p| p.ids));
         resources.set_host_buffer(layout::HOST_SCENE, buffer);
         resources.set_host_image(layout::TARGET, Some(frame.target));
         resources.set_host_image(layout::BACKGROUND, frame.background.image());
-        resources.set_host_image(layout::HOST_DEPTH, image);
+        resources.set_host_image(layout::HOST_DEPTH, frame.scene.and_then(SceneDepth::image));
+        resources.set_host_buffer(layout::HOST_PREVIOUS, particles.and_then(|p| p.previous));
+        resources.set_host_image(layout::MOTION, frame.temporal.motion);
+        resources.set_host_image(layout::REACTIVE, frame.temporal.reactive);
     }
 
     fn recorded(&mut self, _: &Desc, state: State) {
@@ -150,11 +152,17 @@ impl Kind for FlameKind {
     }
 
     fn formats(desc: &Desc) -> Vec<NamedFormat> {
+        use vk::FormatFeatureFlags as Use;
         let depth = match desc.scene {
-            Some(SceneFormat::Image(depth)) => Some(depth_format(depth, vk::FormatFeatureFlags::TRANSFER_SRC)),
+            Some(SceneFormat::Image(depth)) => Some(depth_format(depth, Use::TRANSFER_SRC)),
             Some(SceneFormat::Buffer) | None => None,
         };
-        [target_format(desc.target_format)].into_iter().chain(depth).collect()
+        let sums = desc.temporal.motion.map(|_| {
+            let features = Use::COLOR_ATTACHMENT | Use::COLOR_ATTACHMENT_BLEND | Use::SAMPLED_IMAGE;
+            ("temporal.motion", FormatUse { format: layout::DISPLACEMENT_FORMAT, features })
+        });
+        let temporal = desc.temporal.formats().chain(sums);
+        [target_format(desc.target_format)].into_iter().chain(depth).chain(temporal).collect()
     }
 }
 
@@ -178,7 +186,8 @@ impl FlameKind {
         let make_tables = !state.has_tables && (dark.is_none() || desc.layers);
         state.has_tables |= make_tables;
         state.lit = if dark.is_none() { Some(frame.view) } else { state.lit };
-        Ok((FrameDelta { given: state.given, view: self.state.lit, make_tables, dark }, state))
+        let view_before = self.state.view;
+        Ok((FrameDelta { given: state.given, view: self.state.lit, view_before, make_tables, dark }, state))
     }
 
     /// Only what is the same can be added to.

@@ -10,7 +10,7 @@ use crate::flame::params::{
     CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP,
 };
 use crate::flame::settings::{Mode, Sampling, Shape};
-use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Topology, passes};
+use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Shader, Topology, passes};
 use crate::scan;
 use crate::shaders::flame as glsl;
 use crate::tuning::Tuning;
@@ -20,6 +20,8 @@ passes! {
     params = Pass::transfer("flame.params").updates::<FlameParams>(PARAMS, 1).updates::<Control>(CONTROL, 1);
     tables = Pass::transfer("flame.tables").updates::<[f32; 4]>(COLOURS, table.entries.len());
     particles = Pass::transfer("flame.particles").copies(HOST_POSITIONS, POSITIONS).copies(HOST_IDS, IDS);
+    previous: Option<PassId> =
+        desc.temporal.motion.map(|_| Pass::transfer("flame.particles").copies(HOST_PREVIOUS, PREVIOUS));
     background = Pass::transfer("flame.background").copies(BACKGROUND, TARGET);
     scene_copy = Pass::transfer("flame.scene").copies(HOST_DEPTH, SCENE_WORDS).copies(HOST_SCENE, SCENE);
     scene = Pass::compute("flame.scene", &glsl::scene::SHADER);
@@ -54,7 +56,10 @@ passes! {
     lamp = Pass::compute("flame.light", &glsl::light::SHADER);
     light = light(desc);
     resolve = Pass::compute("flame.resolve", &glsl::resolve::SHADER)
-        .specialise([u32::from(desc.layers), u32::from(desc.settings.is_expected())]);
+        .specialise([desc.layers, desc.settings.is_expected(), desc.keeps_depth()].map(u32::from));
+    displacement: Option<PassId> = desc.temporal.motion.map(|_| displacement(desc));
+    motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
+    reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
     composite = composite(desc);
 }
 
@@ -146,13 +151,42 @@ fn expected(desc: &Desc, invocations: u32) -> Pass {
 }
 
 fn composite(desc: &Desc) -> Pass {
+    let colour = ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over };
+    Pass::raster("flame.composite", over_tiles(desc, &glsl::composite_fragment::SHADER, colour))
+}
+
+/// How far particles have moved, at each pixel.
+fn displacement(desc: &Desc) -> Pass {
+    let (format, blend) = (DISPLACEMENT_FORMAT, Blend::Add);
     let raster = Raster {
-        topology: Topology::Quads,
-        vertex: &glsl::composite_vertex::SHADER,
-        fragment: &glsl::composite_fragment::SHADER,
-        colour: Some(ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over }),
+        topology: Topology::Triangles,
+        vertex: &glsl::displacement_vertex::SHADER,
+        fragment: &glsl::displacement_fragment::SHADER,
+        colour: Some(ColourAttachment { image: DISPLACEMENTS, format, clear: Some([0; 4]), blend }),
         depth: None,
         extent: desc.size,
     };
-    Pass::raster("flame.composite", raster)
+    Pass::raster("flame.motion", raster)
+}
+
+fn motion(desc: &Desc, format: vk::Format) -> Pass {
+    let colour = ColourAttachment { image: MOTION, format, clear: None, blend: Blend::Replace };
+    Pass::raster("flame.motion", over_tiles(desc, &glsl::motion_fragment::SHADER, colour))
+}
+
+fn reactive(desc: &Desc, format: vk::Format) -> Pass {
+    let colour = ColourAttachment { image: REACTIVE, format, clear: None, blend: Blend::Max };
+    Pass::raster("flame.reactive", over_tiles(desc, &glsl::reactive_fragment::SHADER, colour))
+}
+
+/// A draw over occupied tiles.
+fn over_tiles(desc: &Desc, fragment: &'static Shader, colour: ColourAttachment) -> Raster {
+    Raster {
+        topology: Topology::Quads,
+        vertex: &glsl::composite_vertex::SHADER,
+        fragment,
+        colour: Some(colour),
+        depth: None,
+        extent: desc.size,
+    }
 }

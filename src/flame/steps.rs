@@ -9,8 +9,9 @@ use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
 use crate::flame::limits::{Cost, Stage, is_raster, iterations, kernels};
 use crate::flame::params::{
-    AccumulateConstants, AdaptConstants, AddConstants, Control, FlameParams, Given, KernelTable, MASK_LEVELS,
-    MASK_SIDE, MipsConstants, PartsConstants, RasterConstants, RebuildConstants, SceneConstants,
+    AccumulateConstants, AdaptConstants, AddConstants, Control, DISPLACEMENT_VERTICES, FlameParams, Given, KernelTable,
+    MASK_LEVELS, MASK_SIDE, MipsConstants, MotionConstants, PartsConstants, RasterConstants, RebuildConstants,
+    SceneConstants,
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::Shape;
@@ -27,6 +28,8 @@ pub struct FrameDelta {
     pub given: Given,
     /// The view of the last frame that saw fire.
     pub view: Option<View>,
+    /// The view of the frame before.
+    pub view_before: Option<View>,
     /// Tables and mask are not on the device yet, and asked for.
     pub make_tables: bool,
     /// Why no fire can be seen, if it is known before the device has looked.
@@ -70,15 +73,18 @@ impl Steps<'_> {
         self.repetitions();
         self.light();
         self.plan.step(self.passes.resolve, dispatch(offset_of!(Control, tile_groups)));
+        self.temporal(frame);
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }
 
     /// Skips all that follows from particles where none can be seen.
     fn skip_fire(&mut self, reason: &'static str) {
         let Passes { scene, prepare, count, converge, light, resolve, composite, .. } = self.passes;
-        for pass in [scene, prepare, count, converge, light, resolve, composite] {
+        for pass in [scene, prepare, count, converge, light, resolve] {
             self.plan.skip(*pass, reason);
         }
+        let temporal = [self.passes.motion, self.passes.reactive].into_iter().flatten();
+        temporal.chain([*composite]).for_each(|pass| self.plan.skip(pass, reason));
     }
 
     fn background(&mut self, background: &Background) {
@@ -98,6 +104,10 @@ impl Steps<'_> {
         if particles.ids.is_some() {
             let (from, to) = (HOST_IDS, IDS);
             self.plan.step(self.passes.particles, Command::CopyBuffer { from, to, bytes: 4 * count });
+        }
+        if let (Some(pass), Some(_)) = (self.passes.previous, particles.previous) {
+            let (from, to) = (HOST_PREVIOUS, PREVIOUS);
+            self.plan.step(pass, Command::CopyBuffer { from, to, bytes: 16 * count });
         }
     }
 
@@ -240,6 +250,24 @@ impl Steps<'_> {
             let constants = AddConstants { is_first: u32::from(repetition == 0) };
             let threads = [width * height, 1, 1];
             self.plan.step_with(self.passes.add, Command::Dispatch { threads }, &constants);
+        }
+    }
+
+    /// Outputs for temporal upscalers.
+    fn temporal(&mut self, frame: &Frame) {
+        let Passes { displacement, motion, reactive, .. } = *self.passes;
+        let tiles = draw(offset_of!(Control, tile_draw));
+        let moves = frame.particles.is_some_and(|particles| particles.previous.is_some());
+        if let Some(pass) = displacement.filter(|_| moves) {
+            let vertices = DISPLACEMENT_VERTICES * self.delta.given.count;
+            self.plan.step(pass, Command::Draw { vertices });
+        }
+        if let Some(pass) = motion {
+            let before = self.delta.view_before.as_ref();
+            self.plan.step_with(pass, tiles, &MotionConstants::new(before, &frame.view, self.desc.size, moves));
+        }
+        if let Some(pass) = reactive {
+            self.plan.step(pass, tiles);
         }
     }
 

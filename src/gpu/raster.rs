@@ -100,6 +100,7 @@ fn blend(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
         Blend::Replace | Blend::Over | Blend::Max => {
             (Factor::ONE, Factor::ONE_MINUS_SRC_ALPHA, Factor::ONE_MINUS_SRC_ALPHA)
         }
+        Blend::Add => (Factor::ONE, Factor::ONE, Factor::ONE),
         Blend::Brighten => (Factor::DST_COLOR, Factor::ONE, Factor::ONE),
     };
     let operation = if blend == Blend::Max { vk::BlendOp::MAX } else { vk::BlendOp::ADD };

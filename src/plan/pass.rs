@@ -225,6 +225,8 @@ pub enum Blend {
     Over,
     /// Brightens: `target * (1 + drawn)`; alpha stays.
     Brighten,
+    /// Adds.
+    Add,
     /// Keeps the larger of both.
     Max,
 }

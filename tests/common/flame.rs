@@ -36,6 +36,7 @@ pub fn desc(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
         seed: 1,
         settings: Settings { spread: settings.spread.or(Some(0.1)), ..settings },
         layers: true,
+        temporal: Default::default(),
     }
 }
 

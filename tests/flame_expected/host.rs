@@ -61,6 +61,7 @@ impl Slot {
             hottest: f32::INFINITY,
             position_temperature: host::fill(&mut self.rows, &rows),
             ids: Some(host::fill(&mut self.ids, &ids)),
+            previous: None,
         };
         Frame {
             view: scenes::camera(25.0 + 3.0 * f64::from(number)).view(self.place.size),
@@ -70,6 +71,7 @@ impl Slot {
             target: self.image(&self.target, CLEARED, COPIED_FROM),
             background: Background::Keep,
             scene: None,
+            temporal: Default::default(),
         }
     }
 

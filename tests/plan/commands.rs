@@ -78,8 +78,15 @@ fn a_frame_of_fire() {
             seed: 1,
             settings,
             layers: false,
+            temporal: Default::default(),
         };
-        let particles = ParticleInput { count: 50_000, hottest, position_temperature: buffer(), ids: Some(buffer()) };
+        let particles = ParticleInput {
+            count: 50_000,
+            hottest,
+            position_temperature: buffer(),
+            ids: Some(buffer()),
+            previous: None,
+        };
         let first = flame::Frame {
             view: Camera::default().view(SIZE),
             particles: Some(particles),
@@ -88,6 +95,7 @@ fn a_frame_of_fire() {
             target: image(FORMAT),
             background: Background::Clear([0.0; 4]),
             scene: None,
+            temporal: Default::default(),
         };
         let (_, barriers) = commands::<FlameKind>(&desc, &[first, first]);
         assert!(barriers <= 14, "{mode:?}: {barriers}");

@@ -293,9 +293,15 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     seed: 1,
                     settings,
                     layers,
+                    temporal: Default::default(),
                 };
-                let input =
-                    ParticleInput { count: particles, hottest, position_temperature: buffer(), ids: Some(buffer()) };
+                let input = ParticleInput {
+                    count: particles,
+                    hottest,
+                    position_temperature: buffer(),
+                    ids: Some(buffer()),
+                    previous: None,
+                };
                 let first = flame::Frame {
                     view: Camera::default().view(SIZE),
                     particles: Some(input),
@@ -304,6 +310,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     target: image(FORMAT),
                     background: Background::Keep,
                     scene,
+                    temporal: Default::default(),
                 };
                 let next = flame::Frame { particles: None, accumulate: adaptive == 0.0, ..first };
                 let none = flame::Frame { particles: Some(ParticleInput { count: 0, ids: None, ..input }), ..first };

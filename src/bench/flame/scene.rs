@@ -125,6 +125,7 @@ impl Scene {
             seed: SEED,
             settings,
             layers: false,
+            temporal: Default::default(),
         }
     }
 

@@ -64,6 +64,7 @@ impl Feed for FlameFeed {
                 Some(depth) => Some(SceneDepth::Image(depth)),
                 None => place.left.depth.or(self.depth).map(SceneDepth::Buffer),
             },
+            temporal: Default::default(),
         })
     }
 
@@ -105,6 +106,7 @@ impl FlameFeed {
             hottest: rows.iter().map(|row| row[3]).fold(0.0, f32::max),
             position_temperature: at_least_a_row(position_temperature),
             ids: ids.map(at_least_a_row),
+            previous: None,
         })
     }
 }

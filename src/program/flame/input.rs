@@ -103,6 +103,7 @@ impl Input for FlameInput {
             seed: self.shot.seed,
             settings: Settings { spread: Some(spread), ..self.flame.settings.clone() },
             layers,
+            temporal: Default::default(),
         }))
     }
 

@@ -98,6 +98,7 @@ mod tests {
             seed: 0,
             settings,
             layers: true,
+            temporal: Default::default(),
         };
         let brought = FlameBrought { particles: None, count: 3 };
         let layers = of(LAYERS, &desc, &bytes, &picture, Some(&brought), (true, &[]));

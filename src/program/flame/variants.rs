@@ -4,9 +4,10 @@ use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
 use crate::flame::settings::{Colour, Mode, Sampling, Shape};
 use crate::flame::{Desc, FlameKind, SceneFormat, Settings};
+use crate::host::TemporalFormats;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
-use crate::program::variants::{SIZE, passes, switches};
+use crate::program::variants::{SIZE, TEMPORAL, passes, switches};
 
 pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
     let colours = || [Colour::Physical, Colour::Displayable, Colour::Ramp(vec![[1.0; 3]; 2])];
@@ -37,6 +38,8 @@ fn variant(
         seed: 1,
         settings,
         layers,
+        // Beside each way to resolve.
+        temporal: if flicker { TEMPORAL } else { TemporalFormats::default() },
     };
     passes::<FlameKind>(&desc, traits, Effort::Needed)
 }
