@@ -3,7 +3,9 @@
 
 mod common;
 
+use std::cell::RefCell;
 use std::iter::zip;
+use std::sync::RwLock;
 
 use ash::vk;
 use celfx::blur::{self, Blur, FrameView, Interval, Mesh, MeshInput, Motion, Pose, Window};
@@ -11,6 +13,7 @@ use celfx::effect::{ScratchNeeds, ScratchPool};
 use celfx::flame::{self, Flame, ParticleInput};
 use celfx::host::{Background, Host, HostBuffer, HostImage};
 use celfx::low_level::gpu::buffer::Buffer;
+use celfx::low_level::gpu::headless::Options;
 use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::transfer::COPIED_FROM;
 use celfx::profile::Timing;
@@ -18,7 +21,7 @@ use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
 use celfx::view::{Light, View};
 use common::flame::embers;
 use common::scenes::{camera, puffs};
-use common::{TestDevice, device, host};
+use common::{TestDevice, device, device_of, host};
 
 const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const FRAMES: u32 = 6;
@@ -39,6 +42,14 @@ struct Slot {
     targets: [Image; 3],
     sinks: [Buffer; 3],
     size: [u32; 2],
+}
+
+impl Slot {
+    fn new(device: &mut TestDevice, size: [u32; 2]) -> Slot {
+        let bytes = 8 * u64::from(size[0] * size[1]);
+        let targets = [(); 3].map(|()| host::image(device, size, FORMAT));
+        Slot { targets, sinks: [(); 3].map(|()| host::sink(device, bytes)), size }
+    }
 }
 
 struct Effects {
@@ -212,11 +223,7 @@ impl Effects {
     fn frames(&mut self, device: &mut TestDevice, first: u32, size: [u32; 2]) -> Vec<[Vec<u64>; 3]> {
         let pixels = (size[0] * size[1]) as usize;
         let mut inputs: Vec<_> = (first..first + FRAMES / 2).map(|n| self.input(device, n, size)).collect();
-        let mut slots = [(); SLOTS].map(|()| Slot {
-            targets: [(); 3].map(|()| host::image(device, size, FORMAT)),
-            sinks: [(); 3].map(|()| host::sink(device, 8 * pixels as u64)),
-            size,
-        });
+        let mut slots = [(); SLOTS].map(|()| Slot::new(device, size));
         let record = |host: &Host, commands, slot: &mut Slot, number: u32| {
             for place in 0..3 {
                 let which = (place + number as usize) % 3;
@@ -231,12 +238,7 @@ impl Effects {
         };
         let shown = |slot: &Slot| slot.sinks.each_ref().map(|sink| host::values(sink, pixels));
         let pictures = host::in_flight(device, &mut slots, FRAMES / 2, record, shown);
-        for Slot { targets, sinks, .. } in &mut slots {
-            host::destroy(device, sinks, targets);
-        }
-        for Input { density, particles, blurred, .. } in &mut inputs {
-            host::destroy(device, [density, particles, blurred], []);
-        }
+        destroy(device, &mut slots, &mut inputs);
         pictures
     }
 
@@ -273,6 +275,79 @@ impl Effects {
             self.blur.destroy(&host, allocator);
         }
     }
+}
+
+fn destroy(device: &mut TestDevice, slots: &mut [Slot], inputs: &mut [Input]) {
+    for Slot { targets, sinks, .. } in slots {
+        host::destroy(device, sinks, targets);
+    }
+    for Input { density, particles, blurred, .. } in inputs {
+        host::destroy(device, [density, particles, blurred], []);
+    }
+}
+
+thread_local! {
+    /// Barriers of this thread: whether each waits for all commands and all that they have written.
+    static BARRIERS: RefCell<Vec<bool>> = const { RefCell::new(Vec::new()) };
+}
+static BARRIER: RwLock<Option<vk::PFN_vkCmdPipelineBarrier2>> = RwLock::new(None);
+
+unsafe extern "system" fn noted(commands: vk::CommandBuffer, dependency: *const vk::DependencyInfo<'_>) {
+    // SAFETY: the caller's: arrays of so many.
+    let is_full = unsafe {
+        let info = &*dependency;
+        let all = |stage: vk::PipelineStageFlags2, access: vk::AccessFlags2| {
+            stage.contains(vk::PipelineStageFlags2::ALL_COMMANDS) && access.contains(vk::AccessFlags2::MEMORY_WRITE)
+        };
+        let memory = (0..info.memory_barrier_count as usize).map(|i| &*info.p_memory_barriers.add(i));
+        let images = (0..info.image_memory_barrier_count as usize).map(|i| &*info.p_image_memory_barriers.add(i));
+        info.memory_barrier_count == 1
+            && memory.into_iter().all(|barrier| all(barrier.src_stage_mask, barrier.src_access_mask))
+            && images.into_iter().all(|barrier| all(barrier.src_stage_mask, barrier.src_access_mask))
+    };
+    BARRIERS.with_borrow_mut(|barriers| barriers.push(is_full));
+    let real = BARRIER.read().ok().and_then(|real| *real).expect("it was replaced");
+    // SAFETY: the caller's.
+    unsafe { real(commands, dependency) };
+}
+
+/// The device with barriers that are noted.
+fn watched(device: ash::Device) -> ash::Device {
+    let (core, v11, v12) = (device.fp_v1_0().clone(), device.fp_v1_1().clone(), device.fp_v1_2().clone());
+    let mut v13 = device.fp_v1_3().clone();
+    *BARRIER.write().expect("nobody panicked") = Some(v13.cmd_pipeline_barrier2);
+    v13.cmd_pipeline_barrier2 = noted;
+    ash::Device::from_parts_1_3(device.handle(), core, v11, v12, v13)
+}
+
+/// The first barrier of a frame waits for whatever was done in its memory before; there is none but those of its plan.
+#[test]
+fn frames_wait_for_all_that_others_have_done_in_their_memory() {
+    let options = Options { table: watched, ..common::options() };
+    let Some(mut device) = device_of(&options) else { return };
+    let pool = pool(&mut device, SIZE);
+    let mut effects = Effects::new(&mut device, SIZE, Some(&pool));
+    let mut slots = [Slot::new(&mut device, SIZE)];
+    let mut inputs = [0, 1].map(|n| effects.input(&mut device, n, SIZE));
+    for (n, input) in (0..).zip(&inputs) {
+        host::run(&mut device, |host, commands| {
+            for which in 0..3 {
+                BARRIERS.take();
+                // SAFETY: everything is the test's own, in the declared states; it is waited for.
+                unsafe { effects.record(host, commands, which, n, input, &slots[0]) };
+                let barriers = BARRIERS.take();
+                let plans = [effects.smoke.plan(), effects.flame.plan(), effects.blur.plan()];
+                // Before the first of all, what is kept between frames leaves layout UNDEFINED.
+                let begin = barriers.len() - plans[which].barriers as usize;
+                assert!(begin <= usize::from(n == 0), "frame {n} of {which}: {} barriers", barriers.len());
+                assert!(barriers[begin], "frame {n} of {which} does not wait");
+            }
+        });
+    }
+    destroy(&mut device, &mut slots, &mut inputs);
+    effects.destroy(&mut device);
+    // SAFETY: nothing is in it any more.
+    unsafe { pool.destroy(device.parts().1) };
 }
 
 const SIZE: [u32; 2] = [80, 60];
