@@ -9,7 +9,7 @@ use std::sync::RwLock;
 
 use ash::vk;
 use celfx::blur::{self, Blur, FrameView, Interval, Mesh, MeshInput, Motion, Pose, Window};
-use celfx::effect::{ScratchNeeds, ScratchPool};
+use celfx::effect::{ScratchNeeds, ScratchPool, ScratchRange};
 use celfx::flame::{self, Flame, ParticleInput};
 use celfx::host::{Background, Host, HostBuffer, HostImage};
 use celfx::low_level::gpu::buffer::Buffer;
@@ -220,8 +220,16 @@ impl Effects {
     }
 
     /// The pictures of all three in frames from this number, recorded in an order that changes, and several on their way at once.
-    fn frames(&mut self, device: &mut TestDevice, first: u32, size: [u32; 2]) -> Vec<[Vec<u64>; 3]> {
+    /// Before each of an effect, this memory is filled with a word.
+    fn frames(
+        &mut self,
+        device: &mut TestDevice,
+        first: u32,
+        size: [u32; 2],
+        poison: Option<(ScratchRange, u32)>,
+    ) -> Vec<[Vec<u64>; 3]> {
         let pixels = (size[0] * size[1]) as usize;
+        let poison = poison.map(|(range, word)| (host::over(&device.host(), range), word));
         let mut inputs: Vec<_> = (first..first + FRAMES / 2).map(|n| self.input(device, n, size)).collect();
         let mut slots = [(); SLOTS].map(|()| Slot::new(device, size));
         let record = |host: &Host, commands, slot: &mut Slot, number: u32| {
@@ -230,6 +238,10 @@ impl Effects {
                 let input = &inputs[number as usize];
                 // SAFETY: everything is the test's own, in the declared states; frames go to one queue in order.
                 unsafe {
+                    if let Some((buffer, word)) = poison {
+                        host::barrier(host, commands, host::ALL_WRITTEN, host::TRANSFERRED);
+                        host.device.cmd_fill_buffer(commands, buffer, 0, vk::WHOLE_SIZE, word);
+                    }
                     self.record(host, commands, which, first + number, input, slot);
                     let image = (slot.targets[which].handle, slot.targets[which].aspect);
                     host::show(host, commands, image, size, &slot.sinks[which]);
@@ -239,6 +251,8 @@ impl Effects {
         let shown = |slot: &Slot| slot.sinks.each_ref().map(|sink| host::values(sink, pixels));
         let pictures = host::in_flight(device, &mut slots, FRAMES / 2, record, shown);
         destroy(device, &mut slots, &mut inputs);
+        // SAFETY: every frame has been waited for.
+        poison.iter().for_each(|(buffer, _)| unsafe { device.host().device.destroy_buffer(*buffer, None) });
         pictures
     }
 
@@ -353,43 +367,47 @@ fn frames_wait_for_all_that_others_have_done_in_their_memory() {
 const SIZE: [u32; 2] = [80, 60];
 const LARGER: [u32; 2] = [112, 84];
 
-/// Three that share a pool, that are moved to a larger one, and resized there, make the bits of three that share nothing.
+/// Three that share a pool, that are moved to a larger one, and resized there, make the bits of three that share nothing,
+/// whatever is in the pool between them.
 #[test]
 fn effects_in_one_pool_are_as_apart() {
     let Some(mut device) = device() else { return };
     let mut apart = Effects::new(&mut device, SIZE, None);
-    let mut expected = apart.frames(&mut device, 0, SIZE);
+    let mut expected = apart.frames(&mut device, 0, SIZE, None);
     apart.resize(&mut device, LARGER).expect("a size");
-    expected.extend(apart.frames(&mut device, FRAMES / 2, LARGER));
+    expected.extend(apart.frames(&mut device, FRAMES / 2, LARGER, None));
     apart.destroy(&mut device);
-
-    let small = pool(&mut device, SIZE);
-    let mut sharing = Effects::new(&mut device, SIZE, Some(&small));
-    let ranges = [sharing.smoke.scratch(), sharing.flame.scratch(), sharing.blur.scratch()];
-    assert_eq!(ranges, [Some(small.range()); 3]);
-    let mut shared = sharing.frames(&mut device, 0, SIZE);
-    let said = sharing.resize(&mut device, LARGER).expect_err("too small").to_string();
-    let needed = needs(&mut device, LARGER).map(|needs| needs.bytes);
-    assert!(needed.iter().any(|bytes| said.contains(&format!("scratch needs {bytes}"))), "{said}");
-    let large = pool(&mut device, LARGER);
-    sharing.move_to(&mut device, &large);
-    // SAFETY: nothing is in it any more.
-    unsafe { small.destroy(device.parts().1) };
-    sharing.resize(&mut device, LARGER).expect("a size");
-    shared.extend(sharing.frames(&mut device, FRAMES / 2, LARGER));
-    sharing.destroy(&mut device);
-    // SAFETY: as above.
-    unsafe { large.destroy(device.parts().1) };
-
-    for (number, (shared, expected)) in zip(&shared, &expected).enumerate() {
-        for (which, name) in ["smoke", "flame", "blur"].iter().enumerate() {
-            let background = expected[which][0];
-            assert!(
-                expected[which].iter().any(|pixel| *pixel != background),
-                "{name}, frame {number}: it shows nothing"
-            );
-            assert!(shared[which] == expected[which], "{name}, frame {number}");
+    for word in [None, Some(host::POISONS[0]), Some(host::POISONS[1])] {
+        let shared = sharing(&mut device, word);
+        assert_eq!((shared.len(), expected.len()), (FRAMES as usize, FRAMES as usize));
+        for (number, (shared, expected)) in zip(&shared, &expected).enumerate() {
+            for (name, (shared, expected)) in zip(["smoke", "flame", "blur"], zip(shared, expected)) {
+                let background = expected[0];
+                assert!(expected.iter().any(|pixel| *pixel != background), "{name}, frame {number}: it shows nothing");
+                assert!(shared == expected, "{name}, frame {number}, {word:x?}");
+            }
         }
     }
-    assert_eq!((shared.len(), expected.len()), (FRAMES as usize, FRAMES as usize));
+}
+
+/// The pictures of three in one pool, which is filled with a word before each of them.
+fn sharing(device: &mut TestDevice, word: Option<u32>) -> Vec<[Vec<u64>; 3]> {
+    let small = pool(device, SIZE);
+    let mut effects = Effects::new(device, SIZE, Some(&small));
+    let ranges = [effects.smoke.scratch(), effects.flame.scratch(), effects.blur.scratch()];
+    assert_eq!(ranges, [Some(small.range()); 3]);
+    let mut pictures = effects.frames(device, 0, SIZE, word.map(|word| (small.range(), word)));
+    let said = effects.resize(device, LARGER).expect_err("too small").to_string();
+    let needed = needs(device, LARGER).map(|needs| needs.bytes);
+    assert!(needed.iter().any(|bytes| said.contains(&format!("scratch needs {bytes}"))), "{said}");
+    let large = pool(device, LARGER);
+    effects.move_to(device, &large);
+    // SAFETY: nothing is in it any more.
+    unsafe { small.destroy(device.parts().1) };
+    effects.resize(device, LARGER).expect("a size");
+    pictures.extend(effects.frames(device, FRAMES / 2, LARGER, word.map(|word| (large.range(), word))));
+    effects.destroy(device);
+    // SAFETY: as above.
+    unsafe { large.destroy(device.parts().1) };
+    pictures
 }

@@ -236,24 +236,28 @@ pub fn destroy<'a>(
 /// Words that no frame may find in what it has not written: all bits, and a quiet NaN.
 pub const POISONS: [u32; 2] = [u32::MAX, 0x7fc0_dead];
 
+/// A buffer over all of scratch memory, that can be filled.
+pub fn over(host: &Host, range: ScratchRange) -> vk::Buffer {
+    let info = vk::BufferCreateInfo::default().size(range.bytes).usage(vk::BufferUsageFlags::TRANSFER_DST);
+    // SAFETY: valid handles; the range begins where any buffer may.
+    unsafe {
+        let buffer = host.device.create_buffer(&info, None).expect("a buffer");
+        host.device.bind_buffer_memory(buffer, range.memory, range.offset).expect("it fits");
+        buffer
+    }
+}
+
 /// Fills scratch memory with a word between frames.
 pub fn poison(device: &mut Headless, scratch: Option<ScratchRange>, word: u32) {
-    let range = scratch.expect("scratch memory");
-    let info = vk::BufferCreateInfo::default().size(range.bytes).usage(vk::BufferUsageFlags::TRANSFER_DST);
-    let mut poisoned = None;
+    let buffer = over(&device.parts().0, scratch.expect("scratch memory"));
     let done = device.one_time("poison", |host, commands| {
-        // SAFETY: valid handles; nothing else is on its way, and nothing in the range is needed.
-        unsafe {
-            let buffer = host.device.create_buffer(&info, None).expect("a buffer");
-            host.device.bind_buffer_memory(buffer, range.memory, range.offset).expect("it fits");
-            host.device.cmd_fill_buffer(commands, buffer, 0, vk::WHOLE_SIZE, word);
-            poisoned = Some(buffer);
-        }
+        // SAFETY: nothing else is on its way, and nothing in the range is needed.
+        unsafe { host.device.cmd_fill_buffer(commands, buffer, 0, vk::WHOLE_SIZE, word) };
         Ok(())
     });
     done.expect("it runs");
     // SAFETY: it has been waited for.
-    unsafe { device.parts().0.device.destroy_buffer(poisoned.expect("a buffer"), None) };
+    unsafe { device.parts().0.device.destroy_buffer(buffer, None) };
 }
 
 /// Records, submits and waits.
