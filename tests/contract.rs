@@ -11,8 +11,8 @@ use celfx::blur::{self, Blur, Mesh, MeshInput};
 use celfx::effect::{Effect, Kernels, Kind};
 use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
 use celfx::host::{
-    Background, CallbackAllocation, CallbackRequest, DepthFormat, Host, HostBuffer, HostImage, ImageState, Memory,
-    MemoryCallbacks,
+    Background, CallbackAllocation, CallbackRequest, DepthFormat, Host, HostBuffer, HostImage, ImageState,
+    MOTION_FORMATS, Memory, MemoryCallbacks, REACTIVE_FORMATS, TemporalFormats,
 };
 use celfx::profile::Timing;
 use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
@@ -212,6 +212,21 @@ fn formats_are_asked_for() {
         let scene = Some(SceneFormat::Image(made));
         refuses::<flame::FlameKind>(&mut device, &flame::Desc { scene, ..flame_desc() }, &expected);
         refuses::<blur::BlurKind>(&mut device, &blur::Desc { depth: Some(made), ..blur_desc() }, &expected);
+    }
+    let of = |motion, reactive| TemporalFormats { motion, reactive };
+    for (temporal, expected) in [
+        (of(Some(vk::Format::R16G16_SNORM), None), "temporal.motion: R16G16_SNORM; expected one of [R16G16_SFLOAT"),
+        (of(None, Some(vk::Format::R16_UINT)), "temporal.reactive: R16_UINT; expected one of [R8_UNORM"),
+    ] {
+        refuses::<smoke::SmokeKind>(&mut device, &smoke::Desc { temporal, ..smoke_desc() }, expected);
+        refuses::<flame::FlameKind>(&mut device, &flame::Desc { temporal, ..flame_desc() }, expected);
+        refuses::<blur::BlurKind>(&mut device, &blur::Desc { temporal, ..blur_desc() }, expected);
+    }
+    // All that can be, this device has.
+    let every = |motion: &vk::Format| REACTIVE_FORMATS.map(|reactive| of(Some(*motion), Some(reactive)));
+    for temporal in MOTION_FORMATS.iter().flat_map(every) {
+        let effect = make::<smoke::SmokeKind>(&mut device, &smoke::Desc { temporal, ..smoke_desc() });
+        destroy(&mut device, effect.expect("an effect"));
     }
 }
 

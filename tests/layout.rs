@@ -307,6 +307,7 @@ fn three_effects_share_scratch() {
             frames_resident: 48,
             parts: None,
             sources: Vec::new(),
+            temporal: Default::default(),
             seed: 0,
             settings,
             layers: false,

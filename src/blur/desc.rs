@@ -6,7 +6,7 @@ use crate::blur::mesh::Mesh;
 use crate::blur::parts::PartSizes;
 use crate::blur::settings::Settings;
 use crate::error::{Error, Result};
-use crate::host::{DepthFormat, HostBuffer, check_buffer};
+use crate::host::{DepthFormat, HostBuffer, TemporalFormats, check_buffer};
 use crate::layout::LOOP_BUDGET;
 use crate::settings::Rule;
 use crate::shaders::blur::constants::{BASE_MASK, MOST_SEGMENTS};
@@ -91,11 +91,13 @@ pub struct Desc {
     pub settings: Settings,
     /// Whether every buffer that is a layer is kept for reading after the frame.
     pub layers: bool,
+    /// Outputs for temporal upscalers.
+    pub temporal: TemporalFormats,
 }
 
 impl Desc {
     /// For a mesh, pictures of `size` pixels and 32-bit floats, and every setting; four frames' poses, no layers, no depth,
-    /// images of frames i and i + 1 only. What is to be otherwise is set after.
+    /// images of frames i and i + 1 only, no outputs for temporal upscalers. What is to be otherwise is set after.
     pub fn new(mesh: &Mesh, size: [u32; 2], settings: Settings) -> Desc {
         let triangles = mesh.triangles().len() as u32;
         Desc {
@@ -119,6 +121,7 @@ impl Desc {
             seed: 0,
             settings,
             layers: false,
+            temporal: TemporalFormats::default(),
         }
     }
 
@@ -130,6 +133,7 @@ impl Desc {
     /// Checks every value that does not depend on the device.
     pub(super) fn validate(&self) -> Result<()> {
         self.settings.validate()?;
+        self.temporal.validate()?;
         if self.size.contains(&0) {
             return Err(Error::setting("size", format!("{:?}", self.size), "at least 1 pixel a side"));
         }

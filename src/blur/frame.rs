@@ -11,7 +11,7 @@ use crate::blur::motion::{Cluster, Interval, Segment};
 pub use crate::blur::motion::{FrameView, Knot};
 use crate::blur::parts::PartSizes;
 use crate::error::{Error, Result};
-use crate::host::{Background, Content, HostBuffer, HostImage};
+use crate::host::{Background, Content, HostBuffer, HostImage, TemporalImages};
 use crate::host::{check_background, check_beside, check_buffer as holds, check_depth, check_distinct, check_image};
 use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::view::Light;
@@ -211,6 +211,10 @@ pub struct Frame<'a> {
     /// is nothing at all. An image lies under the images of the frames, too, as far as their alpha lets it through: so they may show
     /// the mesh alone. It is as they are.
     pub background: Background,
+    /// Outputs for temporal upscalers. What a pixel shows of the mesh is on its trajectory at k', and was where that is at k' - 1 in the
+    /// output before; before frame i, if trajectories are not made that far, where the smoothest way through frame i - 1 has it. Nothing is
+    /// written where the output is frame i + 1's image because nothing moves, or strength is 0. The mask is the share of what is smeared.
+    pub temporal: TemporalImages,
 }
 
 /// Why what is given on one side only is refused.
@@ -335,6 +339,7 @@ impl Frame<'_> {
             target,
             depth: None,
             background: Background::Keep,
+            temporal: TemporalImages::default(),
         }
     }
 
@@ -373,7 +378,19 @@ impl Frame<'_> {
         }
         self.validate_occluders(desc)?;
         check_background(&self.background, desc.size, desc.target_format)?;
-        check_distinct("background", self.background.image().as_ref(), &self.target)
+        check_distinct("background", self.background.image().as_ref(), &self.target)?;
+        self.validate_temporal(desc)
+    }
+
+    fn validate_temporal(&self, desc: &Desc) -> Result<()> {
+        let (background, [previous, next]) =
+            (self.background.image(), self.images.map_or([None; 2], |images| images.map(Some)));
+        let depth = self.depth.map(|depth| depth.host);
+        let [before, after] = self.outer;
+        let [first, second, third, fourth] = self.occluders;
+        let others = [background, depth, before, previous, next, after, first, second, third, fourth];
+        let others = others.each_ref().map(Option::as_ref);
+        self.temporal.check(&desc.temporal, desc.size, &self.target, &others)
     }
 
     /// An image that colours are taken from while the target is drawn.

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::gpu::scratch::{Lifetime, Overlay};
-use crate::host::HostBuffer;
+use crate::host::{HostBuffer, TemporalFormats};
 use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource};
 use crate::shaders::blur as glsl;
@@ -187,8 +187,12 @@ pub const HOST_BACKGROUND: ImageId = ImageId(IMAGES + 6);
 /// The host's depth images of frames i - 1 to i + 2.
 pub const HOST_SCENES: [ImageId; 4] =
     [ImageId(IMAGES + 7), ImageId(IMAGES + 8), ImageId(IMAGES + 9), ImageId(IMAGES + 10)];
+/// The host's motion vectors.
+pub const MOTION: ImageId = ImageId(IMAGES + 11);
+/// The host's reactive mask.
+pub const REACTIVE: ImageId = ImageId(IMAGES + 12);
 /// Images of the host's.
-pub const HOST_IMAGES: usize = 11;
+pub const HOST_IMAGES: usize = 13;
 
 /// The resource of a shader's binding: each buffer and image goes by one name everywhere.
 pub fn resource(binding: &Binding) -> Option<Resource> {
@@ -415,7 +419,8 @@ impl Inventory for Layout {
 
     /// Layers, and lines and after-images behind the mesh, look at all of it once more.
     fn overlays(&self, desc: &Desc) -> Vec<Overlay> {
-        if desc.layers || desc.settings.draws_behind() {
+        // Motion vectors, after-images and lines come last, and go back to the trajectories.
+        if desc.layers || desc.settings.draws_behind() || desc.temporal != TemporalFormats::default() {
             return Vec::new();
         }
         let refinement = [SPLINES, ACTIVE, NEXT, LINES].map(Resource::Buffer).into();

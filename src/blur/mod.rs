@@ -152,6 +152,8 @@ impl Kind for BlurKind {
         }
         resources.set_host_image(layout::HOST_DEPTH, frame.depth.map(|depth| depth.host));
         resources.set_host_image(layout::HOST_BACKGROUND, frame.background.image());
+        resources.set_host_image(layout::MOTION, frame.temporal.motion);
+        resources.set_host_image(layout::REACTIVE, frame.temporal.reactive);
         for (id, image) in layout::HOST_OUTER.into_iter().zip(frame.outer) {
             resources.set_host_image(id, image);
         }
@@ -190,7 +192,8 @@ impl Kind for BlurKind {
     fn formats(desc: &Desc) -> Vec<NamedFormat> {
         let depth = desc.depth.map(|depth| depth_format(depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT));
         let occluders = desc.occluders.map(|depth| depth_format(depth, vk::FormatFeatureFlags::TRANSFER_SRC));
-        [target_format(desc.target_format)].into_iter().chain(depth).chain(occluders).collect()
+        let depths = depth.into_iter().chain(occluders);
+        [target_format(desc.target_format)].into_iter().chain(depths).chain(desc.temporal.formats()).collect()
     }
 }
 

@@ -136,6 +136,8 @@ passes! {
         Some(format) => composite_depth(desc, format),
         None => whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc),
     };
+    motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
+    reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
     colours = copies("blur.mesh", [HOST_COLOURS], [TOON_BUFFER]);
     toon_params = Pass::transfer("blur.toon").updates::<ToonParams>(TOON_BUFFER, 1).times(DRAWN_FRAMES);
     toon_project = Pass::compute("blur.toon", &glsl::project::SHADER);
@@ -271,6 +273,24 @@ fn composite_depth(desc: &Desc, format: DepthFormat) -> Pass {
     let depth = DepthAttachment::of_host(HOST_DEPTH, format, false);
     let fragment = &glsl::composite_depth_fragment::SHADER;
     Pass::raster("blur.composite", quad(fragment, Some(TARGET), Some(depth), desc))
+}
+
+fn motion(desc: &Desc, format: vk::Format) -> Pass {
+    let colour = ColourAttachment { image: MOTION, format, clear: None, blend: Blend::Replace };
+    let pass = temporal("blur.motion", &glsl::motion_fragment::SHADER, colour, desc);
+    pass.specialise([in_screen(desc), desc.depth.is_some().into()])
+}
+
+fn reactive(desc: &Desc, format: vk::Format) -> Pass {
+    let colour = ColourAttachment { image: REACTIVE, format, clear: None, blend: Blend::Max };
+    let pass = temporal("blur.reactive", &glsl::reactive_fragment::SHADER, colour, desc);
+    pass.specialise([desc.depth.is_some().into()])
+}
+
+/// An output for temporal upscalers, where the host has drawn nothing nearer.
+fn temporal(name: &'static str, fragment: &'static Shader, colour: ColourAttachment, desc: &Desc) -> Pass {
+    let depth = desc.depth.map(|format| DepthAttachment::of_host(HOST_DEPTH, format, false));
+    Pass::raster(name, Raster { colour: Some(colour), ..quad(fragment, None, depth, desc) })
 }
 
 /// Copies of drawn frames, whichever they are.

@@ -22,6 +22,7 @@ use crate::shaders::blur as glsl;
 use crate::view::Projection;
 
 mod inputs;
+mod temporal;
 mod toon;
 
 use toon::ToonFrames;
@@ -175,6 +176,7 @@ impl Steps<'_> {
         for pass in [tiles, cover, normals, learn, tone, shade, border, compose, composite] {
             self.plan.skip(*pass, reason);
         }
+        self.skip_temporal(reason);
     }
 
     /// After-images, the earliest first.
@@ -523,6 +525,7 @@ impl Steps<'_> {
         }
         self.inward(0);
         self.plan.step(self.passes.compose, Self::over_tiles(0));
+        self.temporal(frame);
         let draw = Command::Draw { vertices: 4 };
         self.plan.step(self.passes.composite, draw);
     }

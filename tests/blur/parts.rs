@@ -21,7 +21,7 @@ const SIZE: [u32; 2] = [160, 90];
 const STEP: f32 = TAU / DIRECTIONS as f32;
 
 /// A mesh in three bands of its vertices.
-fn bands(mesh: &Mesh) -> Parts {
+pub fn bands(mesh: &Mesh) -> Parts {
     let vertices = mesh.file_to_point().len() as u32;
     Parts::new(mesh, &(0..vertices).map(|vertex| 9 - 3 * vertex / vertices).collect::<Vec<_>>()).expect("parts")
 }

@@ -61,6 +61,7 @@ fn desc(settings: Settings) -> Desc {
         seed: 0,
         settings,
         layers: true,
+        temporal: Default::default(),
     }
 }
 
@@ -109,6 +110,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
         target: image(desc),
         depth: None,
         background: Background::Keep,
+        temporal: Default::default(),
     }
 }
 

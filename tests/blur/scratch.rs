@@ -12,6 +12,7 @@ use crate::common::blur::{BlurRig, Shot, desc};
 use crate::common::host::POISONS;
 use crate::common::rig::Bits;
 use crate::common::scenes::random;
+use crate::parts::bands;
 use crate::scenes::{grid, swing};
 use crate::toon::Film;
 
@@ -49,6 +50,8 @@ fn frames_with(desc: impl Fn(&Mesh) -> Desc, effort: Effort, poison: Option<u32>
     let (toon, outer) = (desc.toon, desc.outer);
     let mut rig = BlurRig::with_effort(desc, mesh.clone(), effort)?;
     rig.poison = poison;
+    let parts = rig.desc().parts.map(|_| bands(&mesh));
+    rig.parts.clone_from(&parts);
     rig.toon = toon.then(|| (Light::default(), Background::Clear([0.25, 0.5, 0.75, 1.0])));
     let picture = |key| -> Vec<[f32; 4]> {
         (0..SIZE[0] * SIZE[1]).map(|i| [random(key, i, 0), random(key, i, 1), random(key, i, 2), 1.0]).collect()
@@ -56,7 +59,11 @@ fn frames_with(desc: impl Fn(&Mesh) -> Desc, effort: Effort, poison: Option<u32>
     let mut all = Vec::new();
     for (number, (i, moves)) in [(2, true), (3, true), (3, true), (3, false), (4, true), (2, true)].iter().enumerate() {
         let window = Window { frame: *i as u32, poses: &animation.poses(&seen), current: *i, between: &[] };
-        let interval = motion.interval(&mesh, &window, 1).expect("an interval");
+        let interval = match &parts {
+            Some(parts) => motion.interval_of_parts(&mesh, &window, parts, 1),
+            None => motion.interval(&mesh, &window, 1),
+        };
+        let interval = interval.expect("an interval");
         if !toon {
             (0..2).for_each(|side| rig.set_image(side, &picture(*i as u32 + side as u32)));
             (0..if outer { 2 } else { 0 }).for_each(|side| rig.set_outer(side, &picture(20 + side as u32)));
@@ -94,6 +101,8 @@ fn frames_need_nothing_of_scratch() {
         Desc { settings, outer: true, ..base(mesh) }
     };
     check("gradient", |poison| frames(gradient, poison));
+    let of_parts = |mesh: &Mesh| Desc { toon: true, parts: Some(bands(mesh).sizes()), ..base(mesh) };
+    check("parts", |poison| frames(of_parts, poison));
     let behind = |mesh: &_| {
         let lines = Lines { count: 3, ..Lines::default() };
         let ghosts = Ghosts { count: 2, ..Ghosts::default() };

@@ -62,6 +62,16 @@ impl Film {
         })
     }
 
+    /// One of an effect of the test's own.
+    pub fn described(
+        which: Builtin,
+        vertices: u32,
+        frames: std::ops::Range<u32>,
+        describe: impl FnOnce(&Mesh) -> celfx::blur::Desc,
+    ) -> Option<Film> {
+        Film::make(which, vertices, frames, (false, Effort::Needed), describe)
+    }
+
     /// One that keeps no layers, and leaves out what a frame does not need, or nothing.
     pub fn without_layers(
         vertices: u32,

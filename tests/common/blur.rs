@@ -22,6 +22,7 @@ use celfx::offline::TARGET_FORMAT;
 use celfx::view::Light;
 
 use super::host::{self, Place};
+use super::temporal::{Found, Outputs};
 use super::{TestDevice, device};
 
 /// An effect of this picture size for this mesh, with every layer kept.
@@ -92,6 +93,9 @@ pub struct BlurRig {
     occluders: [Option<Image>; 4],
     /// What scratch memory is filled with before each frame that is waited for, if it is.
     pub poison: Option<u32>,
+    /// Images for temporal upscalers, if the effect was made for both, and what the host has in the mask.
+    outputs: Option<Outputs>,
+    pub share: f32,
 }
 
 /// What lies beside pictures in larger images.
@@ -174,6 +178,8 @@ impl BlurRig {
         let images = make_images(&mut device, &desc, corner);
         let extent = Place { size: desc.size, corner }.extent();
         let depth = desc.depth.map(|DepthFormat { format, .. }| host::image(&mut device, extent, format));
+        let place = Place { size: desc.size, corner };
+        let outputs = desc.temporal.motion.map(|_| Outputs::new(&mut device, place));
         let (host, kernels, allocator) = device.making();
         // SAFETY: the handles are the device's own.
         let blur =
@@ -201,6 +207,8 @@ impl BlurRig {
             corner,
             occluders: [const { None }; 4],
             poison: None,
+            outputs,
+            share: 0.0,
         };
         rig.clear_images();
         Some(rig)
@@ -353,6 +361,7 @@ impl BlurRig {
         let (depth, wall) = (self.depth.as_ref().map(|image| image.handle), self.wall);
         let skinning = std::mem::take(&mut self.skinning);
         let source = self.sources.first().map(|source| source.handle).filter(|_| !skinning.is_empty());
+        let (outputs, share) = (&self.outputs, self.share);
         let blur = self.blur.as_mut().expect("an effect");
         let done = self.device.one_time("frame", |host, commands| {
             // SAFETY: as below; earlier frames have been waited for.
@@ -361,6 +370,8 @@ impl BlurRig {
             });
             // SAFETY: everything is the test's own, in the declared states, and the frame is waited for.
             depth.iter().for_each(|image| unsafe { record_depth(host, commands, *image, wall) });
+            // SAFETY: as above.
+            outputs.iter().for_each(|outputs| unsafe { outputs.clear(host, commands, share) });
             // SAFETY: as above.
             unsafe { blur.record(host, commands, &frame, &mut Timing::None) }
         });
@@ -453,7 +464,13 @@ impl BlurRig {
                 true => Background::Copy(self.host_image(5, COPIED_FROM)),
                 false => self.toon.map_or(Background::Keep, |(_, background)| background),
             },
+            temporal: self.outputs.as_ref().map(Outputs::given).unwrap_or_default(),
         }
+    }
+
+    /// Motion vectors and mask of the last frame.
+    pub fn found(&mut self) -> Found {
+        self.outputs.as_ref().expect("outputs").found(&mut self.device, self.share)
     }
 
     /// Values of one of the effect's buffers.
@@ -518,6 +535,7 @@ impl Drop for BlurRig {
         if self.device.is_stuck() {
             return;
         }
+        self.outputs.take().into_iter().for_each(|outputs| outputs.destroy(&mut self.device));
         let (host, allocator) = self.device.parts();
         // SAFETY: every submission has been waited for; nothing is used afterwards.
         unsafe {

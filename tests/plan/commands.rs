@@ -131,6 +131,7 @@ fn a_frame_of_blur() {
         seed: 0,
         settings,
         layers: false,
+        temporal: Default::default(),
     };
     let segments = segments(&desc);
     let frame = |number: u32| blur::Frame {
@@ -158,6 +159,7 @@ fn a_frame_of_blur() {
         target: image(FORMAT),
         depth: None,
         background: Background::Clear([1.0; 4]),
+        temporal: Default::default(),
     };
     let poses = Some(blur::PoseInput { first: 0, count: 10, positions: buffer() });
     let first = blur::Frame { poses, ..frame(0) };

@@ -368,6 +368,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 seed: 0,
                 settings,
                 layers,
+                temporal: Default::default(),
             };
             let segments = segments(&desc);
             let interval = blur::IntervalInput {
@@ -397,6 +398,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 target: image(FORMAT),
                 depth: has_depth.then_some(host),
                 background: Background::Keep,
+                temporal: Default::default(),
             };
             let given = blur::Frame { mesh: None, poses: None, ..first };
             let drawn = blur::Frame { images: None, toon, outer: [None; 2], occluders: [None; 4], ..given };

@@ -84,6 +84,7 @@ impl Feed for BlurFeed {
             target,
             depth: place.depth.map(|depth| DepthInput { host: depth, view }),
             background: place.background,
+            temporal: Default::default(),
         })
     }
 

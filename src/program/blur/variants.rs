@@ -7,10 +7,10 @@ use crate::blur::settings::{Completion, Refine, Space};
 use crate::blur::{BlurKind, Desc, Settings, Source};
 use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
-use crate::host::HostBuffer;
+use crate::host::{HostBuffer, TemporalFormats};
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
-use crate::program::variants::{DEPTH, SIZE, passes, switches};
+use crate::program::variants::{DEPTH, SIZE, TEMPORAL, passes, switches};
 use crate::toon::Operator;
 
 pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
@@ -44,7 +44,9 @@ fn variant(
     settings.toon.outline.strength = if plain { 0.0 } else { 1.0 };
     let (depth, occluders) = (depth.then_some(DEPTH), depth.then_some(DEPTH));
     let segments = if many { 32 } else { 1 };
-    let desc = Desc { depth, occluders, segments, layers, ..desc(settings) };
+    // In both spaces, with depth and without.
+    let temporal = if plain { TEMPORAL } else { TemporalFormats::default() };
+    let desc = Desc { depth, occluders, segments, layers, temporal, ..desc(settings) };
     passes::<BlurKind>(&desc, traits, Effort::Needed)
 }
 
@@ -70,5 +72,6 @@ fn desc(settings: Settings) -> Desc {
         seed: 0,
         settings,
         layers: false,
+        temporal: TemporalFormats::default(),
     }
 }
