@@ -356,8 +356,8 @@ fn memory_is_what_is_allocated_and_all_of_it_is_given_back() {
         let memory = Flame::memory(&desc, &device.traits()).expect("it fits").total();
         let mut flame = make(&mut device, desc);
         let (_, count, bytes) = given_out(&mut device);
-        assert!(count > 20, "{count} allocations");
-        // What a device rounds up to: at most 4 KiB on lavapipe, for each.
+        assert!(count > 5, "{count} allocations");
+        // What a device rounds up to: at most 4 KiB on lavapipe, for each; less for what lies in scratch memory.
         assert!(bytes >= memory && bytes <= memory + 4096 * count, "{bytes} bytes given out, {memory} said");
         one_frame(&mut device, &mut flame, &embers(80, 7));
         destroy(&mut device, flame);
