@@ -39,7 +39,9 @@
 //! - **Change and resize.** `Effect::change` takes another `Desc` between any two frames, `resize` another size. What is replaced is
 //!   handed back ([`effect::Retired`]); nothing waits.
 //! - **Two views** of a frame, as for two eyes: record it twice. The second time smoke has `Sequence::Hold`, and a blur an interval
-//!   found in the second view. A fire that accumulates (`flame::Frame::accumulate`) needs an effect a view.
+//!   found in the second view. A fire that accumulates (`flame::Frame::accumulate`), and motion vectors of smoke and fire, need an effect
+//!   a view.
+//! - **Temporal upscalers** get motion vectors and a reactive mask of each effect, if its `Desc` asks for them ([`host::TemporalFormats`]).
 //! - **Destroy.** `Effect::retire`, and [`effect::Retired::destroy`] when the GPU is done with all recorded frames; then
 //!   `Kernels::destroy`. Only what celfx has made is destroyed.
 //! - **Time.** [`profile::Timing`] takes a [`profile::Profiler`] or your own queries, two a step.
@@ -59,6 +61,7 @@
 //! | depth of [`smoke`] and [`blur`]: tested and written | `DEPTH_STENCIL_ATTACHMENT` | `state_in` | `state_out` |
 //! | depth of [`flame`]: read | `TRANSFER_SRC` | `state_in` | `state_out` |
 //! | images of a [`blur`]'s frames: read | `TRANSFER_SRC` | `state_in` | `state_out` |
+//! | motion vectors, reactive mask ([`host::TemporalImages`]): drawn into where the effect is seen | `COLOR_ATTACHMENT` | `state_in` | `state_out` |
 //! | positions that a [`blur`]'s host has skinned | `STORAGE_BUFFER` | `stage` and `access` of the last write | read at `COMPUTE_SHADER` |
 //! | all other buffers | `TRANSFER_SRC` | `stage` and `access` of the last write | read at `ALL_TRANSFER` |
 //!

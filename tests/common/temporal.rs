@@ -1,7 +1,7 @@
 //! A host's images of the outputs for temporal upscalers, and what is to be in them.
 
 use ash::vk;
-use celfx::host::{Host, ImageState, TemporalFormats, TemporalImages};
+use celfx::host::{Host, TemporalFormats, TemporalImages};
 use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
 use celfx::view::{Projection, View};
@@ -54,10 +54,9 @@ impl Outputs {
     pub unsafe fn clear(&self, host: &Host, commands: vk::CommandBuffer, share: f32) {
         let values = [(&self.motion, [HOSTS[0], HOSTS[1], 0.0, 0.0]), (&self.reactive, [share; 4])];
         for (image, float32) in values {
-            let to = ImageState { stage: CLEARED.stage, access: CLEARED.access, layout: CLEARED.layout };
             // SAFETY: the caller's.
             unsafe {
-                host::change(host, commands, (image.handle, image.aspect), DISCARDED, to);
+                host::change(host, commands, (image.handle, image.aspect), DISCARDED, CLEARED);
                 let (value, range) = (vk::ClearColorValue { float32 }, host::whole(image.aspect));
                 host.device.cmd_clear_color_image(commands, image.handle, CLEARED.layout, &value, &[range]);
             }

@@ -1,7 +1,5 @@
 //! Outputs for temporal upscalers.
 
-use bytemuck::Zeroable;
-
 use super::Steps;
 use crate::blur::frame::{Frame, FrameView};
 use crate::blur::params::BeforeConstants;
@@ -29,8 +27,8 @@ impl Steps<'_> {
 impl BeforeConstants {
     /// What is said of frame i - 1. It is the one before frame i, or none if nothing is.
     fn new([before, previous, next, _]: &[FrameView; 4]) -> BeforeConstants {
-        let jitter = [0, 1].map(|axis| (next.view.jitter[axis] - before.view.jitter[axis]) as f32);
+        let jitter_change = [0, 1].map(|axis| (next.view.jitter[axis] - before.view.jitter[axis]) as f32);
         let has_before = before.frame.checked_add(1) == Some(previous.frame);
-        BeforeConstants { jitter_change: jitter, has_before: has_before.into(), ..Zeroable::zeroed() }
+        BeforeConstants { jitter_change, has_before: has_before.into() }
     }
 }
