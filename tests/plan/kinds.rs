@@ -5,7 +5,9 @@ use ash::vk;
 use celfx::blur::{self, BlurKind};
 use celfx::effect::{DeviceTraits, Effort, Kind, describe};
 use celfx::flame::{self, FlameKind, ParticleInput, SceneDepth, SceneFormat};
-use celfx::host::{Background, DepthFormat, HostBuffer, HostImage, ImageState, requirements};
+use celfx::host::{
+    Background, DepthFormat, HostBuffer, HostImage, ImageState, TemporalFormats, TemporalImages, requirements,
+};
 use celfx::low_level::barrier::{Barrier, Tracker, return_to};
 use celfx::low_level::gpu::executor::Description;
 use celfx::low_level::plan::{BufferId, Command, DescriptorKind, Kernel, Pass, Plan, Resource, Step, Topology, Usage};
@@ -30,6 +32,13 @@ pub fn image(format: vk::Format) -> HostImage {
     let state = ImageState { layout: vk::ImageLayout::GENERAL, ..ImageState::default() };
     let (image, view) = (handle(), handle());
     HostImage::new(image, view, format, SIZE, state, state)
+}
+
+/// Both outputs for temporal upscalers, or none.
+fn temporal(is_asked: bool) -> (TemporalFormats, TemporalImages) {
+    let formats = [vk::Format::R16G16_SFLOAT, vk::Format::R8_UNORM].map(|format| is_asked.then_some(format));
+    let [motion, reactive] = formats.map(|format| format.map(image));
+    (TemporalFormats { motion: formats[0], reactive: formats[1] }, TemporalImages { motion, reactive })
 }
 
 fn depth() -> HostImage {
@@ -227,7 +236,15 @@ fn smoke_with_everything_that_a_frame_may_bring() {
         let shadows = desc.settings.shadow == Shadow::Exact && desc.settings.grow == Grow::Chosen;
         for has_depth in if shadows { &[false, true][..] } else { &[true][..] } {
             let (size, target_format, depth_format) = (SIZE, FORMAT, has_depth.then_some(DEPTH));
-            let desc = smoke::Desc { size, target_format, depth: depth_format, edges: *has_depth, ..desc.clone() };
+            let (formats, outputs) = temporal(*has_depth);
+            let desc = smoke::Desc {
+                temporal: formats,
+                size,
+                target_format,
+                depth: depth_format,
+                edges: *has_depth,
+                ..desc.clone()
+            };
             let volume = VolumeInput {
                 dimensions: desc.dimensions,
                 voxel_size: [0.1; 3],
@@ -249,7 +266,7 @@ fn smoke_with_everything_that_a_frame_may_bring() {
                 background: Background::Keep,
                 depth: has_depth.then(depth),
                 edges: has_depth.then(buffer),
-                temporal: Default::default(),
+                temporal: outputs,
             };
             let next = smoke::Frame { sequence: smoke::Sequence::Advance, volume: None, edges: None, ..first };
             let mut frames = vec![first, next, smoke::Frame { target: None, ..next }];
@@ -283,6 +300,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                 let settings =
                     flame::Settings { mode, method, adaptive, shape, spread, light: 0.5, ..Default::default() };
                 let hottest = settings.hottest;
+                let (formats, outputs) = temporal(layers);
                 let desc = flame::Desc {
                     size: SIZE,
                     target_format: FORMAT,
@@ -293,14 +311,14 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     seed: 1,
                     settings,
                     layers,
-                    temporal: Default::default(),
+                    temporal: formats,
                 };
                 let input = ParticleInput {
                     count: particles,
                     hottest,
                     position_temperature: buffer(),
                     ids: Some(buffer()),
-                    previous: None,
+                    previous: layers.then(buffer),
                 };
                 let first = flame::Frame {
                     view: Camera::default().view(SIZE),
@@ -310,7 +328,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     target: image(FORMAT),
                     background: Background::Keep,
                     scene,
-                    temporal: Default::default(),
+                    temporal: outputs,
                 };
                 let next = flame::Frame { particles: None, accumulate: adaptive == 0.0, ..first };
                 let none = flame::Frame { particles: Some(ParticleInput { count: 0, ids: None, ..input }), ..first };
@@ -347,6 +365,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
             } else {
                 (settings.space, settings.refine) = (Space::Screen, Refine::Length);
             }
+            let (formats, outputs) = temporal(has_depth);
             let desc = blur::Desc {
                 occluders: has_depth.then_some(DEPTH),
                 size: SIZE,
@@ -368,7 +387,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 seed: 0,
                 settings,
                 layers,
-                temporal: Default::default(),
+                temporal: formats,
             };
             let segments = segments(&desc);
             let interval = blur::IntervalInput {
@@ -398,7 +417,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 target: image(FORMAT),
                 depth: has_depth.then_some(host),
                 background: Background::Keep,
-                temporal: Default::default(),
+                temporal: outputs,
             };
             let given = blur::Frame { mesh: None, poses: None, ..first };
             let drawn = blur::Frame { images: None, toon, outer: [None; 2], occluders: [None; 4], ..given };
