@@ -16,7 +16,7 @@ use glam::DVec3;
 
 use crate::common::host::{self, DISCARDED, Place};
 use crate::common::scenes::camera;
-use crate::common::temporal::{FORMATS, Outputs, distance, place_at, vector};
+use crate::common::temporal::{FORMATS, HOSTS, Outputs, distance, place_at, vector};
 use crate::common::{TestDevice, apart, device, views};
 use crate::host::{SIZE, Slot, effect};
 
@@ -205,13 +205,10 @@ fn a_held_moment_moves_with_the_camera_alone() {
             assert!(still == seen && seen > 500, "{still} of {seen} are exactly 0");
         } else {
             let views = [view(degrees[0], number - 1), view(degrees[1], number)];
-            // Frame 0: none has come to where it dies.
-            let held = |slot: usize| Moment { spheres: moment.spheres.clone(), ages: vec![1; slot] };
-            let moments = [held(200), held(200)];
-            let hits = render::raycast(&views[1], SIZE, &moments[1].spheres);
+            let hits = render::raycast(&views[1], SIZE, &moment.spheres);
             let mut worst = 0.0_f64;
             for (pixel, hit) in hits.iter().enumerate() {
-                let Some(hit) = hit.filter(|_| found.motion[pixel] != crate::common::temporal::HOSTS) else { continue };
+                let Some(hit) = hit.filter(|_| found.motion[pixel] != HOSTS) else { continue };
                 let place = place_at(&views[1], SIZE, pixel, hit.depth);
                 let expected = vector([&views[0], &views[1]], SIZE, place, place);
                 // Silhouettes are off by up to a root of rounding in depth.
@@ -230,7 +227,7 @@ fn outputs_are_where_the_smoke_is_seen_and_change_nothing() {
     let desc = Desc { depth: Some(made), ..effect() };
     let Some(mut plain) = Rig::new(desc.clone(), [0; 2]) else { return };
     let Some(mut rig) = Rig::new(Desc { temporal: FORMATS, ..desc }, [0; 2]) else { return };
-    let mut walls = [0, 1].map(|_| host::image(&mut rig.device, SIZE, made.format));
+    let mut wall = host::image(&mut rig.device, SIZE, made.format);
     let mut plain_wall = host::image(&mut plain.device, SIZE, made.format);
     let mut hidden = 0;
     for i in 0..3 {
@@ -245,15 +242,15 @@ fn outputs_are_where_the_smoke_is_seen_and_change_nothing() {
         let handle = plain_wall.handle;
         // SAFETY: the image is the test's own.
         plain.render(&frame, |host, commands| unsafe { record_depth(host, commands, handle, stored) });
-        let frame = Frame { depth: Some(with_wall(&walls[0])), ..rig.frame(i, view) };
-        let handle = walls[0].handle;
+        let frame = Frame { depth: Some(with_wall(&wall)), ..rig.frame(i, view) };
+        let handle = wall.handle;
         // SAFETY: as there.
         rig.render(&frame, |host, commands| unsafe { record_depth(host, commands, handle, stored) });
         let picture = rig.picture();
         let bits = |picture: &[[f32; 4]]| picture.iter().map(|colour| colour.map(f32::to_bits)).collect::<Vec<_>>();
         assert!(bits(&picture) == bits(&plain.picture()), "frame {i}: the picture is another");
         let depths = [
-            host::read_image::<u32>(&mut rig.device, &walls[0], SIZE),
+            host::read_image::<u32>(&mut rig.device, &wall, SIZE),
             host::read_image(&mut plain.device, &plain_wall, SIZE),
         ];
         assert!(depths[0] == depths[1], "frame {i}: the depth is another");
@@ -263,7 +260,7 @@ fn outputs_are_where_the_smoke_is_seen_and_change_nothing() {
         hidden += (0..PIXELS).filter(|pixel| own[*pixel].is_finite() && shares[*pixel] == 0.0).count();
     }
     assert!(hidden > 100, "{hidden} pixels of smoke are behind the wall");
-    host::destroy(&mut rig.device, [], &mut walls);
+    host::destroy(&mut rig.device, [], [&mut wall]);
     host::destroy(&mut plain.device, [], [&mut plain_wall]);
     rig.destroy();
     plain.destroy();
