@@ -61,7 +61,7 @@ impl Effort {
 pub trait Kind: fmt::Debug + Sized {
     /// Its name: of its folders, its table in a shot, and before the dot of its passes.
     const NAME: &'static str;
-    /// Description of the effect, fixed until it is resized.
+    /// Description of the effect, fixed until it is changed or resized.
     type Desc: Clone + fmt::Debug;
     /// Which buffers and images it has.
     type Layout: Inventory<Desc = Self::Desc>;

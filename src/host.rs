@@ -29,7 +29,7 @@ pub struct Host<'a> {
     /// Created with the features that [`requirements()`] names.
     pub device: &'a ash::Device,
     /// If `VK_EXT_debug_utils` is enabled: passes get labels and objects get names. Works without.
-    /// [`crate::gpu::debug::table`] makes one that has all that is called.
+    /// `ash::ext::debug_utils::Device::new` makes one.
     pub debug: Option<&'a ash::ext::debug_utils::Device>,
     /// Used for every pipeline that celfx creates; may be `vk::PipelineCache::null()`.
     pub pipeline_cache: vk::PipelineCache,
@@ -66,7 +66,8 @@ pub struct HostImage {
     pub base_mip: u32,
     /// The layer.
     pub base_layer: u32,
-    /// Its state when the recorded commands begin; layout `UNDEFINED` where its contents do not matter.
+    /// Its state when the recorded commands begin; layout `UNDEFINED` where its contents do not matter; stages and
+    /// accesses are waited for all the same.
     pub state_in: ImageState,
     /// The state that celfx leaves it in; not `UNDEFINED`.
     pub state_out: ImageState,
@@ -116,7 +117,7 @@ pub struct HostBuffer {
 /// The background of an effect.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Background {
-    /// The target's own content.
+    /// The target's own content. A blur writes its whole target and keeps nothing of it: to draw over a picture, hand it a copy of that.
     #[default]
     Keep,
     /// Linear RGBA, premultiplied; none beyond [`crate::view::BRIGHTEST`].

@@ -39,7 +39,7 @@
 //! - **Change and resize.** `Effect::change` takes another `Desc` between any two frames, `resize` another size. What is replaced is
 //!   handed back ([`effect::Retired`]); nothing waits.
 //! - **Two views** of a frame, as for two eyes: record it twice. The second time smoke has `Sequence::Hold`, and a blur an interval
-//!   found in the second view. A fire that accumulates (`flame::Frame::accumulate`), and motion vectors of smoke and fire, need an effect
+//!   found in the second view, without the mesh and poses, which are there. A fire that accumulates (`flame::Frame::accumulate`), and motion vectors of smoke and fire, need an effect
 //!   a view.
 //! - **Temporal upscalers** get motion vectors and a reactive mask of each effect, if its `Desc` asks for them ([`host::TemporalFormats`]).
 //! - **Destroy.** `Effect::retire`, and [`effect::Retired::destroy`] when the GPU is done with all recorded frames; then

@@ -17,12 +17,6 @@ float along(vec2 d, vec2 q) {
     return p;
 }
 
-// Increases as a vector turns from x to y, 0 to 4.
-float turn_of(vec2 v) {
-    float p = v.y / (abs(v.x) + abs(v.y));
-    return v.x < 0.0 ? 2.0 - p : v.y < 0.0 ? 4.0 + p : p;
-}
-
 float turn_from(float start, vec2 v) {
     float turn = turn_of(v) - start;
     return turn < 0.0 ? turn + 4.0 : turn;
@@ -91,12 +85,12 @@ void widen_by_four(inout vec4 found, vec2 d, vec2 u, uint at) {
 }
 
 // The largest product over a hull that has the farthest point in each of many directions. Around that of the nearest of them
-// are those of its neighbours; one between, which none of them has, is less farther than DIRECTION_STEP / 4 of their distance.
+// are those of its neighbours; one between, which none of them has, is farther by less than LARGEST_STEP / 4 of their distance.
 float farthest_of_directions(Cluster cluster, vec2 d) {
-    uint nearest = uint(int(round(atan(d.y, d.x) / DIRECTION_STEP)) + int(DIRECTIONS));
-    float best = along(d, hull[cluster.hull_begin + nearest % DIRECTIONS]);
+    uint nearest = nearest_direction(d);
+    float best = along(d, hull[cluster.hull_begin + nearest]);
     best = max(best, along(d, hull[cluster.hull_begin + (nearest + 1u) % DIRECTIONS]));
-    return max(best, along(d, hull[cluster.hull_begin + (nearest - 1u) % DIRECTIONS]));
+    return max(best, along(d, hull[cluster.hull_begin + (nearest + DIRECTIONS - 1u) % DIRECTIONS]));
 }
 
 // (smallest, largest) product along d and across it. Of hulls with more than MOST_SCANNED points, too many of which are

@@ -17,11 +17,14 @@ pub const MOST_TRIANGLES: u32 = 1_000_000;
 /// The most buffers that positions are read from.
 pub const MOST_SOURCES: usize = 8;
 
+/// The largest `minStorageBufferOffsetAlignment` that a device may have.
+const SOURCE_ALIGNMENT: u64 = 256;
+
 /// A buffer in which the host's own skinning leaves positions: three `f32` a vertex, world position in metres, finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// The buffer, until the effect is changed or destroyed. Its offset is a multiple of the device's
-    /// `minStorageBufferOffsetAlignment`. Usage: `STORAGE_BUFFER`.
+    /// The buffer, until the effect is changed or destroyed. Its offset is a multiple of 256, which is enough for every device. Usage:
+    /// `STORAGE_BUFFER`.
     pub buffer: HostBuffer,
     /// `f32` from the beginning of a position to that of the next one, at least 3.
     pub stride: u32,
@@ -34,6 +37,11 @@ pub struct Source {
 impl Source {
     fn validate(&self) -> Result<()> {
         Rule::new("", 3..=1 << 16).check("blur's source's stride", self.stride)?;
+        if !self.buffer.offset.is_multiple_of(SOURCE_ALIGNMENT) {
+            let allowed =
+                format!("a multiple of {SOURCE_ALIGNMENT} bytes; SkinnedInput::offsets may be any multiple of 4");
+            return Err(Error::setting("blur's source's offset", self.buffer.offset, allowed));
+        }
         check_buffer("a source of blur's positions", &self.buffer, self.bytes())
     }
 
@@ -43,12 +51,13 @@ impl Source {
     }
 }
 
-/// Description of a blur effect. All of it is fixed until `resize`.
+/// Description of a blur effect. All of it is fixed until `Effect::change` or `resize`.
 #[derive(Clone, Debug)]
 pub struct Desc {
     /// Pixels of the picture, each at least 1.
     pub size: [u32; 2],
-    /// Format of the target and of the frames' images; one that can be a colour attachment and be sampled.
+    /// Format of the target and of the frames' images; one that can be a colour attachment, blended, sampled and copied
+    /// both ways.
     pub target_format: vk::Format,
     /// Points of the mesh, at least 1.
     pub points: u32,
@@ -74,10 +83,11 @@ pub struct Desc {
     /// Triangles that refinement may make, at least `triangles`; fewer are made where the device has no room for as many.
     /// Usually [`MOST_TRIANGLES`].
     pub most_triangles: u32,
-    /// Pieces that a trajectory may have in a frame, 1 to 32: [`Desc::segments_of`], or more with `trajectory = "exact"`.
+    /// Pieces that a trajectory may have in a frame, 1 to 32: [`Desc::segments_of`] the settings, also when these change, or more with
+    /// `trajectory = "exact"`.
     pub segments: u32,
-    /// Frames whose poses are kept on the device, at least 4 and as many as a window of trajectories has; a frame takes
-    /// the place of the one that is so many before it.
+    /// Frames whose poses are kept on the device, at least 4 and, where the device makes trajectories ([`Knot`](crate::blur::Knot)), as many
+    /// as these go through: 14 with `trajectory = "past"`, up to 26 else. A frame takes the place of the one that is so many before it.
     pub frames_resident: u32,
     /// Parts that the host names ([`crate::blur::Parts::sizes`]): what moves is then found on the device, and outputs bring poses
     /// and no more. None: outputs bring [`crate::blur::frame::ClusterInput`].

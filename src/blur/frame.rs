@@ -112,7 +112,7 @@ impl ClusterInput {
 }
 
 impl Counts {
-    /// Of parts, in generation `generation` of the teeth: the frame number divided by `hold`.
+    /// Of parts, in generation `generation` of the teeth: the number of frame i divided by `hold`.
     pub fn of_parts(parts: &PartSizes, generation: u32) -> Counts {
         let PartSizes { parts, seams, most_neighbours, .. } = *parts;
         Counts { generation, clusters: parts, seams, most_neighbours, ..Counts::default() }
@@ -305,7 +305,8 @@ impl IntervalInput<'_> {
             Trajectories::Pieces(_) => MOST_SEGMENTS as usize,
         };
         if count == 0 || count > most.min(desc.segments as usize) {
-            let why = format!("{count}; 1 to {} expected", most.min(desc.segments as usize));
+            let made = desc.segments;
+            let why = format!("{count}; 1 to {} expected, with Desc::segments = {made}", most.min(made as usize));
             return refuse("the trajectories' segments", why);
         }
         match self.segments.iter().find(|s| !(s.end > s.begin && s.begin.is_finite() && s.end.is_finite())) {
@@ -433,7 +434,13 @@ impl Frame<'_> {
         let is_covered = self.new_poses().any(|new| place(new) == place(frame));
         match self.new_poses().any(|new| new == frame) || (is_resident && !is_covered) {
             true => Ok(()),
-            false => refuse("poses", format!("that of frame {frame} is needed and not on the device")),
+            false => {
+                let resident = desc.frames_resident;
+                refuse(
+                    "poses",
+                    format!("that of frame {frame} is needed and not on the device, which keeps {resident}"),
+                )
+            }
         }
     }
 

@@ -31,7 +31,7 @@ pub use frame::{
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
-pub use parts::Parts;
+pub use parts::{PartSizes, Parts};
 pub use settings::Settings;
 pub use upload::{Placed, Upload};
 

@@ -110,7 +110,7 @@ settings! {
 }
 
 settings! {
-    /// Settings of the blur effect. Everything here is fixed at creation; what changes per frame is in `Frame`.
+    /// Settings of the blur effect. Fixed until `Effect::change`; what comes with each frame is in `Frame`.
     pub struct Settings {
         /// How far smears reach back.
         strength: f32 = 1.0, "frames", 0.0..=MOST_STRENGTH, "off";

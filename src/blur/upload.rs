@@ -172,7 +172,7 @@ impl Upload {
 
 impl Placed {
     /// For [`crate::blur::Frame::interval`], of the interval that was added; none if none was. `views`: frames i - 1 to i + 2. `knots`:
-    /// those that the device makes trajectories of, where they were not added.
+    /// none if trajectories were added ([`Upload::interval`]), else [`crate::blur::Motion::knots`].
     pub fn interval<'a>(
         &self,
         interval: &'a Interval,

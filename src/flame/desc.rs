@@ -6,12 +6,12 @@ use crate::error::{Error, Result};
 use crate::flame::settings::{HOTTEST, Settings};
 use crate::host::{DepthFormat, TemporalFormats};
 
-/// Description of a flame effect. All of it is fixed until `resize`.
+/// Description of a flame effect. All of it is fixed until `Effect::change` or `resize`.
 #[derive(Clone, Debug)]
 pub struct Desc {
     /// Pixels of the picture, each at least 1.
     pub size: [u32; 2],
-    /// Format of the target images; any that can be a colour attachment.
+    /// Format of the target images; one that can be a colour attachment, blended, sampled and copied both ways.
     pub target_format: vk::Format,
     /// The scene in front of the fire and behind it, if frames say so.
     pub scene: Option<SceneFormat>,

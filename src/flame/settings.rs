@@ -64,7 +64,7 @@ words! {
 }
 
 settings! {
-    /// Settings of the flame effect. Everything here is fixed at creation; what changes per frame is in `Frame`.
+    /// Settings of the flame effect. Fixed until `Effect::change`; what comes with each frame is in `Frame`.
     pub struct Settings {
         /// Repetitions of random render particles, "stochastic", or what ever more of them come to, without noise, at once.
         mode: Mode = Mode::default();

@@ -25,7 +25,8 @@ pub enum Timing<'a> {
     /// To a profiler whose [`Profiler::begin_frame`] was called on the same command buffer.
     Profiler(&'a mut Profiler),
     /// To the host's own timestamp queries: two a step, begin and end, in the order of the steps. The host has reset
-    /// [`queries`] of them and turns the ticks into times with a [`Clock`].
+    /// [`queries`] of them and turns the ticks into times with a [`Clock`]. The step's name is that of `Effect::step`'s pass; passes that
+    /// are skipped have no queries.
     Queries {
         /// The host's pool.
         pool: vk::QueryPool,

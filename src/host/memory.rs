@@ -10,7 +10,7 @@ use gpu_allocator::vulkan::{AllocationCreateDesc, AllocationScheme, Allocator};
 
 use crate::error::{Error, Result};
 
-/// Where the memory of buffers and images comes from: [`gpu_allocator::vulkan::Allocator`], [`MemoryCallbacks`], or the host's own.
+/// Where the memory of buffers and images comes from: [`Allocator`], [`MemoryCallbacks`], or the host's own.
 ///
 /// Effects ask for memory in `new`, `change` and `resize` only, and give it back in `destroy`. Pipelines are made before: an allocator
 /// that is locked is not held while they are, if the host has called [`crate::effect::Effect::compile`].

@@ -6,12 +6,12 @@ use crate::error::{Error, Result};
 use crate::host::{DepthFormat, TemporalFormats};
 use crate::smoke::settings::Settings;
 
-/// Description of a smoke effect. All of it is fixed until `resize`.
+/// Description of a smoke effect. All of it is fixed until `Effect::change` or `resize`.
 #[derive(Clone, Debug)]
 pub struct Desc {
     /// Pixels of the picture, each at least 1.
     pub size: [u32; 2],
-    /// Format of the target images; any that can be a colour attachment.
+    /// Format of the target images; one that can be a colour attachment, blended, sampled and copied both ways.
     pub target_format: vk::Format,
     /// How the host's depth images hold depth, if they are to occlude the smoke.
     pub depth: Option<DepthFormat>,

@@ -112,7 +112,7 @@ impl Setting for Emitter {
 }
 
 settings! {
-    /// Settings of the smoke effect. Everything here is fixed at creation; what changes per frame is in `Frame`.
+    /// Settings of the smoke effect. Fixed until `Effect::change`; what comes with each frame is in `Frame`.
     pub struct Settings {
         /// A voxel holds smoke where density > threshold.
         threshold: f32 = 0.1, "", f32::MIN..=f32::MAX;

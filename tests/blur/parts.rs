@@ -1,13 +1,11 @@
 //! Parts that the host names, poses that its own skinning leaves on the device, and several meshes in one effect.
 
-use std::f32::consts::TAU;
-
 use celfx::blur::motion::{Motion, Window};
 use celfx::blur::reference::extent::extent;
 use celfx::blur::settings::Space;
 use celfx::blur::{Cluster, Desc, Interval, Knot, MOST_SOURCES, Mesh, MeshInput, Parts, Settings, SkinnedInput};
 use celfx::low_level::blur::layout;
-use celfx::low_level::blur::params::{DIRECTIONS, PointMotion};
+use celfx::low_level::blur::params::{LARGEST_STEP, PointMotion};
 use celfx::simulate::mesh::Builtin;
 use celfx::view::View;
 
@@ -17,8 +15,6 @@ use crate::scenes::{Animation, Change, grid, swing};
 use crate::toon::Film;
 
 const SIZE: [u32; 2] = [160, 90];
-/// Between two directions of a part's outline.
-const STEP: f32 = TAU / DIRECTIONS as f32;
 
 /// A mesh in three bands of its vertices.
 pub fn bands(mesh: &Mesh) -> Parts {
@@ -84,7 +80,7 @@ fn compare(rig: &mut BlurRig, interval: &Interval, name: &str) {
             for ((found, expected), way) in found.into_iter().zip(extent(motion, &places)).zip(ways) {
                 // What lies between two neighbouring directions is missed by up to half its side times the tangent of half their
                 // angle; at both ends.
-                let most = 0.5 * STEP * diameter / width(way) + 1e-4;
+                let most = 0.5 * LARGEST_STEP * diameter / width(way) + 1e-4;
                 assert!((found - expected).abs() <= most, "{name}, point {point}: {found} is not {expected}");
             }
         }
@@ -153,7 +149,8 @@ fn what_stands_still_is_not_smeared() {
 fn corners_of_an_outline_are_exact() {
     let (mesh, settings) = (grid([9, 5]), incomplete());
     let parts = Parts::new(&mesh, &[0; 45]).expect("parts");
-    for (angle, off) in [(0.7_f32, -0.011_f32), (0.7, 0.006), (1.31, 0.003), (2.0, -0.009)] {
+    // Exactly along an axis, too.
+    for (angle, off) in [(0.0_f32, 0.0_f32), (0.7, -0.011), (0.7, 0.006), (1.31, 0.003), (2.0, -0.009)] {
         let pose = |frame: u8| {
             let ([sin, cos], way) = ([angle.sin(), angle.cos()], 0.2 * f32::from(frame) - 0.6);
             let place = |point: u8| {
