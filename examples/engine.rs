@@ -172,8 +172,7 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
             let sequence = if n == 1 { Sequence::Restart } else { Sequence::Advance };
             let frame = smoke::Frame { sequence, depth: Some(tested), edges: blur.edges(), ..frame };
             smoke.record(host, commands, &frame, &mut Timing::None)?;
-            let (count, hottest) = (rows.len() as u32, f32::INFINITY);
-            let particles = ParticleInput { count, hottest, position_temperature: rows_at, ids: None, previous: None };
+            let particles = ParticleInput::new(rows.len() as u32, rows_at);
             let shown_next = given(target, DRAWN, after_all(vk::ImageLayout::TRANSFER_SRC_OPTIMAL));
             let frame = flame::Frame::new(view, particles, shown_next);
             let frame = flame::Frame { number: n, scene: Some(SceneDepth::Image(tested)), ..frame };

@@ -148,7 +148,7 @@ fn flame_refuses_before_the_first_command() {
     let mut flame = make::<flame::FlameKind>(&mut device, &flame_desc()).expect("an effect");
     let host = device.host();
     let position_temperature = buffer(16 * 9);
-    let given = ParticleInput { count: 9, hottest: f32::INFINITY, position_temperature, ids: None, previous: None };
+    let given = ParticleInput::new(9, position_temperature);
     let good = flame::Frame {
         view: Camera::default().view(SIZE),
         particles: Some(given),

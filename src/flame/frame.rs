@@ -67,6 +67,11 @@ impl SceneDepth {
 }
 
 impl ParticleInput {
+    /// So many particles, of which nothing else is known. What is to be otherwise is set after.
+    pub fn new(count: u32, position_temperature: HostBuffer) -> ParticleInput {
+        ParticleInput { count, hottest: f32::INFINITY, position_temperature, previous: None, ids: None }
+    }
+
     fn validate(&self, desc: &Desc) -> Result<()> {
         let refuse = |why: String| Err(Error::HostResource { name: "particles", why });
         let ParticleInput { count, hottest, position_temperature, ids, previous } = *self;
