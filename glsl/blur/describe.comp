@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "directions.glsl"
+#include "velocity_sums.glsl"
 layout(local_size_x = DIRECTIONS) in;
 layout(std430, binding = 1) readonly buffer PartRows { PartRow part_rows[]; };
 layout(std430, binding = 2) readonly buffer ChunkSums { vec4 chunk_sums[]; };
@@ -16,28 +16,15 @@ layout(push_constant) uniform DescribeConstants {
     float tooth;     // width of one, in pixels
 } constants;
 
-shared vec4 sums[DIRECTIONS];
 shared vec3 least[DIRECTIONS];
 shared vec3 most[DIRECTIONS];
 
-// Of all velocities: sum, largest square, and number.
 vec4 summed(PartRow part, uint lane) {
     vec4 sum = vec4(0.0);
     for (uint i = part.first_chunk + lane; i < part.last_chunk; i += DIRECTIONS) {
-        vec4 chunk = chunk_sums[i];
-        sum = vec4(sum.xy + chunk.xy, max(sum.z, chunk.z), sum.w + chunk.w);
+        sum = join_velocities(sum, chunk_sums[i]);
     }
-    sums[lane] = sum;
-    barrier();
-    for (uint half_way = DIRECTIONS / 2u; half_way > 0u; half_way >>= 1u) {
-        if (lane < half_way) {
-            vec4 own = sums[lane];
-            vec4 other = sums[lane + half_way];
-            sums[lane] = vec4(own.xy + other.xy, max(own.z, other.z), own.w + other.w);
-        }
-        barrier();
-    }
-    return sums[0];
+    return sum_velocities(sum, lane);
 }
 
 // How wide the outline is along three directions, of which two are x and y.

@@ -3,7 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "directions.glsl"
+#include "velocity_sums.glsl"
 #include "../common/bits.glsl"
 layout(local_size_x = DIRECTIONS) in;
 layout(std430, binding = 1) readonly buffer PartMembers { uint part_members[]; };
@@ -16,7 +16,6 @@ layout(std430, binding = 7) buffer SupportValues { uint support_values[]; };
 
 shared vec2 positions[DIRECTIONS];
 shared uint points[DIRECTIONS];
-shared vec4 sums[DIRECTIONS];
 
 void main() {
     Chunk chunk = part_chunks[gl_WorkGroupID.x];
@@ -30,18 +29,10 @@ void main() {
     }
     positions[lane] = motion.position;
     points[lane] = point;
-    sums[lane] = vec4(motion.velocity, dot(motion.velocity, motion.velocity), point != NONE ? 1.0 : 0.0);
-    barrier();
-    for (uint half_way = DIRECTIONS / 2u; half_way > 0u; half_way >>= 1u) {
-        if (lane < half_way) {
-            vec4 own = sums[lane];
-            vec4 other = sums[lane + half_way];
-            sums[lane] = vec4(own.xy + other.xy, max(own.z, other.z), own.w + other.w);
-        }
-        barrier();
-    }
+    vec4 sum = sum_velocities(
+        vec4(motion.velocity, dot(motion.velocity, motion.velocity), point != NONE ? 1.0 : 0.0), lane);
     if (lane == 0u) {
-        chunk_sums[gl_WorkGroupID.x] = sums[0];
+        chunk_sums[gl_WorkGroupID.x] = sum;
     }
     vec2 way = direction_at(lane);
     uvec2 farthest = uvec2(0u, NONE);

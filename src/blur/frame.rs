@@ -7,7 +7,7 @@ pub use topology::{GroupInput, PartInput, TopologyInput};
 use crate::blur::desc::{Desc, MOST_SOURCES, check_seams};
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
 use crate::blur::mesh::Lists;
-use crate::blur::motion::{Cluster, Interval, Segment};
+use crate::blur::motion::{Cluster, Interval, Segment, seams};
 pub use crate::blur::motion::{FrameView, Knot};
 use crate::blur::parts::PartSizes;
 use crate::error::{Error, Result};
@@ -120,13 +120,12 @@ impl Counts {
 
     /// Of an interval. The seams' neighbours are those of [`crate::blur::Mesh::neighbours`].
     pub fn of(interval: &Interval, neighbours: &Lists) -> Counts {
-        let seams = interval.seams.iter().map(|point| neighbours.of(*point as usize).len() as u32);
         Counts {
             generation: interval.generation,
             clusters: interval.clusters.len() as u32,
             hull: interval.hull.len() as u32,
             seams: interval.seams.len() as u32,
-            most_neighbours: seams.max().unwrap_or(0),
+            most_neighbours: seams::most_neighbours(neighbours, &interval.seams),
             farthest: interval.hull.iter().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f32::max),
         }
     }

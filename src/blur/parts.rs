@@ -112,8 +112,7 @@ impl Parts {
         }
         found.members = members;
         found.seams = seams::find(mesh, &found.labels);
-        let neighbours = found.seams.iter().map(|point| mesh.neighbours().of(*point as usize).len() as u32);
-        found.most_neighbours = neighbours.max().unwrap_or(0);
+        found.most_neighbours = seams::most_neighbours(mesh.neighbours(), &found.seams);
         Ok(found)
     }
 

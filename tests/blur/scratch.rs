@@ -9,8 +9,7 @@ use celfx::low_level::blur::layout;
 use celfx::view::Light;
 
 use crate::common::blur::{BlurRig, Shot, desc};
-use crate::common::host::POISONS;
-use crate::common::rig::Bits;
+use crate::common::rig::{Bits, unaffected_by_poison};
 use crate::common::scenes::random;
 use crate::parts::bands;
 use crate::scenes::{grid, swing};
@@ -76,40 +75,31 @@ fn frames_with(desc: impl Fn(&Mesh) -> Desc, effort: Effort, poison: Option<u32>
     Some(all)
 }
 
-fn check(name: &str, frames: impl Fn(Option<u32>) -> Option<Vec<Bits>>) {
-    let Some(clean) = frames(None) else { return };
-    for word in POISONS {
-        let poisoned = frames(Some(word)).expect("a device");
-        for (number, (clean, poisoned)) in clean.iter().zip(&poisoned).enumerate() {
-            let differing = clean.differences(poisoned);
-            assert!(differing.is_empty(), "{name}, {word:#x}, frame {number}: {differing:?}");
-        }
-    }
-}
-
 #[test]
 fn frames_need_nothing_of_scratch() {
     let depth = Some(DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true });
     let base = |mesh: &_| Desc { outer: false, layers: false, ..desc(SIZE, mesh, Settings::default()) };
-    check("images", |poison| frames(base, poison));
-    check("images and layers", |poison| frames(|mesh| desc(SIZE, mesh, Settings::default()), poison));
-    check("images and depth", |poison| frames(|mesh| Desc { depth, ..base(mesh) }, poison));
-    check("drawn", |poison| frames(|mesh| Desc { toon: true, ..base(mesh) }, poison));
-    check("drawn, outer, depth", |poison| frames(|mesh| Desc { toon: true, outer: true, depth, ..base(mesh) }, poison));
+    unaffected_by_poison("images", |poison| frames(base, poison));
+    unaffected_by_poison("images and layers", |poison| frames(|mesh| desc(SIZE, mesh, Settings::default()), poison));
+    unaffected_by_poison("images and depth", |poison| frames(|mesh| Desc { depth, ..base(mesh) }, poison));
+    unaffected_by_poison("drawn", |poison| frames(|mesh| Desc { toon: true, ..base(mesh) }, poison));
+    unaffected_by_poison("drawn, outer, depth", |poison| {
+        frames(|mesh| Desc { toon: true, outer: true, depth, ..base(mesh) }, poison)
+    });
     let gradient = |mesh: &_| {
         let settings = Settings { completion: Completion::Gradient, ..Settings::default() };
         Desc { settings, outer: true, ..base(mesh) }
     };
-    check("gradient", |poison| frames(gradient, poison));
+    unaffected_by_poison("gradient", |poison| frames(gradient, poison));
     let of_parts = |mesh: &Mesh| Desc { toon: true, parts: Some(bands(mesh).sizes()), ..base(mesh) };
-    check("parts", |poison| frames(of_parts, poison));
+    unaffected_by_poison("parts", |poison| frames(of_parts, poison));
     let behind = |mesh: &_| {
         let lines = Lines { count: 3, ..Lines::default() };
         let ghosts = Ghosts { count: 2, ..Ghosts::default() };
         let settings = Settings { lines, ghosts, ..Settings::default() };
         Desc { outer: false, layers: false, ..desc(SIZE, mesh, settings) }
     };
-    check("lines and ghosts", |poison| frames(behind, poison));
+    unaffected_by_poison("lines and ghosts", |poison| frames(behind, poison));
 }
 
 /// What is done with in a frame makes room for what comes later in it: the bits are those of an effect in which nothing does.
@@ -144,5 +134,5 @@ fn drawn_frames_outlive_scratch() {
         });
         Some(frames.collect())
     };
-    check("a film", film);
+    unaffected_by_poison("a film", film);
 }

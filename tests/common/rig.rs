@@ -11,6 +11,7 @@ use celfx::smoke::reference;
 use celfx::smoke::{Desc, Sequence};
 use celfx::view::{Camera, Light, View};
 
+use super::host::POISONS;
 use super::{TestOffline, device, host};
 
 /// The effect on a device of its own.
@@ -162,5 +163,17 @@ impl Rig {
         let groups = self.groups();
         let Desc { settings, size, .. } = &self.desc;
         reference::frame(settings, view, light, *size, voxel.into(), &spheres, &groups)
+    }
+}
+
+/// What frames leave is the same whatever scratch memory held before each; `frames` makes them, and fills it with a word if one is given.
+pub fn unaffected_by_poison(name: &str, frames: impl Fn(Option<u32>) -> Option<Vec<Bits>>) {
+    let Some(clean) = frames(None) else { return };
+    for word in POISONS {
+        let poisoned = frames(Some(word)).expect("a device");
+        for (number, (clean, poisoned)) in clean.iter().zip(&poisoned).enumerate() {
+            let differing = clean.differences(poisoned);
+            assert!(differing.is_empty(), "{name}, {word:#x}, frame {number}: {differing:?}");
+        }
     }
 }

@@ -5,8 +5,7 @@ use celfx::flame::{Desc, SceneFormat, Settings};
 use celfx::offline::Scene;
 
 use crate::common::flame::{FlameRig, desc, embers, particles, scene};
-use crate::common::host::POISONS;
-use crate::common::rig::Bits;
+use crate::common::rig::{Bits, unaffected_by_poison};
 use crate::common::scenes::camera;
 use crate::determinism;
 
@@ -67,13 +66,6 @@ fn frames_need_nothing_of_scratch() {
         Desc { layers: false, accumulates: false, scene: Some(SceneFormat::Buffer), ..expected },
     ];
     for desc in cases {
-        let Some(clean) = frames(&desc, None) else { return };
-        for word in POISONS {
-            let poisoned = frames(&desc, Some(word)).expect("a device");
-            for (number, (clean, poisoned)) in clean.iter().zip(&poisoned).enumerate() {
-                let differing = clean.differences(poisoned);
-                assert!(differing.is_empty(), "{word:#x}, frame {number} of {desc:?}: {differing:?}");
-            }
-        }
+        unaffected_by_poison(&format!("{desc:?}"), |poison| frames(&desc, poison));
     }
 }

@@ -11,7 +11,7 @@ use celfx::low_level::plan::{ImageId, Plan};
 use celfx::smoke::{self, SmokeKind, VolumeInput};
 use celfx::view::{Camera, Light};
 
-use crate::kinds::{FORMAT, SIZE, buffer, image, mesh, segments};
+use crate::kinds::{FORMAT, SIZE, buffer, clusters, image, mesh, segments};
 
 /// Steps and barriers of the last of these frames.
 fn commands<K: Kind>(desc: &K::Desc, frames: &[K::Frame<'_>]) -> (usize, u32) {
@@ -143,14 +143,7 @@ fn a_frame_of_blur() {
             segments: &segments,
             views: [view(number), view(number + 1), view(number + 2), view(number + 3)],
             trajectories: blur::Trajectories::Poses(&knots),
-            clusters: Some(blur::ClusterInput {
-                motion: buffer(),
-                labels: buffer(),
-                clusters: buffer(),
-                hull: buffer(),
-                seams: buffer(),
-                fronts: buffer(),
-            }),
+            clusters: Some(clusters()),
         }),
         images: None,
         toon: Some(blur::ToonInput { view: view(number + 2), light: Light::default() }),

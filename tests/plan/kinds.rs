@@ -59,6 +59,11 @@ pub fn mesh() -> blur::TopologyInput {
     }
 }
 
+pub fn clusters() -> blur::ClusterInput {
+    let [motion, labels, clusters, hull, seams, fronts] = [buffer(); 6];
+    blur::ClusterInput { motion, labels, clusters, hull, seams, fronts }
+}
+
 /// Where trajectories begin and end, of as many segments as an effect has.
 pub fn segments(desc: &blur::Desc) -> Vec<blur::motion::Segment> {
     (0..desc.segments).map(|s| blur::motion::Segment { begin: -(s as f32), end: 1.0 - s as f32 }).collect()
@@ -395,14 +400,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
                 segments: &segments,
                 views: [view(0), view(1), view(2), view(3)],
                 trajectories: blur::Trajectories::Pieces(buffer()),
-                clusters: Some(blur::ClusterInput {
-                    motion: buffer(),
-                    labels: buffer(),
-                    clusters: buffer(),
-                    hull: buffer(),
-                    seams: buffer(),
-                    fronts: buffer(),
-                }),
+                clusters: Some(clusters()),
             };
             let host = blur::DepthInput { host: depth(), view: view(2) };
             let first = blur::Frame {

@@ -5,8 +5,7 @@ use celfx::low_level::smoke::layout;
 use celfx::smoke::settings::{Grow, Shadow};
 use celfx::smoke::{Desc, Sequence, Settings};
 
-use crate::common::host::POISONS;
-use crate::common::rig::{Bits, Rig, scene};
+use crate::common::rig::{Bits, Rig, scene, unaffected_by_poison};
 use crate::common::scenes::{camera, desc, direction, moving_puffs, point, puffs};
 
 /// All of each frame; of one that keeps no layers, its picture and depth. Volumes come where they change, holds and frames that
@@ -69,13 +68,6 @@ fn frames_need_nothing_of_scratch() {
         Desc { layers: false, settings: plain, ..base },
     ];
     for desc in cases {
-        let Some(clean) = frames(&desc, None) else { return };
-        for word in POISONS {
-            let poisoned = frames(&desc, Some(word)).expect("a device");
-            for (number, (clean, poisoned)) in clean.iter().zip(&poisoned).enumerate() {
-                let differing = clean.differences(poisoned);
-                assert!(differing.is_empty(), "{word:#x}, frame {number} of {desc:?}: {differing:?}");
-            }
-        }
+        unaffected_by_poison(&format!("{desc:?}"), |poison| frames(&desc, poison));
     }
 }

@@ -1,6 +1,6 @@
 //! Where clusters meet.
 
-use crate::blur::mesh::Mesh;
+use crate::blur::mesh::{Lists, Mesh};
 
 /// Edges from a seam to the farthest point that is smoothed.
 const RINGS: usize = 3;
@@ -29,4 +29,9 @@ pub(in crate::blur) fn find(mesh: &Mesh, labels: &[u32]) -> Vec<u32> {
     }
     let smoothed = |p: usize| near[p] && labels[p] > 0 && neighbours.of(p).len() <= MOST_NEIGHBOURS;
     (0..mesh.points()).filter(|p| smoothed(*p)).map(|p| p as u32).collect()
+}
+
+/// The most neighbours of one of these points.
+pub(in crate::blur) fn most_neighbours(neighbours: &Lists, points: &[u32]) -> u32 {
+    points.iter().map(|point| neighbours.of(*point as usize).len() as u32).max().unwrap_or(0)
 }
