@@ -191,6 +191,26 @@ fn blur_desc() -> blur::Desc {
     }
 }
 
+/// Positions that are read in place: where, how far apart, how many.
+#[test]
+fn sources_are_checked() {
+    let Some(mut device) = device() else { return };
+    let points = blur_desc().points;
+    let source = |offset, stride, points, size| {
+        let buffer = HostBuffer { offset, ..buffer(size) };
+        vec![blur::Source { buffer, stride, vertices: points, points }]
+    };
+    for (sources, expected) in [
+        (source(4, 3, points, 4096), "blur's source's offset = 4: a multiple of 256"),
+        (source(0, 2, points, 4096), "blur's source's stride = 2"),
+        (source(0, 3, points + 1, 4096), "blur's sources = 1 of 5 points"),
+        (source(256, 3, points, 44), "a source of blur's positions: 44 bytes; 48 expected"),
+        (source(0, 3, 1, 4096).repeat(9), "blur's sources = 9"),
+    ] {
+        refuses::<blur::BlurKind>(&mut device, &blur::Desc { sources, ..blur_desc() }, expected);
+    }
+}
+
 /// A format that a target or a depth image cannot have, and what is said of it.
 #[test]
 fn formats_are_asked_for() {
