@@ -13,9 +13,9 @@ use celfx::low_level::smoke::layout::{self, Layout};
 use celfx::low_level::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
 use celfx::low_level::smoke::params::{Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::low_level::smoke::search::{Pyramid, growth_rows};
-use celfx::smoke::settings::{Emitter, Grow, Radius, Shadow};
+use celfx::smoke::settings::{Emitter, Grow, Outline, Radius, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
-use celfx::toon::{Outline, Tone};
+use celfx::toon::Tone;
 
 /// Lavapipe's range of a storage buffer; the least that Vulkan allows is 128 MiB, too.
 const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;

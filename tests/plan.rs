@@ -21,9 +21,8 @@ use celfx::low_level::smoke::params::SmokeParams;
 use celfx::low_level::smoke::passes::Passes;
 use celfx::low_level::smoke::steps::{FrameDelta, Steps};
 use celfx::low_level::smoke::tables::Tables;
-use celfx::smoke::settings::{Grow, Integrator, Radius, Shadow};
+use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
-use celfx::toon::{Operator, Outline};
 use celfx::view::{Camera, Light};
 
 const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
@@ -383,7 +382,9 @@ fn the_steps_of_a_frame_in_order() {
         "smoke.luminance",
         "smoke.outline",
         "smoke.rows",
+        "smoke.outline",
         "smoke.columns",
+        "smoke.outline",
         "smoke.tone",
         "smoke.composite",
     ];
@@ -452,7 +453,9 @@ fn combinations() -> Vec<Desc> {
             (Grow::Pyramid, Radius::Ball),
             (Grow::Growth, Radius::Box),
         ] {
-            for (sigma, strength, operator) in [(4.0, 1.0, Operator::Roberts), (0.0, 0.0, Operator::Second)] {
+            for (sigma, strength, operator) in
+                [(4.0, 1.0, Operator::Step), (4.0, 1.0, Operator::Roberts), (0.0, 0.0, Operator::Second)]
+            {
                 for (flag, integrator) in [(false, Integrator::Euler), (true, Integrator::Rk2)] {
                     let outline = Outline { strength, operator, ..Outline::default() };
                     let fade = if flag { 0 } else { 6 };

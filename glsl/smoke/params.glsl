@@ -88,9 +88,14 @@ layout(binding = 0) uniform SmokeParams {
     uint window_blocks;     // the same in blocks
     uint tone_count;
     float tone_softness;    // width of the border between tones, pixels
-    vec4 outline_colour;    // linear RGB; w: unused
-    float outline_strength;
-    float outline_width;    // pixels
+    vec4 silhouette_colour;  // linear RGB; w: opacity
+    vec4 inner_colour;       // of other lines; w: unused
+    float silhouette_width;  // pixels
+    float inner_width;
+    float inner_strength;
+    float outline_taper;     // share of the width that the lowest steps have not
+    float shortest_line;     // pixels
+    uint piece_reach;        // pixels along a line that are looked at
     float pixel_footprint;  // metres at depth 1; orthographic: at any depth
     uint occlusion_side;    // of a block of the occlusion test, pixels
     PyramidLevel levels[MAX_LEVELS];

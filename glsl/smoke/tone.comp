@@ -5,9 +5,11 @@ layout(constant_id = 0) const uint FILTERED = 1u;  // 0: no Gaussian, the lumina
 layout(constant_id = 1) const uint INKED = 1u;     // 0: no line
 layout(constant_id = 2) const uint LAYERS = 0u;    // 1: tone and line are kept
 layout(constant_id = 3) const int REACH = 1;       // pixels from which a line can reach a pixel
+layout(constant_id = 4) const uint HARD = 0u;      // 1: a line of less strength is thinner, not paler
 #include "params.glsl"
 #include "pixel.glsl"
 #include "tile.glsl"
+#include "lines.glsl"
 #include "toon/ink_width.glsl"
 
 // From luminance `from` upwards the smoke has this colour.
@@ -68,26 +70,23 @@ float line_at(ivec2 at) {
     return is_in_picture(uvec2(at)) ? lines[pixel_index(uvec2(at))] : 0.0;
 }
 
-// The line, widened: the strongest of the pixels near enough, fading over the last pixel.
-float line_of(ivec2 at) {
-    if (REACH == 1) {
-        float beside = max(max(line_at(at + ivec2(1, 0)), line_at(at - ivec2(1, 0))),
-                           max(line_at(at + ivec2(0, 1)), line_at(at - ivec2(0, 1))));
-        float across = max(max(line_at(at + ivec2(1, 1)), line_at(at - ivec2(1, 1))),
-                           max(line_at(at + ivec2(1, -1)), line_at(at - ivec2(1, -1))));
-        return max(line_at(at), max(beside * ink_share(params.outline_width, 1.0),
-                                    across * ink_share(params.outline_width, sqrt(2.0))));
-    }
-    float opacity = 0.0;
+// Opacity that a line of a strength gives to what is so far from it.
+float ink_of(float strength, float width, float way) {
+    return HARD != 0u ? ink_share(strength * width, way) : strength * ink_share(width, way);
+}
+
+// Opacity of inner lines and of silhouettes, widened: the strongest of the pixels near enough, fading over the last pixel.
+vec2 line_of(ivec2 at) {
+    vec2 opacity = vec2(0.0);
     for (int y = -REACH; y <= REACH; ++y) {
         for (int x = -REACH; x <= REACH; ++x) {
-            float share = ink_share(params.outline_width, length(vec2(x, y)));
-            if (share > 0.0) {
-                opacity = max(opacity, line_at(at + ivec2(x, y)) * share);
-            }
+            float way = length(vec2(x, y));
+            float line = line_at(at + ivec2(x, y));
+            opacity = max(opacity, vec2(ink_of(max(line, 0.0), params.inner_width, way),
+                                        ink_of(max(-line, 0.0), params.silhouette_width, way)));
         }
     }
-    return opacity;
+    return opacity * vec2(1.0, params.silhouette_colour.w);
 }
 
 void work_on(uvec2 at) {
@@ -98,10 +97,13 @@ void work_on(uvec2 at) {
         return;
     }
     vec3 tone = tone_of(ivec2(at), pixel);
-    float line = INKED != 0u ? line_of(ivec2(at)) : 0.0;
-    picture[index] = vec4(mix(tone, params.outline_colour.rgb, line), 1.0);
+    vec2 line = INKED != 0u ? line_of(ivec2(at)) : vec2(0.0);
+    // Silhouettes lie over inner lines, which are seen where they are the stronger ones.
+    float ink = max(line.x, line.y);
+    vec3 colour = params.silhouette_colour.rgb * line.y + params.inner_colour.rgb * (ink - line.y);
+    picture[index] = vec4(tone * (1.0 - ink) + colour, 1.0);
     if (LAYERS != 0u) {
         tone_layer[index] = vec4(tone, 1.0);
-        outline_layer[index] = line;
+        outline_layer[index] = ink;
     }
 }

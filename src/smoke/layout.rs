@@ -13,7 +13,8 @@ use crate::scan;
 use crate::shaders::smoke as glsl;
 use crate::shaders::smoke::blocks::{Control, Edge, History, Particle, Reach, Search, SmokeParams, Tone};
 use crate::shaders::smoke::constants::{
-    BIRTH_BLOCK, BLOCK, BUCKETS, FIELD_VOXELS, GROUP_WORDS, LIST_RUN, MAX_LEVELS, SLOT_PIXELS, TILE, TILE_BLOCKS,
+    BIRTH_BLOCK, BLOCK, BUCKETS, FIELD_VOXELS, GROUP_WORDS, INK_WORDS, LIST_RUN, MAX_LEVELS, SLOT_PIXELS, TILE,
+    TILE_BLOCKS,
 };
 use crate::smoke::desc::Desc;
 use crate::smoke::frame::Shape;
@@ -67,6 +68,7 @@ buffers! {
     ROW_SUMS = "RowSums",
     SMOOTH = "Smooth": Layer,
     LINES = "Lines",
+    INK_BITS = "InkBits",
     TONES = "Tones": Kept,
     PICTURE = "Picture": Layer,
     TONE_LAYER = "ToneLayer": Layer,
@@ -291,6 +293,7 @@ impl Layout {
         self.set(ROW_SUMS, kept(filtered, u64::from(self.batch_capacity) * u64::from(SLOT_PIXELS) * 8));
         self.set(SMOOTH, kept(filtered, pixels * 4));
         self.set(LINES, kept(inked, pixels * 4));
+        self.set(INK_BITS, kept(inked && settings.outline.is_hard(), tiles * u64::from(INK_WORDS) * 4));
         self.set(TONES, (settings.tones.len() * size_of::<Tone>()) as u64);
         self.set(PICTURE, pixels * 16);
         self.set(TONE_LAYER, kept(desc.layers, pixels * 16));

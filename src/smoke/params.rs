@@ -10,7 +10,6 @@ use crate::smoke::frame::{Frame, Shape};
 use crate::smoke::layout::Layout;
 use crate::smoke::search::Pyramid;
 use crate::smoke::settings::{Emitter, Settings};
-use crate::toon::Outline;
 use crate::view::{Light, LightSource, Projection};
 
 impl Control {
@@ -162,15 +161,22 @@ impl SmokeParams {
     }
 
     fn set_look(&mut self, settings: &Settings, layout: &Layout) {
-        let Outline { strength, width, colour: [r, g, b], .. } = settings.outline;
+        let outline = &settings.outline;
+        let (silhouettes, inner) = (outline.silhouettes(), outline.inner_lines());
+        let colour = |[r, g, b]: [f32; 3], w| [r, g, b, w];
         *self = SmokeParams {
             window: settings.window(),
             window_blocks: layout.window_blocks,
             tone_count: settings.tones.len() as u32,
             tone_softness: settings.tone_softness,
-            outline_colour: [r, g, b, 0.0],
-            outline_strength: strength,
-            outline_width: width,
+            silhouette_colour: colour(silhouettes.colour, silhouettes.strength),
+            inner_colour: colour(inner.colour, 0.0),
+            silhouette_width: silhouettes.width,
+            inner_width: inner.width,
+            inner_strength: inner.strength,
+            outline_taper: outline.taper,
+            shortest_line: outline.shortest,
+            piece_reach: outline.piece_reach(),
             ..*self
         };
     }

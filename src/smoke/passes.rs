@@ -9,9 +9,8 @@ use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
 use crate::smoke::layout::*;
 use crate::smoke::params::{Control, MAX_LEVELS, SmokeParams, Tone};
-use crate::smoke::settings::{Integrator, Shadow};
+use crate::smoke::settings::{Integrator, Operator, Outline, Shadow};
 use crate::smoke::tables::Tables;
-use crate::toon;
 
 passes! {
     (desc: &Desc, layout: &Layout, tables: &Tables, effort: Effort), resource;
@@ -22,7 +21,7 @@ passes! {
     volume = Pass::transfer("smoke.volume").copies(HOST_DENSITY, DENSITY).copies(HOST_VELOCITY, VELOCITY);
     background = Pass::transfer("smoke.background").copies(BACKGROUND, TARGET);
     restart = Pass::transfer("smoke.restart").fills(DYING).fills(SPHERES).fills(GROUPS);
-    clear = [PIXELS, DEPTH, LINES, SHADOW, SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER]
+    clear = [PIXELS, DEPTH, LINES, INK_BITS, SHADOW, SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER]
         .into_iter()
         .fold(Pass::transfer("smoke.clear"), Pass::fills);
     occupancy = Pass::compute("smoke.occupancy", &glsl::occupancy::SHADER);
@@ -61,8 +60,7 @@ passes! {
         .map(|shader| Pass::compute("smoke.tiles", shader).times(layout.batches as usize));
     rows = Pass::compute("smoke.rows", &glsl::rows::SHADER).times(layout.batches as usize);
     columns = Pass::compute("smoke.columns", &glsl::columns::SHADER).times(layout.batches as usize);
-    outline = Pass::compute("smoke.outline", &glsl::outline::SHADER)
-        .specialise([desc.settings.outline.operator.is_second().into()]);
+    outline: Vec<PassId> = outline(&desc.settings.outline);
     tone = tone(desc);
     edges = Pass::transfer("smoke.edges").copies(HOST_EDGES, EDGES);
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
@@ -119,13 +117,29 @@ fn luminance(desc: &Desc, layout: &Layout) -> Pass {
     pass.times(layout.luminance_parts as usize)
 }
 
+/// One pass, or three for steps.
+fn outline(outline: &Outline) -> Vec<Pass> {
+    let pass = |shader| Pass::compute("smoke.outline", shader);
+    let fading = |second: u32| vec![pass(&glsl::outline::SHADER).specialise([second])];
+    match outline.operator {
+        Operator::Roberts => fading(0),
+        Operator::Second => fading(1),
+        Operator::Step => {
+            let all_stay = u32::from(outline.shortest == 0.0);
+            let pieces = pass(&glsl::pieces::SHADER).specialise([all_stay]);
+            vec![pass(&glsl::step::SHADER), pass(&glsl::trace::SHADER), pieces]
+        }
+    }
+}
+
 fn tone(desc: &Desc) -> Pass {
     let settings = &desc.settings;
     Pass::compute("smoke.tone", &glsl::tone::SHADER).specialise([
         u32::from(settings.is_filtered()),
         u32::from(settings.outline.is_on()),
         u32::from(desc.layers),
-        toon::ink_reach(settings.outline.width),
+        settings.outline.reach(),
+        u32::from(settings.outline.is_hard()),
     ])
 }
 

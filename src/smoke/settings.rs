@@ -3,8 +3,12 @@
 use crate::error::{Error, Result};
 use crate::settings::{Dial, DialKind, Setting, settings, words};
 use crate::shaders::smoke::constants::GROUP_MASK;
-use crate::toon::{Outline, Tone};
+use crate::toon::Tone;
 use crate::view::FARTHEST;
+
+mod outline;
+
+pub use outline::{Line, Operator, Outline};
 
 /// The most depth groups.
 pub const MAX_GROUPS: u32 = GROUP_MASK - 1;
@@ -164,7 +168,7 @@ settings! {
         ];
         /// Width of the antialiased border between tones.
         tone_softness: f32 = 0.5, "pixels", 0.0..=16.0, "hard";
-        /// The ink line. Strength 1 makes a depth step of one voxel black.
+        /// The ink line.
         outline: Outline = Outline::default();
     }
 }

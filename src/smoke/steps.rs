@@ -118,7 +118,7 @@ impl Steps<'_> {
     fn skip_picture(&mut self, reason: &'static str) {
         let Passes { shadow_reset, occluders, spheres, tiles, luminance, .. } = self.passes;
         let Passes { rows, columns, outline, tone, composite, .. } = self.passes;
-        for pass in [shadow_reset, occluders, spheres, tiles, luminance, rows, columns, outline, tone] {
+        for pass in [shadow_reset, occluders, spheres, tiles, luminance, rows, columns, &outline[0], tone] {
             self.plan.skip(*pass, reason);
         }
         let temporal = [self.passes.motion, self.passes.reactive].into_iter().flatten();
@@ -244,11 +244,7 @@ impl Steps<'_> {
             }
         }
         let tiles = dispatch(offset_of!(Control, tile_groups));
-        match settings.outline.is_on() {
-            true => self.plan.step(self.passes.outline, tiles),
-            false => self.plan.skip(self.passes.outline, "strength is 0"),
-        }
-        self.gaussian();
+        self.outline_and_gaussian();
         self.plan.step(self.passes.tone, tiles);
         let tiles = draw(offset_of!(Control, tile_draw));
         self.temporal(frame, tiles);
@@ -290,6 +286,9 @@ impl Steps<'_> {
         self.plan.step(self.passes.clear, Command::Fill { buffer: DEPTH, word: f32::INFINITY.to_bits() });
         if self.desc.settings.outline.is_on() {
             self.plan.step(self.passes.clear, Command::Fill { buffer: LINES, word: 0 });
+            if self.desc.settings.outline.is_hard() {
+                self.plan.step(self.passes.clear, Command::Fill { buffer: INK_BITS, word: 0 });
+            }
         }
         if self.desc.layers {
             self.plan.step(self.passes.clear, Command::Fill { buffer: SHADOW, word: 1.0_f32.to_bits() });
@@ -378,25 +377,42 @@ impl Steps<'_> {
         self.plan.step_with(self.passes.items[half], Command::Dispatch { threads }, &constants);
     }
 
-    fn gaussian(&mut self) {
-        if !self.desc.settings.is_filtered() {
+    /// Lines and smoothed luminance, step by step beside each other: neither waits for the other.
+    fn outline_and_gaussian(&mut self) {
+        self.outline(0);
+        if self.desc.settings.is_filtered() {
+            self.gaussian(self.passes.rows, 0, 0);
+            self.outline(1);
+            self.gaussian(self.passes.columns, 0, 1);
+        } else {
             self.plan.skip(self.passes.rows, "sigma is 0");
             self.plan.skip(self.passes.columns, "sigma is 0");
-            return;
+            self.outline(1);
         }
-        for batch in 0..self.layout.batches {
-            if batch > 0 {
-                self.items(batch, 0);
-                self.items(batch, 1);
-            }
-            let first_group = 1 + batch * self.layout.batch_groups;
-            let constants = GaussianConstants { base: batch * self.layout.batch_capacity, first_group };
-            for (pass, argument) in [(self.passes.rows, 2 * batch), (self.passes.columns, 2 * batch + 1)] {
-                let offset = 16 * u64::from(argument);
-                let command = Command::DispatchIndirect { arguments: ITEM_ARGUMENTS, offset };
-                self.plan.step_with(pass, command, &constants);
-            }
+        self.outline(2);
+        for batch in 1..self.layout.batches {
+            self.items(batch, 0);
+            self.items(batch, 1);
+            self.gaussian(self.passes.rows, batch, 0);
+            self.gaussian(self.passes.columns, batch, 1);
         }
+    }
+
+    /// One of the steps that make lines, if there is one.
+    fn outline(&mut self, step: usize) {
+        let Some(pass) = self.passes.outline.get(step) else { return };
+        match self.desc.settings.outline.is_on() {
+            true => self.plan.step(*pass, dispatch(offset_of!(Control, tile_groups))),
+            false => self.plan.skip(*pass, "strength is 0"),
+        }
+    }
+
+    /// Half of the Gaussian of a batch of groups.
+    fn gaussian(&mut self, pass: PassId, batch: u32, half: u32) {
+        let first_group = 1 + batch * self.layout.batch_groups;
+        let constants = GaussianConstants { base: batch * self.layout.batch_capacity, first_group };
+        let offset = 16 * u64::from(2 * batch + half);
+        self.plan.step_with(pass, Command::DispatchIndirect { arguments: ITEM_ARGUMENTS, offset }, &constants);
     }
 }
 

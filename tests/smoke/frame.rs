@@ -1,8 +1,7 @@
 //! Whole frames against the reference.
 
-use celfx::smoke::settings::{Grow, Integrator, Radius, Shadow};
+use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
 use celfx::smoke::{Sequence, Settings};
-use celfx::toon::{Operator, Outline};
 use celfx::view::Light;
 
 use crate::common::picture::{Picture, Tolerance, assert_pictures};
@@ -52,7 +51,13 @@ fn default_settings() {
 fn other_settings() {
     let light = direction(0.3, -1.0, -0.4);
     assert_frame("soft", Settings { softness: 0.2, sigma: 8.0, groups: 30, ..settings() }, light, false);
-    let outline = Outline { operator: Operator::Second, width: 3.0, strength: 0.3, colour: [0.2, 0.0, 0.1] };
+    let outline = Outline {
+        operator: Operator::Second,
+        width: 3.0,
+        strength: 0.3,
+        colour: [0.2, 0.0, 0.1],
+        ..Outline::default()
+    };
     let bare = Settings { shadow: Shadow::None, sigma: 0.0, tone_softness: 0.0, outline, ..settings() };
     assert_frame("bare", bare, light, false);
     let ball = Settings { radius: Radius::Ball, scale: 0.6, integrator: Integrator::Rk2, ..settings() };

@@ -10,10 +10,8 @@ use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::COPIED_FROM;
 use celfx::offline::TARGET_FORMAT;
-use celfx::smoke::settings::{Grow, Shadow};
+use celfx::smoke::settings::{Grow, Outline, Shadow};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
-
-use celfx::toon::Outline;
 
 use crate::common::allocations::allocated;
 use crate::common::host::{self, DISCARDED};

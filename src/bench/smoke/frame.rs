@@ -8,10 +8,9 @@ use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
 use crate::offline;
-use crate::smoke::reference::{gaussian, render, shadow, tone};
-use crate::smoke::settings::Shadow;
+use crate::smoke::reference::{gaussian, outline, render, shadow, tone};
+use crate::smoke::settings::{Outline, Shadow};
 use crate::smoke::{Sequence, Settings};
-use crate::toon::Outline;
 use crate::view::Light;
 
 const PASS: &str = "frame";
@@ -109,8 +108,8 @@ impl Seen {
         let smooth = gaussian::masked_separable(width, height, luminance, &self.id, settings.sigma, settings.cutoff);
         let tones = tone::tones(self.size, &smooth, &self.id, &settings.tones, settings.tone_softness.into());
         let outline =
-            tone::outline(self.size, &self.depth, &scene::camera().view(self.size), self.voxel, &settings.outline);
-        let expected = tone::composite(&tones, &outline, &self.id, settings.outline.colour);
+            outline::outline(self.size, &self.depth, &scene::camera().view(self.size), self.voxel, &settings.outline);
+        let expected = tone::composite(&tones, &outline, &self.id, &settings.outline);
         let smoke = |(pixel, expected): &(&[f32; 4], &[f64; 4])| pixel[3] != 0.0 || expected[3] != 0.0;
         let channels = |(pixel, expected): (&[f32; 4], &[f64; 4])| {
             [0, 1, 2, 3].map(|channel| (f64::from(pixel[channel]) - expected[channel]).abs())

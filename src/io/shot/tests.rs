@@ -159,7 +159,7 @@ fn built_in_shots_say_the_defaults() {
                 sigma,
                 emitter: own.emitter,
                 tones: own.tones.clone(),
-                outline: crate::toon::Outline { strength: own.outline.strength, ..defaults.outline },
+                outline: crate::smoke::settings::Outline { strength: own.outline.strength, ..defaults.outline },
                 ..defaults.clone()
             };
             assert_eq!(*settings, expected, "{name}");
@@ -189,6 +189,16 @@ fn built_in_shots_say_the_defaults() {
     }
 }
 
+/// Keys of kinds of lines, which are those of all lines if they are not given.
+const LINES: [&str; 6] = [
+    "smoke.outline.silhouette.strength",
+    "smoke.outline.silhouette.width",
+    "smoke.outline.silhouette.colour",
+    "smoke.outline.inner.strength",
+    "smoke.outline.inner.width",
+    "smoke.outline.inner.colour",
+];
+
 #[test]
 fn what_built_in_shots_show_commented_out_is_valid_too() {
     for (name, _) in BUILTIN {
@@ -215,6 +225,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             expected.extend(["smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth"]);
             expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
+            expected.extend(LINES);
         }
         expected.extend(shot.has("flame").then_some("flame.size_pixels"));
         if shot.has("blur") {

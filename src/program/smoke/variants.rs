@@ -6,24 +6,27 @@ use crate::host::TemporalFormats;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
 use crate::program::variants::{DEPTH, SIZE, TEMPORAL, passes, switches};
-use crate::smoke::settings::{Integrator, Shadow};
+use crate::smoke::settings::{Integrator, Operator, Shadow};
 use crate::smoke::{Desc, Settings, SmokeKind};
-use crate::toon::Operator;
 
 pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
     let shadows = [Shadow::Exact, Shadow::Map, Shadow::None];
-    switches().flat_map(|switches| shadows.map(|shadow| variant(switches, shadow, traits))).collect()
+    let operators = [Operator::Step, Operator::Roberts, Operator::Second];
+    let ways = shadows.into_iter().flat_map(|shadow| operators.map(|operator| (shadow, operator)));
+    let variants = switches().flat_map(|switches| ways.clone().map(move |way| variant(switches, way, traits)));
+    variants.collect()
 }
 
 fn variant(
-    [rk2, second, layers, thorough, depth, flat, plain]: [bool; 7],
-    shadow: Shadow,
+    [rk2, layers, thorough, depth, flat, plain]: [bool; 6],
+    (shadow, operator): (Shadow, Operator),
     traits: &DeviceTraits,
 ) -> Result<Vec<Pass>> {
     let mut settings = Settings { shadow, ..Settings::default() };
     settings.integrator = if rk2 { Integrator::Rk2 } else { Integrator::Euler };
-    settings.outline.operator = if second { Operator::Second } else { Operator::Roberts };
-    settings.outline.width = if second { 16.0 } else { 1.0 };
+    settings.outline.operator = operator;
+    settings.outline.width = if operator == Operator::Roberts { 1.0 } else { 16.0 };
+    settings.outline.shortest = if rk2 { 0.0 } else { settings.outline.shortest };
     settings.outline.strength = if plain { 0.0 } else { 1.0 };
     settings.sigma = if flat { 0.0 } else { settings.sigma };
     let desc = Desc {

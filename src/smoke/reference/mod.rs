@@ -6,6 +6,7 @@ pub mod gaussian;
 pub mod grid;
 pub mod groups;
 pub mod grow;
+pub mod outline;
 pub mod particles;
 pub mod render;
 pub mod shadow;
@@ -34,8 +35,8 @@ pub struct Frame {
     pub smooth: Vec<f64>,
     /// Tone colour before the line, linear RGB; black where nothing is seen.
     pub tone: Vec<[f64; 3]>,
-    /// Opacity of the line, 0 to 1.
-    pub outline: Vec<f64>,
+    /// Opacity of inner lines and of silhouettes, 0 to 1.
+    pub outline: Vec<[f64; 2]>,
     /// The effect alone, linear RGBA, premultiplied; alpha is 0 or 1.
     pub image: Vec<[f64; 4]>,
 }
@@ -64,8 +65,8 @@ pub fn frame(
     let [width, height] = size.map(|n| n as usize);
     let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
     let tone = tone::tones(size, &smooth, &id, &settings.tones, settings.tone_softness.into());
-    let outline = tone::outline(size, &depth, view, voxel, &settings.outline);
-    let image = tone::composite(&tone, &outline, &id, settings.outline.colour);
+    let outline = outline::outline(size, &depth, view, voxel, &settings.outline);
+    let image = tone::composite(&tone, &outline, &id, &settings.outline);
     Frame { hits, shadow, luminance, depth, id, smooth, tone, outline, image }
 }
 
@@ -106,7 +107,10 @@ mod tests {
             assert_eq!(frame.id[pixel] > 0, hit.is_some());
             assert_eq!(frame.image[pixel][3], if hit.is_some() { 1.0 } else { 0.0 });
             assert_eq!(frame.depth[pixel].is_finite(), hit.is_some());
-            assert!((0.0..=1.0).contains(&frame.smooth[pixel]) && (0.0..=1.0).contains(&frame.outline[pixel]));
+            assert!(
+                (0.0..=1.0).contains(&frame.smooth[pixel])
+                    && frame.outline[pixel].iter().all(|ink| (0.0..=1.0).contains(ink))
+            );
             assert!(frame.image[pixel].iter().all(|c| (0.0..=1.0).contains(c)));
         }
         let ink = frame.image.iter().filter(|c| **c == [0.0, 0.0, 0.0, 1.0]).count();
@@ -117,7 +121,7 @@ mod tests {
     fn one_sphere_lit_from_the_eye() {
         let camera = Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, ..Camera::default() };
         let light = Light { source: crate::view::LightSource::Direction(-DVec3::Z), ambient: 0.0 };
-        let no_line = crate::toon::Outline { strength: 0.0, ..Default::default() };
+        let no_line = crate::smoke::settings::Outline { strength: 0.0, ..Default::default() };
         let settings = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
         let frame = frame(&settings, &camera.view([33, 33]), &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &[5]);
         let middle = 16 * 33 + 16;

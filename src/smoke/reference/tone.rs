@@ -1,9 +1,9 @@
-//! Tones from smoothed luminance and lines from depth (sections 3.4 and 3.5 of the paper), and both together.
+//! Tones from smoothed luminance (section 3.4 of the paper), and lines over them.
 //!
 //! Images have `size` = [width, height] pixels, row by row from the top.
 
-use crate::toon::{Operator, Outline, Tone};
-use crate::view::{Projection, View};
+use crate::smoke::settings::Outline;
+use crate::toon::Tone;
 
 /// Tone colour of every pixel, linear RGB; black where `id` is 0.
 ///
@@ -47,73 +47,17 @@ fn gradient(size: [u32; 2], smooth: &[f64], id: &[u32], pixel: usize) -> f64 {
     along(1, 0).hypot(along(0, 1))
 }
 
-/// Opacity of the line in every pixel, 0 to 1; 0 where nothing is seen.
-///
-/// `depth` is linear view depth in metres, infinite where nothing is seen; `voxel` is the smallest side of a voxel in
-/// metres. Width spreads the line: the greatest `(1 - l) clamp(width - distance, 0, 1)` of all pixels.
-pub fn outline(size: [u32; 2], depth: &[f64], view: &View, voxel: f64, settings: &Outline) -> Vec<f64> {
-    let projection = Projection::of_valid(view, size);
-    let line: Vec<f64> =
-        (0..depth.len()).map(|pixel| stencil(size, depth, &projection, voxel, settings, pixel)).collect();
-    let width = f64::from(settings.width);
-    let reach = width.ceil() as i64;
-    let mut offsets = Vec::new();
-    for (dy, dx) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dy, dx))) {
-        let share = (width - (dx as f64).hypot(dy as f64)).clamp(0.0, 1.0);
-        if share > 0.0 {
-            offsets.push((dx, dy, share));
-        }
-    }
-    let opacity = |pixel: usize| {
-        if !depth[pixel].is_finite() {
-            return 0.0;
-        }
-        let [x, y] = place(size, pixel);
-        let near = offsets.iter().filter_map(|(dx, dy, share)| Some(line[inside(size, x + dx, y + dy)?] * share));
-        near.fold(0.0, f64::max)
-    };
-    (0..depth.len()).map(opacity).collect()
-}
-
-/// 1 - l of one pixel: the squared diagonal differences of depth in units of `max(voxel, 8 pixels)`.
-fn stencil(
-    size: [u32; 2],
-    depth: &[f64],
-    projection: &Projection,
-    voxel: f64,
-    settings: &Outline,
-    pixel: usize,
-) -> f64 {
-    let centre = depth[pixel];
-    if !centre.is_finite() || !settings.is_on() {
-        return 0.0;
-    }
-    let [x, y] = place(size, pixel);
-    let [last_x, last_y] = size.map(|n| i64::from(n) - 1);
-    let at = |dx: i64, dy: i64| {
-        let [x, y] = [(x + dx).clamp(0, last_x), (y + dy).clamp(0, last_y)];
-        depth[y as usize * size[0] as usize + x as usize]
-    };
-    let [a, b, c, d] = [at(-1, 1), at(1, -1), at(-1, -1), at(1, 1)];
-    if [a, b, c, d].iter().any(|z| !z.is_finite()) {
-        return 1.0;
-    }
-    let unit = voxel.max(8.0 * projection.widening(centre) / projection.focal.y);
-    let [first, second] = match settings.operator {
-        Operator::Roberts => [a - b, c - d],
-        Operator::Second => [a + b - 2.0 * centre, c + d - 2.0 * centre],
-    };
-    let squared = (first / unit).powi(2) + (second / unit).powi(2);
-    1.0 - (1.0 - f64::from(settings.strength) * squared).max(0.0)
-}
-
-/// The effect's image, linear RGBA: the line over the tone, alpha 1 on smoke; all 0 where `id` is 0.
-pub fn composite(tone: &[[f64; 3]], opacity: &[f64], id: &[u32], colour: [f32; 3]) -> Vec<[f64; 4]> {
-    let pixel = |((tone, opacity), id): ((&[f64; 3], &f64), &u32)| {
-        let [r, g, b] = mix(*tone, colour, *opacity);
+/// The effect's image, linear RGBA: lines over the tone, silhouettes over inner lines, which are seen where they are the
+/// stronger ones; alpha 1 on smoke; all 0 where `id` is 0. `lines` has the opacities of inner lines and of silhouettes.
+pub fn composite(tone: &[[f64; 3]], lines: &[[f64; 2]], id: &[u32], outline: &Outline) -> Vec<[f64; 4]> {
+    let [inner, silhouettes] = [outline.inner_lines(), outline.silhouettes()].map(|line| line.colour.map(f64::from));
+    let pixel = |((tone, line), id): ((&[f64; 3], &[f64; 2]), &u32)| {
+        let ink = line[0].max(line[1]);
+        let [r, g, b] =
+            std::array::from_fn(|c| tone[c] * (1.0 - ink) + silhouettes[c] * line[1] + inner[c] * (ink - line[1]));
         if *id == 0 { [0.0; 4] } else { [r, g, b, 1.0] }
     };
-    tone.iter().zip(opacity).zip(id).map(pixel).collect()
+    tone.iter().zip(lines).zip(id).map(pixel).collect()
 }
 
 /// The share `share` of `b` composited over `a`.
@@ -122,13 +66,13 @@ fn mix(a: [f64; 3], b: [f32; 3], share: f64) -> [f64; 3] {
 }
 
 /// Column and row of a pixel.
-fn place(size: [u32; 2], pixel: usize) -> [i64; 2] {
+pub(super) fn place(size: [u32; 2], pixel: usize) -> [i64; 2] {
     let width = size[0] as usize;
     [(pixel % width) as i64, (pixel / width) as i64]
 }
 
 /// The pixel in column `x` and row `y`, if there is one.
-fn inside(size: [u32; 2], x: i64, y: i64) -> Option<usize> {
+pub(super) fn inside(size: [u32; 2], x: i64, y: i64) -> Option<usize> {
     let [width, height] = size.map(i64::from);
     ((0..width).contains(&x) && (0..height).contains(&y)).then_some((y * width + x) as usize)
 }
@@ -136,7 +80,7 @@ fn inside(size: [u32; 2], x: i64, y: i64) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::Camera;
+    use crate::smoke::settings::Line;
 
     const SIZE: [u32; 2] = [9, 7];
 
@@ -146,19 +90,6 @@ mod tests {
 
     fn two_tones(from: f32) -> [Tone; 2] {
         [Tone { from: 0.0, colour: [0.0, 0.5, 1.0] }, Tone { from, colour: [1.0, 0.5, 0.0] }]
-    }
-
-    /// 90 degrees: at depth 1 the seven rows are 2 m high.
-    fn camera() -> Camera {
-        Camera { vertical_fov: 90.0, ..Camera::default() }
-    }
-
-    fn line(depth: &[f64], voxel: f64, settings: Outline) -> Vec<f64> {
-        outline(SIZE, depth, &camera().view(SIZE), voxel, &settings)
-    }
-
-    fn thin(strength: f32, operator: Operator) -> Outline {
-        Outline { strength, width: 1.0, operator, ..Outline::default() }
     }
 
     #[test]
@@ -201,68 +132,12 @@ mod tests {
     }
 
     #[test]
-    fn a_step_of_one_voxel_is_black_and_half_a_voxel_half_grey() {
-        // One degree: at depth 1, 8 pixels are 0.02 m, below a voxel of 0.125. A step between columns 3 and 4 is crossed
-        // by both diagonals of columns 3 and 4: l' = 2 (step / voxel)^2.
-        let row = |step: f64, strength: f32| {
-            let depth = image(|x, _| if x < 4 { 1.0 } else { 1.0 + step });
-            let camera = Camera { vertical_fov: 1.0, ..camera() };
-            outline(SIZE, &depth, &camera.view(SIZE), 0.125, &thin(strength, Operator::Roberts))[27..36].to_vec()
-        };
-        assert_eq!(row(0.125, 1.0), [0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(row(0.0625, 1.0), [0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(row(0.0625, 0.5), [0.0, 0.0, 0.0, 0.25, 0.25, 0.0, 0.0, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn far_away_the_unit_is_eight_pixels_of_the_centre() {
-        // Depth 7: a pixel is 2 m high, the unit 16 m. The step of 8 m is seen from 7 (l' = 2 / 4) and from 15, where
-        // the unit is 240 / 7 m.
-        let depth = image(|x, _| if x < 4 { 7.0 } else { 15.0 });
-        let opacity = line(&depth, 0.125, thin(1.0, Operator::Roberts));
-        assert!((opacity[30] - 0.5).abs() < 1e-14);
-        assert!((opacity[31] - 2.0 * (56.0_f64 / 240.0).powi(2)).abs() < 1e-14);
-    }
-
-    #[test]
-    fn second_differences_ignore_slopes() {
-        let slope = image(|x, y| 0.01 + 0.05 * x as f64 + 0.02 * y as f64);
-        let roberts = line(&slope, 1.0, thin(1.0, Operator::Roberts));
-        let second = line(&slope, 1.0, thin(1.0, Operator::Second));
-        // Diagonals (2, -2) and (2, 2): 0.06^2 + 0.14^2. The unit is 1 m, as 8 pixels are 0.66 m there.
-        assert!((roberts[2 * 9 + 2] - (0.06_f64.powi(2) + 0.14_f64.powi(2))).abs() < 1e-14);
-        assert!(second[2 * 9 + 2] < 1e-14);
-        let crease = image(|x, _| 0.01 + 0.1 * x.abs_diff(4) as f64);
-        assert!((line(&crease, 1.0, thin(1.0, Operator::Second))[31] - 2.0 * 0.2_f64.powi(2)).abs() < 1e-14);
-    }
-
-    #[test]
-    fn borders_of_the_smoke_are_silhouette_and_borders_of_the_image_are_not() {
-        let depth = image(|x, y| if (x, y) == (4, 3) { f64::INFINITY } else { 0.01 });
-        let opacity = line(&depth, 1.0, thin(1.0, Operator::Roberts));
-        let black: Vec<usize> = (0..63).filter(|pixel| opacity[*pixel] == 1.0).collect();
-        // The four diagonal neighbours see the hole; the hole itself carries no line.
-        assert_eq!(black, [2 * 9 + 3, 2 * 9 + 5, 4 * 9 + 3, 4 * 9 + 5]);
-        assert_eq!(opacity.iter().sum::<f64>(), 4.0);
-        assert_eq!(line(&depth, 1.0, thin(0.0, Operator::Roberts)), [0.0; 63]);
-        assert_eq!(line(&[f64::INFINITY; 63], 1.0, thin(1.0, Operator::Roberts)), [0.0; 63]);
-    }
-
-    #[test]
-    fn width_spreads_the_line_over_smoke() {
-        let depth = image(|x, y| if (x, y) == (4, 3) { f64::INFINITY } else { 0.01 });
-        let opacity = line(&depth, 1.0, Outline { width: 2.25, ..thin(1.0, Operator::Roberts) });
-        let at = |x: usize, y: usize| opacity[y * 9 + x];
-        assert_eq!(at(4, 3), 0.0, "the hole");
-        assert_eq!(at(4, 2), 1.0, "beside two black pixels");
-        assert_eq!(at(2, 1), 2.25 - 2.0_f64.sqrt(), "a diagonal away");
-        assert_eq!(at(1, 2), 0.25, "two away");
-        assert_eq!(at(0, 2), 0.0, "three away");
-    }
-
-    #[test]
-    fn the_line_lies_over_the_tone() {
-        let image = composite(&[[0.5, 0.25, 1.0]; 3], &[0.0, 0.5, 1.0], &[1, 2, 0], [0.5, 1.0, 0.0]);
-        assert_eq!(image, [[0.5, 0.25, 1.0, 1.0], [0.5, 0.625, 0.5, 1.0], [0.0; 4]]);
+    fn silhouettes_lie_over_inner_lines_and_both_over_the_tone() {
+        let of = |colour| Line { colour: Some(colour), ..Line::default() };
+        let outline = Outline { inner: of([0.5, 1.0, 0.0]), silhouette: of([0.0, 0.0, 1.0]), ..Outline::default() };
+        let lines = [[0.0; 2], [0.5, 0.0], [1.0, 0.25], [0.25, 1.0], [1.0; 2]];
+        let image = composite(&[[0.5, 0.25, 1.0]; 5], &lines, &[1, 2, 3, 3, 0], &outline);
+        let both = [0.375, 0.75, 0.25, 1.0];
+        assert_eq!(image, [[0.5, 0.25, 1.0, 1.0], [0.5, 0.625, 0.5, 1.0], both, [0.0, 0.0, 1.0, 1.0], [0.0; 4]]);
     }
 }
