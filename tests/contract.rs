@@ -202,6 +202,7 @@ fn sources_are_checked() {
     };
     for (sources, expected) in [
         (source(4, 3, points, 4096), "blur's source's offset = 4: a multiple of 256"),
+        (source(4, 3, points, 44), "blur's source's offset = 4: a multiple of 256, from which on 48 bytes are read"),
         (source(0, 2, points, 4096), "blur's source's stride = 2"),
         (source(0, 3, points + 1, 4096), "blur's sources = 1 of 5 points"),
         (source(256, 3, points, 44), "a source of blur's positions: 44 bytes; 48 expected"),

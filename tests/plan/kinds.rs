@@ -38,7 +38,7 @@ pub fn image(format: vk::Format) -> HostImage {
 fn temporal(is_asked: bool) -> (TemporalFormats, TemporalImages) {
     let formats = [vk::Format::R16G16_SFLOAT, vk::Format::R8_UNORM].map(|format| is_asked.then_some(format));
     let [motion, reactive] = formats.map(|format| format.map(image));
-    (TemporalFormats { motion: formats[0], reactive: formats[1] }, TemporalImages { motion, reactive })
+    (TemporalFormats { motion: formats[0], reactive: formats[1] }, TemporalImages { motion, reactive, previous: None })
 }
 
 fn depth() -> HostImage {
@@ -274,9 +274,13 @@ fn smoke_with_everything_that_a_frame_may_bring() {
                 temporal: outputs,
             };
             let next = smoke::Frame { sequence: smoke::Sequence::Advance, volume: None, edges: None, ..first };
-            let mut frames = vec![first, next, smoke::Frame { target: None, ..next }];
+            let unseen = smoke::Frame { target: None, temporal: TemporalImages::default(), ..next };
+            let mut frames = vec![first, next, unseen];
             frames.extend(backgrounds().map(|background| smoke::Frame { background, ..next }));
             frames.push(smoke::Frame { sequence: smoke::Sequence::Hold, ..first });
+            let previous = outputs.motion.map(|_| first.view);
+            let temporal = TemporalImages { previous, ..outputs };
+            frames.push(smoke::Frame { sequence: smoke::Sequence::Again, temporal, ..first });
             check::<SmokeKind>(&desc, &frames);
         }
     }
