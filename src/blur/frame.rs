@@ -11,10 +11,8 @@ use crate::blur::motion::{Cluster, Interval, Segment, seams};
 pub use crate::blur::motion::{FrameView, Knot};
 use crate::blur::parts::PartSizes;
 use crate::error::{Error, Result};
-use crate::host::{Background, Content, HostBuffer, HostImage, TemporalImages};
-use crate::host::{
-    check_background, check_beside, check_buffer as holds, check_depth, check_distinct, check_image, mismatch,
-};
+use crate::host::{Background, Content, DepthFormat, HostBuffer, HostImage, TemporalImages};
+use crate::host::{check_background, check_beside, check_buffer as holds, check_depth, check_distinct, check_image};
 use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::view::Light;
 
@@ -410,17 +408,14 @@ impl Frame<'_> {
             let made = desc.occluders.filter(|_| images[i]);
             if depth.is_some() != made.is_some() {
                 let frame = ["i - 1", "i", "i + 1", "i + 2"][i];
-                return refuse(
-                    "occluders",
-                    match desc.occluders {
-                        Some(_) if depth.is_some() => format!("that of frame {frame} is given, and no image of it"),
-                        made => mismatch("occluders", depth.is_some(), made.map(|made| made.format)).replacen(
-                            ';',
-                            &format!(" of frame {frame};"),
-                            1,
-                        ),
-                    },
-                );
+                let why = match desc.occluders {
+                    Some(DepthFormat { format, .. }) if depth.is_none() => {
+                        format!("missing of frame {frame}; the effect was made with occluders = {format:?}")
+                    }
+                    Some(_) => format!("given of frame {frame}, of which there is no image"),
+                    None => format!("given of frame {frame}; the effect was made without occluders"),
+                };
+                return refuse("occluders", why);
             }
             let (Some(image), Some(format)) = (depth, made) else { continue };
             match views {
