@@ -17,7 +17,6 @@ use celfx::view::{Camera, Light};
 
 pub const SIZE: [u32; 2] = [160, 120];
 pub const FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
-pub const MOST_STEPS: u32 = 400;
 pub const SKY: [f32; 4] = [0.2, 0.5, 0.9, 1.0];
 /// How the host's own drawing leaves the target, and how it wants it back.
 const DRAWN: ImageState = ImageState {
@@ -37,6 +36,7 @@ pub struct Slot {
     pub density: Buffer,
     pub picture: Buffer,
     pub queries: vk::QueryPool,
+    pub most_queries: u32,
     pub written: u32,
     pub submission: Option<Submission>,
     pub pictures: Vec<Vec<[u8; 4]>>,
@@ -55,8 +55,6 @@ impl Slot {
             | vk::ImageUsageFlags::TRANSFER_DST;
         let (extent, format, lifetime) = (SIZE, FORMAT, Lifetime::Kept);
         let target = ImageDesc { name: "target", extent, layers: 1, array_view: false, format, usage, lifetime };
-        let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP);
-        let info = info.query_count(queries(MOST_STEPS));
         let (host, allocator) = device.parts();
         // SAFETY: the handles are the device's own.
         unsafe {
@@ -64,13 +62,22 @@ impl Slot {
                 target: Image::new(&host, allocator, &target)?,
                 density: Buffer::new(&host, allocator, &buffer("density", 4 * voxels, from, UPLOADED))?,
                 picture: Buffer::new(&host, allocator, &buffer("picture", 4 * pixels, to, READ_BACK))?,
-                queries: host.device.create_query_pool(&info, None).expect("queries"),
+                queries: vk::QueryPool::null(),
+                most_queries: 0,
                 written: 0,
                 submission: None,
                 pictures: Vec::new(),
                 ticks: Vec::new(),
             })
         }
+    }
+
+    /// Room for so many timestamps.
+    fn make_queries(&mut self, device: &Headless, count: u32) {
+        let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
+        self.most_queries = count;
+        // SAFETY: valid handles of this host's own.
+        self.queries = unsafe { device.host().device.create_query_pool(&info, None) }.expect("queries");
     }
 
     /// Waits for the frame that was here, and keeps what it made.
@@ -143,7 +150,7 @@ impl Slot {
         unsafe {
             let host = device.host();
             host.device.cmd_clear_color_image(commands.raw(), self.target.handle, DRAWN.layout, &colour, &range);
-            host.device.cmd_reset_query_pool(commands.raw(), self.queries, 0, queries(MOST_STEPS));
+            host.device.cmd_reset_query_pool(commands.raw(), self.queries, 0, self.most_queries);
         }
     }
 
@@ -202,6 +209,8 @@ pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Resu
     };
     let (host, kernels, allocator) = device.making();
     let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, desc)? };
+    let most = queries(smoke.most_steps()); // timestamps that a frame can take
+    slots.iter_mut().for_each(|slot| slot.make_queries(device, most));
 
     for n in 0..frames {
         let slot = &mut slots[n as usize % 2]; // two frames in flight
@@ -222,7 +231,7 @@ pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Resu
             edges: None,
             temporal: TemporalImages::default(),
         };
-        let mut timing = Timing::Queries { pool: slot.queries, first: 0, count: queries(MOST_STEPS) };
+        let mut timing = Timing::Queries { pool: slot.queries, first: 0, count: most };
         unsafe { smoke.record(&device.host(), commands.raw(), &frame, &mut timing)? };
 
         slot.written = queries(smoke.plan().steps.len() as u32);

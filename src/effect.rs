@@ -35,7 +35,7 @@ use crate::gpu::resources::{Kept, Resources};
 use crate::gpu::scratch::Shared;
 pub use crate::gpu::scratch::{ScratchNeeds, ScratchPool, ScratchRange};
 use crate::host::{Host, Memory, MemorySource, NamedFormat, check_formats};
-use crate::plan::{BufferId, ImageId, Pass, Plan};
+use crate::plan::{BufferId, ImageId, Pass, Plan, most_steps};
 pub use inventory::Inventory;
 
 /// How much of a frame's work is done.
@@ -287,7 +287,8 @@ impl<K: Kind> Effect<K> {
 
     /// Changes what the effect was made for: the look, the size of the picture, anything. Buffers that stay the same keep
     /// what they hold, and the sequence goes on, unless what it needs has another size: then the next frame must bring all that
-    /// a first one does, and is refused if it does not. On error the effect is as it was.
+    /// a first one does, and is refused if it does not. On error the effect is as it was. In a [`ScratchPool`] it needs no more than that
+    /// has: [`Self::scratch_needs`] of the new description says it before, and [`Self::change_in`] takes a larger one.
     ///
     /// It waits for nothing: objects that are replaced are handed back, to be destroyed when the GPU is done with the frames
     /// recorded so far. To hold old and new memory never at once, [`Self::retire`] the effect and make a new one.
@@ -305,28 +306,29 @@ impl<K: Kind> Effect<K> {
         desc: K::Desc,
     ) -> Result<Retired> {
         // SAFETY: the caller's.
-        unsafe { self.change_in(host, kernels, allocator, desc, self.executor.pool()) }
+        unsafe { self.change_to(host, kernels, allocator, desc, self.executor.pool()) }
     }
 
-    /// [`Self::change`] of the scratch memory alone: to this pool, which may be a larger one.
+    /// [`Self::change`], with scratch memory in this pool from now on, which may be a larger one.
     ///
     /// # Errors
     /// As [`Self::new_in`].
     ///
     /// # Safety
     /// As [`Self::change`] and [`Self::new_in`]. The pool before is destroyed after what is handed back.
-    pub unsafe fn move_to(
+    pub unsafe fn change_in(
         &mut self,
         host: &Host,
         kernels: &Kernels,
         allocator: &mut dyn MemorySource,
+        desc: K::Desc,
         pool: &ScratchPool,
     ) -> Result<Retired> {
         // SAFETY: the caller's.
-        unsafe { self.change_in(host, kernels, allocator, self.desc.clone(), Some(pool.shared())) }
+        unsafe { self.change_to(host, kernels, allocator, desc, Some(pool.shared())) }
     }
 
-    unsafe fn change_in(
+    unsafe fn change_to(
         &mut self,
         host: &Host,
         kernels: &Kernels,
@@ -549,7 +551,13 @@ impl<K: Kind> Effect<K> {
         &self.desc
     }
 
-    /// The list of the frame prepared or recorded last; empty after one that was refused. No frame has more steps than it has room for.
+    /// The most steps that a frame can have, until the effect is changed: with [`crate::profile::queries`], as many timestamps as
+    /// [`Timing::Queries`] needs room for.
+    pub fn most_steps(&self) -> u32 {
+        most_steps(self.executor.passes()) as u32
+    }
+
+    /// The list of the frame prepared or recorded last; empty after one that was refused.
     pub fn plan(&self) -> &Plan {
         self.executor.plan()
     }

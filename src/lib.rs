@@ -36,11 +36,11 @@
 //!   the frame declares ([`host::ImageState`], [`host::HostBuffer`]), and images are left in the state that it asks for.
 //! - **Share memory.** What an effect rewrites in each frame is scratch: effects whose frames are recorded one after the other can have
 //!   it in one [`effect::ScratchPool`] (`Effect::scratch_needs`, `Effect::new_in`).
-//! - **Change and resize.** `Effect::change` takes another `Desc` between any two frames, `resize` another size. What is replaced is
+//! - **Change and resize.** `Effect::change` takes another `Desc` between any two frames, `resize` another size, `change_in` another pool, too. What is replaced is
 //!   handed back ([`effect::Retired`]); nothing waits.
-//! - **Two views** of a frame, as for two eyes: record it twice. The second time smoke has `Sequence::Hold`, and a blur an interval
-//!   found in the second view, without the mesh and poses, which are there. A fire that accumulates (`flame::Frame::accumulate`), and motion vectors of smoke and fire, need an effect
-//!   a view.
+//! - **Two views** of a frame, as for two eyes: record it twice. The second time smoke has `Sequence::Again`, and a blur an interval
+//!   found in the second view, without the mesh and poses, which are there. With motion vectors say what each view was before
+//!   (`TemporalImages::previous`). A fire that accumulates (`flame::Frame::accumulate`) needs an effect a view.
 //! - **Temporal upscalers** get motion vectors and a reactive mask of each effect, if its `Desc` asks for them ([`host::TemporalFormats`]).
 //! - **Destroy.** `Effect::retire`, and [`effect::Retired::destroy`] when the GPU is done with all recorded frames; then
 //!   `Kernels::destroy`. Only what celfx has made is destroyed.

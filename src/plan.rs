@@ -140,6 +140,11 @@ impl Step {
     }
 }
 
+/// The most steps that a frame of these passes can have.
+pub(crate) fn most_steps(passes: &[Pass]) -> usize {
+    passes.iter().map(|pass| pass.most_steps).sum()
+}
+
 /// A frame's list, and what is not in it. Kept between frames, so that filling it allocates nothing.
 #[derive(Debug, Default)]
 pub struct Plan {
@@ -157,7 +162,7 @@ impl Plan {
     /// Room for any frame of these passes, so that a list never grows while it is filled.
     pub fn for_passes(passes: &[Pass]) -> Plan {
         Plan {
-            steps: Vec::with_capacity(passes.iter().map(|pass| pass.most_steps).sum()),
+            steps: Vec::with_capacity(most_steps(passes)),
             skipped: Vec::with_capacity(passes.len()),
             data: Vec::with_capacity(passes.iter().map(|pass| pass.most_bytes).sum()),
             barriers: 0,

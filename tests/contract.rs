@@ -19,7 +19,7 @@ use celfx::smoke::{self, Sequence, Smoke, VolumeInput};
 use celfx::view::Camera;
 
 use common::handles::handle;
-use common::scenes::{desc, direction};
+use common::scenes::{desc, direction, point};
 use common::{TestDevice, device};
 
 const SIZE: [u32; 2] = [8, 6];
@@ -102,6 +102,15 @@ fn smoke_refuses_before_the_first_command() {
     let empty = HostImage { state_in: state(vk::ImageLayout::UNDEFINED), ..depth() };
     let cases = [
         ("edges: 16 bytes; 768 expected", smoke::Frame { edges: Some(buffer(16)), ..good }),
+        ("depth: missing; the effect was made with depth = D32_SFLOAT", smoke::Frame { depth: None, ..good }),
+        (
+            "light: a point light; the effect was made with point_light = false",
+            smoke::Frame { light: point(1.0, 2.0, 3.0), ..good },
+        ),
+        (
+            "volume: velocities are given; the effect was made with velocity = false",
+            smoke::Frame { volume: good.volume.map(|v| VolumeInput { velocity: Some(v.density), ..v }), ..good },
+        ),
         (
             "target: state_in has layout UNDEFINED",
             smoke::Frame { target: Some(lost), background: Background::Keep, ..good },
@@ -191,6 +200,38 @@ fn blur_desc() -> blur::Desc {
     }
 }
 
+/// Depth of images is there exactly beside each image, if the effect was made for it.
+#[test]
+fn occluders_are_beside_images() {
+    let Some(mut device) = device() else { return };
+    for (made, given, expected) in [
+        (None, true, "occluders: given of frame i; the effect was made without occluders"),
+        (Some(REVERSED), false, "occluders: missing of frame i; the effect was made with occluders = D32_SFLOAT"),
+    ] {
+        let desc = blur::Desc { occluders: made, depth: None, ..blur_desc() };
+        let mut blur = make::<blur::BlurKind>(&mut device, &desc).expect("an effect");
+        let mesh = blur::TopologyInput {
+            triangles: buffer(4096),
+            neighbour_starts: buffer(4096),
+            neighbours: buffer(4096),
+            groups: Some(blur::GroupInput { corners: buffer(4096), starts: buffer(4096), triangles: buffer(4096) }),
+            colours: None,
+            parts: None,
+            source_rows: None,
+        };
+        let inner = given.then(depth);
+        let frame = blur::Frame {
+            mesh: Some(mesh),
+            images: Some([image(FORMAT); 2]),
+            occluders: [None, inner, inner, None],
+            ..blur::Frame::new(image(FORMAT))
+        };
+        let said = refusal(&device.host(), &mut blur, &frame, &mut Timing::None);
+        assert_eq!(said, expected);
+        destroy(&mut device, blur);
+    }
+}
+
 /// Positions that are read in place: where, how far apart, how many.
 #[test]
 fn sources_are_checked() {
@@ -202,6 +243,7 @@ fn sources_are_checked() {
     };
     for (sources, expected) in [
         (source(4, 3, points, 4096), "blur's source's offset = 4: a multiple of 256"),
+        (source(4, 3, points, 44), "blur's source's offset = 4: a multiple of 256, from which on 48 bytes are read"),
         (source(0, 2, points, 4096), "blur's source's stride = 2"),
         (source(0, 3, points + 1, 4096), "blur's sources = 1 of 5 points"),
         (source(256, 3, points, 44), "a source of blur's positions: 44 bytes; 48 expected"),

@@ -301,6 +301,7 @@ impl Effect {
             still: None,
             same_shadow: None,
             view_before: None,
+            moves: false,
         }
     }
 

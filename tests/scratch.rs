@@ -267,16 +267,20 @@ impl Effects {
         Ok(())
     }
 
-    fn move_to(&mut self, device: &mut TestDevice, pool: &ScratchPool) {
+    /// Another size and another pool at once.
+    fn resize_in(&mut self, device: &mut TestDevice, size: [u32; 2], pool: &ScratchPool) {
         let (host, kernels, allocator) = device.making();
         // SAFETY: the device's own handles; every frame has been waited for.
         unsafe {
-            let moved = self.smoke.move_to(&host, kernels, allocator, pool);
-            moved.expect("it fits").destroy(&host, allocator);
-            let moved = self.flame.move_to(&host, kernels, allocator, pool);
-            moved.expect("it fits").destroy(&host, allocator);
-            let moved = self.blur.move_to(&host, kernels, allocator, pool);
-            moved.expect("it fits").destroy(&host, allocator);
+            let desc = smoke::Desc { size, ..self.smoke.desc().clone() };
+            let retired = self.smoke.change_in(&host, kernels, allocator, desc, pool);
+            retired.expect("it fits").destroy(&host, allocator);
+            let desc = flame::Desc { size, ..self.flame.desc().clone() };
+            let retired = self.flame.change_in(&host, kernels, allocator, desc, pool);
+            retired.expect("it fits").destroy(&host, allocator);
+            let desc = blur::Desc { size, ..self.blur.desc().clone() };
+            let retired = self.blur.change_in(&host, kernels, allocator, desc, pool);
+            retired.expect("it fits").destroy(&host, allocator);
         }
     }
 
@@ -367,7 +371,7 @@ fn frames_wait_for_all_that_others_have_done_in_their_memory() {
 const SIZE: [u32; 2] = [80, 60];
 const LARGER: [u32; 2] = [112, 84];
 
-/// Three that share a pool, that are moved to a larger one, and resized there, make the bits of three that share nothing,
+/// Three that share a pool, and are resized and moved to a larger one in a step, make the bits of three that share nothing,
 /// whatever is in the pool between them.
 #[test]
 fn effects_in_one_pool_are_as_apart() {
@@ -399,12 +403,11 @@ fn sharing(device: &mut TestDevice, word: Option<u32>) -> Vec<[Vec<u64>; 3]> {
     let mut pictures = effects.frames(device, 0, SIZE, word.map(|word| (small.range(), word)));
     let said = effects.resize(device, LARGER).expect_err("too small").to_string();
     let needed = needs(device, LARGER).map(|needs| needs.bytes);
-    assert!(needed.iter().any(|bytes| said.contains(&format!("scratch needs {bytes}"))), "{said}");
+    assert!(needed.iter().any(|bytes| said.contains(&format!("scratch needs {bytes}: make a pool"))), "{said}");
     let large = pool(device, LARGER);
-    effects.move_to(device, &large);
+    effects.resize_in(device, LARGER, &large);
     // SAFETY: nothing is in it any more.
     unsafe { small.destroy(device.parts().1) };
-    effects.resize(device, LARGER).expect("a size");
     pictures.extend(effects.frames(device, FRAMES / 2, LARGER, word.map(|word| (large.range(), word))));
     effects.destroy(device);
     // SAFETY: as above.

@@ -1,5 +1,5 @@
-// Motion vectors of the mesh: what a pixel shows is on its trajectory at k', and was one frame earlier where that is at k' - 1. Trajectories
-// are of one picture, whose jitter falls out.
+// Motion vectors of the mesh, where it is most of a pixel: what that shows is on its trajectory at k', and was one frame earlier where that
+// is at k' - 1. Trajectories are of one picture, whose jitter falls out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -7,6 +7,7 @@ layout(constant_id = 1) const uint DEPTH = 0;  // 1: the host has a depth
 #include "params.glsl"
 #include "../common/half.glsl"
 #include "../common/host_depth.glsl"
+#include "common/share.glsl"
 #include "common/fragment.glsl"
 layout(push_constant) uniform BeforeConstants {
     vec2 jitter_change;  // how much farther frame i + 1 is moved than frame i - 1, in pixels
@@ -54,14 +55,16 @@ vec3 off_at(uint point, float time) {
 void main() {
     ivec2 pixel = ivec2(pixel_of(gl_FragCoord.xy, params.corner, params.size));
     float nearest = 0.0;
+    float share = 0.0;
     ivec2 seen = ivec2(0);
     for (int i = 0; i < 4; ++i) {
         ivec2 at = sample_of(pixel, i);
         float nearness = shown_nearness(pixel, at);
         seen = nearness > nearest ? at : seen;
         nearest = max(nearest, nearness);
+        share += nearness > 0.0 ? 0.25 : 0.0;
     }
-    if (nearest == 0.0) {
+    if (share < LEAST_SHARE) {
         discard;
     }
     vec2 place = 0.5 * (vec2(seen) + 0.5);

@@ -13,6 +13,7 @@ layout(push_constant) uniform MotionConstants {
     vec2 centre_change;  // pixels: where a slope of 0 was seen in the frame before less where it is, without jitter
     float near;          // nearest depth that was seen in the frame before, metres: what was nearer counts as there
     uint moves;          // 0: nothing but the view has moved
+    uint has_edges;      // 0: nothing covers pixels in part
 } constants;
 
 // Pixels to the right and down, from here to the frame before. The place in view space is seen at this slope, and has been moved by so many

@@ -1,8 +1,10 @@
-// Motion vectors of the fire: what a pixel shows is at its mean depth, and has moved as its particles have in the mean.
+// Motion vectors of the fire, where it is most of a pixel: what that shows is at its mean depth, and has moved as its particles have in the
+// mean.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "../common/motion.glsl"
+#include "common/share.glsl"
 #include "common/fragment.glsl"
 #extension GL_EXT_samplerless_texture_functions : require
 layout(std430, binding = 2) readonly buffer Picture { vec4 picture[]; };
@@ -13,7 +15,7 @@ layout(location = 0) out vec4 motion;
 void main() {
     uvec2 at = pixel_of(gl_FragCoord.xy, params.corner, params.size);
     uint index = pixel_index(at);
-    if (picture[index].a == 0.0) {
+    if (picture[index].a < LEAST_SHARE) {
         discard;
     }
     vec3 steps = vec3(0.0);

@@ -4,15 +4,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "screen.glsl"
+#include "edges.glsl"
 #include "../common/host_depth.glsl"
 #include "common/fragment.glsl"
-
-// What covers a pixel in part.
-struct Edge {
-    uvec2 colour;  // four halves: linear RGB, premultiplied by the share that is covered, and that share
-    float depth;   // view depth, metres
-    uint unused;
-};
 
 layout(push_constant) uniform CompositeConstants {
     uint has_edges;
@@ -30,7 +24,7 @@ void main() {
         discard;
     }
     if (constants.has_edges != 0u && depth[index] > edges[index].depth) {
-        vec4 before = vec4(unpackHalf2x16(edges[index].colour.x), unpackHalf2x16(edges[index].colour.y));
+        vec4 before = colour_of(edges[index]);
         colour = before + (1.0 - before.a) * colour;
     }
     gl_FragDepth = host_depth(depth[index]);

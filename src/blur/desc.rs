@@ -38,8 +38,10 @@ impl Source {
     fn validate(&self) -> Result<()> {
         Rule::new("", 3..=1 << 16).check("blur's source's stride", self.stride)?;
         if !self.buffer.offset.is_multiple_of(SOURCE_ALIGNMENT) {
-            let allowed =
-                format!("a multiple of {SOURCE_ALIGNMENT} bytes; SkinnedInput::offsets may be any multiple of 4");
+            let allowed = format!(
+                "a multiple of {SOURCE_ALIGNMENT}, from which on {} bytes are read; SkinnedInput::offsets may be any multiple of 4",
+                self.bytes()
+            );
             return Err(Error::setting("blur's source's offset", self.buffer.offset, allowed));
         }
         check_buffer("a source of blur's positions", &self.buffer, self.bytes())

@@ -11,7 +11,7 @@ use crate::blur::motion::{Cluster, Interval, Segment, seams};
 pub use crate::blur::motion::{FrameView, Knot};
 use crate::blur::parts::PartSizes;
 use crate::error::{Error, Result};
-use crate::host::{Background, Content, HostBuffer, HostImage, TemporalImages};
+use crate::host::{Background, Content, DepthFormat, HostBuffer, HostImage, TemporalImages};
 use crate::host::{check_background, check_beside, check_buffer as holds, check_depth, check_distinct, check_image};
 use crate::shaders::blur::constants::{FRONTS_A_WORD, MOST_SEGMENTS, PIECE_SEGMENTS};
 use crate::view::Light;
@@ -372,7 +372,7 @@ impl Frame<'_> {
             if let Some(image) = image {
                 self.validate_image(name, image, desc)?;
                 if !desc.outer {
-                    return refuse(name, "the effect was made for none".to_owned());
+                    return refuse(name, "given; the effect was made with outer = false".to_owned());
                 }
             }
         }
@@ -390,7 +390,8 @@ impl Frame<'_> {
         let [first, second, third, fourth] = self.occluders;
         let others = [background, depth, before, previous, next, after, first, second, third, fourth];
         let others = others.each_ref().map(Option::as_ref);
-        self.temporal.check(&desc.temporal, desc.size, &self.target, &others)
+        self.temporal.check(&desc.temporal, desc.size, &self.target, &others)?;
+        self.interval.iter().try_for_each(|interval| self.temporal.check_is_previous(&interval.views[1].view))
     }
 
     /// An image that colours are taken from while the target is drawn.
@@ -406,9 +407,15 @@ impl Frame<'_> {
         for (i, depth) in self.occluders.iter().enumerate() {
             let made = desc.occluders.filter(|_| images[i]);
             if depth.is_some() != made.is_some() {
-                let expected = if made.is_some() { "expected" } else { "not expected" };
                 let frame = ["i - 1", "i", "i + 1", "i + 2"][i];
-                return refuse("occluders", format!("{expected} of frame {frame}: beside each image"));
+                let why = match desc.occluders {
+                    Some(DepthFormat { format, .. }) if depth.is_none() => {
+                        format!("missing of frame {frame}; the effect was made with occluders = {format:?}")
+                    }
+                    Some(_) => format!("given of frame {frame}, of which there is no image"),
+                    None => format!("given of frame {frame}; the effect was made without occluders"),
+                };
+                return refuse("occluders", why);
             }
             let (Some(image), Some(format)) = (depth, made) else { continue };
             match views {
@@ -435,10 +442,15 @@ impl Frame<'_> {
             true => Ok(()),
             false => {
                 let resident = desc.frames_resident;
-                refuse(
-                    "poses",
-                    format!("that of frame {frame} is needed and not on the device, which keeps {resident}"),
-                )
+                let advice = match desc.sources.is_empty() {
+                    true => "bring it",
+                    false => {
+                        "begin the list of views anew with the frame that is skinned now, and show that without an interval"
+                    }
+                };
+                let why =
+                    format!("that of frame {frame} is needed and not on the device, which keeps {resident}: {advice}");
+                refuse("poses", why)
             }
         }
     }

@@ -87,9 +87,8 @@ impl ParticleInput {
         }
         match previous {
             Some(_) if desc.temporal.motion.is_none() => {
-                return refuse(
-                    "previous places are not expected: the effect was made for no motion vectors".to_owned(),
-                );
+                let why = "ParticleInput::previous is given; the effect was made without Desc::temporal.motion";
+                return refuse(why.to_owned());
             }
             Some(previous) => check_buffer("particles", &previous, 16 * bytes)?,
             None => {}

@@ -186,7 +186,7 @@ impl FlameKind {
         let make_tables = !state.has_tables && (dark.is_none() || desc.layers);
         state.has_tables |= make_tables;
         state.lit = if dark.is_none() { Some(frame.view) } else { state.lit };
-        let view_before = self.state.view;
+        let view_before = frame.temporal.previous.or(self.state.view);
         Ok((FrameDelta { given: state.given, view: self.state.lit, view_before, make_tables, dark }, state))
     }
 

@@ -152,7 +152,10 @@ impl Scratch {
         };
         let refuse = |why: String| Err(Error::HostResource { name: "scratch pool", why });
         match () {
-            _ if needs.bytes > made.bytes => refuse(format!("{} bytes; {name} needs {}", made.bytes, needs.bytes)),
+            _ if needs.bytes > made.bytes => refuse(format!(
+                "{} bytes; {name} needs {}: make a pool of what scratch_needs says of all effects' new descriptions, and change_in it",
+                made.bytes, needs.bytes
+            )),
             _ if needs.alignment > made.alignment => {
                 refuse(format!("aligned to {} bytes; {name} needs {}", made.alignment, needs.alignment))
             }

@@ -21,6 +21,14 @@ pub(super) fn refuse<T>(name: &'static str, why: String) -> Result<T> {
     Err(Error::HostResource { name, why })
 }
 
+/// Why what is given on one side only is refused: by the frame, or by the field of a `Desc` that the effect was made with.
+pub(crate) fn mismatch<T: std::fmt::Debug>(field: &str, is_given: bool, made: Option<T>) -> String {
+    match made {
+        Some(made) if !is_given => format!("missing; the effect was made with {field} = {made:?}"),
+        _ => format!("given; the effect was made without {field}"),
+    }
+}
+
 /// Refuses an image in which a picture of this size does not lie, or of another format, and states that no image can be in.
 pub(crate) fn check_image(
     name: &'static str,
@@ -114,10 +122,7 @@ pub(crate) fn check_depth(
     let ((image, view), made) = match (depth, made) {
         (Some(depth), Some(made)) => (depth, made),
         (None, None) => return Ok(()),
-        (_, made) => {
-            let expected = if made.is_some() { "expected" } else { "not expected" };
-            return refuse(name, format!("{expected}: the effect was made so"));
-        }
+        (depth, made) => return refuse(name, mismatch(name, depth.is_some(), made.map(|made| made.format))),
     };
     if view.reversed != made.reversed {
         let allowed = format!("{}, as the depth that the effect was made for", made.reversed);

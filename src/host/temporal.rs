@@ -2,9 +2,10 @@
 
 use ash::vk;
 
-use super::check::{Content, NamedFormat, check_image, is_same, refuse};
+use super::check::{Content, NamedFormat, check_image, is_same, mismatch, refuse};
 use super::{FormatUse, HostImage};
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::view::View;
 
 /// Which outputs for temporal upscalers an effect is made for, and the formats of the host's images of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,16 +16,20 @@ pub struct TemporalFormats {
     pub reactive: Option<vk::Format>,
 }
 
-/// What a frame's outputs for temporal upscalers go to: given exactly if the effect was made for them, and where the picture's target is.
-/// Both have the target's offset, and are neither its image nor another one of the frame. What they hold is kept where the effect shows
-/// nothing, so that effects and the host share them. Usage: `COLOR_ATTACHMENT`.
+/// What a frame's outputs for temporal upscalers go to: images are given exactly if the effect was made for them, and where the picture's
+/// target is. Both have the target's offset, and are neither its image nor another one of the frame. What they hold is kept where the effect
+/// shows nothing, so that effects and the host share them. Usage: `COLOR_ATTACHMENT`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TemporalImages {
     /// Pixels to the right and down (red, green; 0 in others) from where what a pixel shows is seen in this frame to where it was seen in
-    /// the frame recorded before it, both without jitter; at most 65504 along each axis. 0 in a first frame.
+    /// the frame before, both without jitter; at most 65504 along each axis. 0 in a first frame. Written where at least half of the pixel is
+    /// the effect's: [`Self::reactive`] has the rest, too.
     pub motion: Option<HostImage>,
     /// The share of a pixel that the effect covers, 0 to 1, or what the image holds if that is larger.
     pub reactive: Option<HostImage>,
+    /// What the frame before was seen through in this picture: needed where an effect has several, as two eyes. None: what the frame
+    /// recorded before was seen through. Only with motion vectors. A blur has it in its interval, of which it must then be frame i's.
+    pub previous: Option<View>,
 }
 
 /// Formats that motion vectors can have.
@@ -40,6 +45,7 @@ pub const REACTIVE_FORMATS: [vk::Format; 3] = [vk::Format::R8_UNORM, vk::Format:
 
 const MOTION: &str = "temporal.motion";
 const REACTIVE: &str = "temporal.reactive";
+const PREVIOUS: &str = "temporal.previous";
 
 impl TemporalFormats {
     /// Refuses formats that the outputs cannot have.
@@ -72,10 +78,7 @@ impl TemporalImages {
             let (image, format) = match (given, format) {
                 (None, None) => continue,
                 (Some(image), Some(format)) => (image, format),
-                (_, made) => {
-                    let expected = if made.is_some() { "expected" } else { "not expected" };
-                    return refuse(name, format!("{expected}: the effect was made so"));
-                }
+                (given, made) => return refuse(name, mismatch(name, given.is_some(), made)),
             };
             check_image(name, image, size, format, Content::Kept)?;
             if image.offset != target.offset {
@@ -90,6 +93,38 @@ impl TemporalImages {
         match (&self.motion, &self.reactive) {
             (Some(motion), Some(reactive)) if is_same(motion, reactive) => {
                 refuse(REACTIVE, "it is the image of the motion vectors".to_owned())
+            }
+            _ => self.check_previous(made),
+        }
+    }
+
+    fn check_previous(&self, made: &TemporalFormats) -> Result<()> {
+        let Some(previous) = &self.previous else { return Ok(()) };
+        if made.motion.is_none() {
+            return refuse(PREVIOUS, mismatch::<()>(MOTION, true, None));
+        }
+        previous.validate().map_err(|error| match error {
+            Error::Setting { name, value, allowed } => {
+                Error::Setting { name: name.replacen("view", PREVIOUS, 1).into(), value, allowed }
+            }
+            other => other,
+        })
+    }
+
+    /// Refuses all of it: there is no picture.
+    pub(crate) fn check_none(&self) -> Result<()> {
+        let given = [(MOTION, self.motion.is_some()), (REACTIVE, self.reactive.is_some())];
+        match given.into_iter().chain([(PREVIOUS, self.previous.is_some())]).find(|(_, is_given)| *is_given) {
+            Some((name, _)) => refuse(name, "given; a frame without a target has no outputs".to_owned()),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses another view of the frame before than `view`, if one is said, but for jitter.
+    pub(crate) fn check_is_previous(&self, view: &View) -> Result<()> {
+        match &self.previous {
+            Some(previous) if previous.without_jitter() != view.without_jitter() => {
+                refuse(PREVIOUS, "another view than the interval's of frame i".to_owned())
             }
             _ => Ok(()),
         }

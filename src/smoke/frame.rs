@@ -14,8 +14,11 @@ pub enum Sequence {
     Restart,
     /// One frame later: particles move on.
     Advance,
-    /// The same moment again, seen or lit otherwise.
+    /// The same moment again: a frame later, all rests. It may be seen or lit otherwise.
     Hold,
+    /// The frame recorded before once more, which it is a part of: seen through another view, as the other eye's, or lit otherwise. Motion
+    /// vectors are that frame's, from [`TemporalImages::previous`], which it needs with them.
+    Again,
 }
 
 /// A volume on the device, x fastest, then y, then z.
@@ -57,7 +60,7 @@ pub struct Frame {
     /// behind is blended with it. 16 bytes a pixel: linear RGB, premultiplied by the share that is covered, and that
     /// share, as halves; view depth in metres, `f32`; 4 unused bytes. Usage: `TRANSFER_SRC`.
     pub edges: Option<HostBuffer>,
-    /// Outputs for temporal upscalers, if there is a target. What a pixel shows has moved with its sphere.
+    /// Outputs for temporal upscalers; none without a target. What a pixel shows has moved with its sphere.
     pub temporal: TemporalImages,
 }
 
@@ -104,8 +107,8 @@ impl VolumeInput {
             ));
         }
         if self.velocity.is_some() != desc.velocity {
-            let expected = if desc.velocity { "expected" } else { "not expected" };
-            return refuse(format!("velocities are {expected}: the effect was made so"));
+            let is = if desc.velocity { "missing" } else { "given" };
+            return refuse(format!("velocities are {is}; the effect was made with velocity = {}", desc.velocity));
         }
         let bytes = 4 * self.shape().voxels();
         if self.density.size < bytes || self.velocity.is_some_and(|v| v.size < 3 * bytes) {
@@ -137,7 +140,8 @@ impl Frame {
         self.light.validate()?;
         let point = matches!(self.light.source, crate::view::LightSource::Position(_));
         if point != desc.point_light {
-            let why = "the effect was made for the other kind of light".to_owned();
+            let is = if point { "a point light" } else { "a direction" };
+            let why = format!("{is}; the effect was made with point_light = {}", desc.point_light);
             return Err(Error::HostResource { name: "light", why });
         }
         if !(self.dt > 0.0 && self.dt <= 1e6) {
@@ -156,7 +160,7 @@ impl Frame {
         }
         if self.target.is_some() {
             if self.edges.is_some() && !desc.edges {
-                let why = "not expected: the effect was made for none".to_owned();
+                let why = "given; the effect was made with edges = false".to_owned();
                 return Err(Error::HostResource { name: "edges", why });
             }
             check_depth("depth", self.depth.as_ref().map(|depth| (depth, &self.view)), desc.size, desc.depth)?;
@@ -173,7 +177,10 @@ impl Frame {
                 let others = [self.depth.as_ref(), background.as_ref()];
                 self.temporal.check(&desc.temporal, desc.size, target, &others)
             }
-            None => check_background(&self.background, desc.size, desc.target_format),
+            None => {
+                self.temporal.check_none()?;
+                check_background(&self.background, desc.size, desc.target_format)
+            }
         }
     }
 }

@@ -74,7 +74,7 @@ buffers! {
     TONE_LAYER = "ToneLayer": Layer,
     OUTLINE_LAYER = "OutlineLayer": Layer,
     EDGES = "Edges",
-    MOVED = "Moved",
+    MOVED = "Moved": Kept,
 }
 
 /// The resource of a shader's binding: each buffer and image goes by one name everywhere.

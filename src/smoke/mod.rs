@@ -25,7 +25,7 @@ pub use settings::Settings;
 use ash::vk;
 
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::resources::{Kept, Resources};
 use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
 use crate::plan::{Pass, Plan};
@@ -68,8 +68,12 @@ pub struct State {
     stale: bool,
     /// The light of the shadows on the device; none if there are none.
     shadowed: Option<Light>,
-    /// The view of the last frame.
+    /// The view of the last frame, the first one if it came again.
     view: Option<View>,
+    /// Particles were born anew in that frame.
+    restarted: bool,
+    /// How far they moved in it is on the device.
+    moved: bool,
 }
 
 impl Kind for SmokeKind {
@@ -102,6 +106,7 @@ impl Kind for SmokeKind {
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, !self.state.begun)?;
+        self.check_again(desc, frame)?;
         let (delta, state) = self.delta(desc, frame);
         search::check(&desc.settings, &delta.shape, &self.traits, self.layout.search_parts)?;
         let SmokeKind { layout, passes, tables, traits, .. } = self;
@@ -142,7 +147,8 @@ impl Kind for SmokeKind {
     fn go_on(&mut self, old: &SmokeKind, descs: [&Desc; 2], kept: &Kept) {
         if kept.sequence() && descs[0].velocity == descs[1].velocity {
             // Radii may be others now, and so may all that is made for the picture.
-            self.state = State { quiet: 0, shadowed: None, stale: old.state.begun, ..old.state };
+            let moved = old.state.moved && kept.buffer(layout::MOVED);
+            self.state = State { quiet: 0, shadowed: None, stale: old.state.begun, moved, ..old.state };
         }
     }
 
@@ -153,15 +159,26 @@ impl Kind for SmokeKind {
 }
 
 impl SmokeKind {
+    /// Only the host knows what the frame before was seen through in another view.
+    fn check_again(&self, desc: &Desc, frame: &Frame) -> Result<()> {
+        let is_asked = frame.target.is_some() && desc.temporal.motion.is_some() && !self.state.restarted;
+        if frame.sequence != Sequence::Again || !is_asked || frame.temporal.previous.is_some() {
+            return Ok(());
+        }
+        let why =
+            "missing; motion vectors of Sequence::Again are from what the frame before was seen through in this view";
+        Err(Error::HostResource { name: "temporal.previous", why: why.to_owned() })
+    }
+
     /// The relation of this frame to the ones before, and the state after it.
     fn delta(&self, desc: &Desc, frame: &Frame) -> (FrameDelta, State) {
         let restart = frame.sequence == Sequence::Restart;
         let advance = frame.sequence == Sequence::Advance;
+        let again = frame.sequence == Sequence::Again;
         let new_volume = frame.volume.is_some();
         let State { stale, .. } = self.state;
         let mut state = State { stale: false, ..self.state };
         state.begun = true;
-        state.view = Some(frame.view);
         state.range_before = 1 - self.state.range_before;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());
@@ -183,9 +200,13 @@ impl SmokeKind {
             state.shadowed = None;
         }
         let new_tables = !self.state.begun || restart || stale;
-        let view_before = self.state.view.filter(|_| !restart);
-        let shape = state.shape;
-        let delta = FrameDelta { shape, restart, new_volume, stale, new_tables, still, same_shadow, view_before };
+        if !again {
+            (state.view, state.restarted, state.moved) = (Some(frame.view), restart, still.is_none() && !restart);
+        }
+        let view_before = frame.temporal.previous.or(self.state.view).filter(|_| !state.restarted);
+        let (shape, moves) = (state.shape, state.moved);
+        let delta =
+            FrameDelta { shape, restart, new_volume, stale, new_tables, still, same_shadow, view_before, moves };
         (delta, state)
     }
 }

@@ -38,6 +38,8 @@ pub struct FrameDelta {
     pub same_shadow: Option<&'static str>,
     /// The view of the frame before; none if this one begins anew.
     pub view_before: Option<View>,
+    /// How far particles have moved since then is on the device.
+    pub moves: bool,
 }
 
 /// Fills a plan with the steps of a frame.
@@ -247,10 +249,12 @@ impl Steps<'_> {
         self.outline_and_gaussian();
         self.plan.step(self.passes.tone, tiles);
         let tiles = draw(offset_of!(Control, tile_draw));
+        if frame.depth.is_some() {
+            self.edges(frame);
+        }
         self.temporal(frame, tiles);
         match &frame.depth {
             Some(_) => {
-                self.edges(frame);
                 let constants = CompositeConstants { has_edges: frame.edges.is_some().into() };
                 self.plan.step_with(self.passes.composite, tiles, &constants)
             }
@@ -261,9 +265,10 @@ impl Steps<'_> {
     /// Outputs for temporal upscalers.
     fn temporal(&mut self, frame: &Frame, tiles: Command) {
         if let Some(pass) = self.passes.motion {
-            let moves = self.delta.still.is_none() && !self.delta.restart;
-            let before = self.delta.view_before.as_ref();
-            self.plan.step_with(pass, tiles, &MotionConstants::new(before, &frame.view, self.desc.size, moves));
+            let FrameDelta { view_before, moves, .. } = self.delta;
+            let constants = MotionConstants::new(view_before.as_ref(), &frame.view, self.desc.size, *moves);
+            let has_edges = frame.edges.and(frame.depth).is_some().into();
+            self.plan.step_with(pass, tiles, &MotionConstants { has_edges, ..constants });
         }
         if let Some(pass) = self.passes.reactive {
             self.plan.step(pass, tiles);

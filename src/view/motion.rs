@@ -29,6 +29,7 @@ impl MotionConstants {
             centre_change: pair(before.centre - now.centre),
             near: before.near as f32,
             moves: moves.into(),
+            has_edges: 0,
         }
     }
 }

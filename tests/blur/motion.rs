@@ -8,6 +8,7 @@ use celfx::blur::settings::Space;
 use celfx::blur::{Background, DepthFormat, Desc, Mesh, Settings};
 use celfx::host::TemporalFormats;
 use celfx::low_level::blur::params::BASE_MASK;
+use celfx::low_level::shaders::common::constants::LEAST_SHARE;
 use celfx::simulate::mesh::Builtin;
 use celfx::view::Light;
 use glam::{DVec2, DVec3};
@@ -95,7 +96,7 @@ fn seen(animation: &Animation, mesh: &Mesh, space: Space, i: usize, fragment: &F
 
 #[test]
 fn vectors_are_differences_along_trajectories() {
-    let mut early = 0;
+    let (mut early, mut faint) = (0, 0);
     let screen = Settings { space: Space::Screen, ..settings() };
     let strong = Settings { strength: 2.5, ..settings() };
     let straight: Change = |view, _| view;
@@ -123,13 +124,15 @@ fn vectors_are_differences_along_trajectories() {
             };
             let share = samples.iter().flatten().filter(|fragment| !is_still(fragment)).count() as f32 / 4.0;
             // Where the mesh's border is next to a sample, rounding decides.
-            let is_same = (found.motion[pixel] != HOSTS) == samples.iter().any(Option::is_some)
-                && found.reactive[pixel] == share.max(SHARE);
+            let shown = samples.iter().flatten().count() as f32 / 4.0;
+            let is_same =
+                (found.motion[pixel] != HOSTS) == (shown >= LEAST_SHARE) && found.reactive[pixel] == share.max(SHARE);
             apart += usize::from(!is_same);
+            faint += usize::from(shown > 0.0 && shown < LEAST_SHARE);
             let Some(nearest) = samples.iter().flatten().min_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };
             // As near are others of the same triangle, which another point is seen at, or what rounding decides.
             let ties = samples.iter().flatten().filter(|other| other.depth < nearest.depth * (1.0 + 1e-6)).count();
-            if !is_same || ties > 1 {
+            if !is_same || shown < LEAST_SHARE || ties > 1 {
                 continue;
             }
             let at = |time| seen(&animation, &mesh, space, i, nearest, time);
@@ -143,10 +146,30 @@ fn vectors_are_differences_along_trajectories() {
         // Pieces of refined triangles are flat: places are off by up to `tolerance`, 0.06 pixels here, and vectors by what a place that is
         // so far away moves otherwise, a few hundredths of that. Vectors are some 10 pixels long.
         assert!(worst < 0.01, "{name}: off by {worst}");
-        assert!(counts[0] > 1000 && counts[1] > 100 && apart * 200 < counts[0], "{name}: {counts:?}, {apart}");
+        assert!(counts[0] > 1000 && counts[1] > 100 && apart * 500 < counts[0], "{name}: {counts:?}, {apart}");
         early += counts[2];
     }
     assert!(early > 300, "{early} vectors reach back before frame i by half a frame");
+    assert!(faint > 50, "{faint} pixels show less than half of the mesh, and have no vector");
+}
+
+/// The interval says what the frame before was seen through, and what else is said of it must be the same, but for jitter.
+#[test]
+fn the_view_before_is_the_intervals() {
+    let (mesh, animation) = (grid(SIDES), swing(SIDES, 8, SIZE, 0.3));
+    let Some(mut rig) = BlurRig::new(Desc { temporal: FORMATS, ..desc(SIZE, &mesh, settings()) }, mesh.clone()) else {
+        return;
+    };
+    let found = render(&mut rig, &animation, 3);
+    rig.previous = Some(views::jittered(animation.seen(3), 1));
+    assert!(render(&mut rig, &animation, 3).bits() == found.bits());
+    rig.previous = Some(animation.seen(2));
+    let segments = rig.desc().segments as usize;
+    let interval = interval(&animation, 3, &labels(), 0.5, 12, segments);
+    let knots = animation.knots(3, segments);
+    let shot = Shot { poses: None, interval: Some(&interval), views: animation.views(3), knots: Some(&knots) };
+    let said = rig.frame(&shot).expect_err("another view").to_string();
+    assert_eq!(said, "temporal.previous: another view than the interval's of frame i");
 }
 
 /// Everything moves evenly, seen in parallel rays: k' does not matter.
@@ -204,7 +227,7 @@ fn outputs_change_no_bit_of_the_picture() {
             assert!(found.motion == whole.motion && found.reactive == whole.reactive, "output {i}");
             let count = found.motion.iter().filter(|vector| **vector != HOSTS).count();
             let smeared = found.reactive.iter().filter(|share| **share > 0.0).count();
-            assert!(count > 500 && smeared > 500 && smeared <= count, "{count} vectors, {smeared} smeared");
+            assert!(count > 500 && smeared > 500, "{count} vectors, {smeared} smeared");
         }
         if depth.is_some() {
             // A wall before everything.

@@ -165,6 +165,7 @@ impl Bench {
             new_tables: true,
             still: None,
             view_before: None,
+            moves: false,
             same_shadow: None,
         };
         let mut params = SmokeParams::new(&self.desc, &self.layout, &frame, &shape, given.frames);

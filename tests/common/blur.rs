@@ -9,7 +9,7 @@ use celfx::blur::{
 };
 use celfx::effect::Effort;
 use celfx::error::Result;
-use celfx::host::{HostBuffer, HostImage, ImageState};
+use celfx::host::{HostBuffer, HostImage, ImageState, TemporalImages};
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::{Control, Piece, Vertex};
 use celfx::low_level::gpu::buffer::Buffer;
@@ -19,7 +19,7 @@ use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM, Upload, record_depth, record_picture};
 use celfx::low_level::plan::BufferId;
 use celfx::offline::TARGET_FORMAT;
-use celfx::view::Light;
+use celfx::view::{Light, View};
 
 use super::host::{self, Place};
 use super::temporal::{Found, Outputs};
@@ -93,6 +93,8 @@ pub struct BlurRig {
     occluders: [Option<Image>; 4],
     /// What scratch memory is filled with before each frame that is waited for, if it is.
     pub poison: Option<u32>,
+    /// What outputs say of the view before.
+    pub previous: Option<View>,
     /// Images for temporal upscalers, if the effect was made for both, and what the host has in the mask.
     outputs: Option<Outputs>,
     pub share: f32,
@@ -201,6 +203,7 @@ impl BlurRig {
             outer: [false; 2],
             depth,
             wall: 0.0,
+            previous: None,
             has_backdrop: false,
             slot: 0,
             are_closed: true,
@@ -464,7 +467,10 @@ impl BlurRig {
                 true => Background::Copy(self.host_image(5, COPIED_FROM)),
                 false => self.toon.map_or(Background::Keep, |(_, background)| background),
             },
-            temporal: self.outputs.as_ref().map(Outputs::given).unwrap_or_default(),
+            temporal: TemporalImages {
+                previous: self.previous,
+                ..self.outputs.as_ref().map(Outputs::given).unwrap_or_default()
+            },
         }
     }
 

@@ -4,6 +4,7 @@ use ash::vk;
 use celfx::host::{Host, TemporalFormats, TemporalImages};
 use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::transfer::{CLEARED, COPIED_FROM};
+use celfx::low_level::shaders::common::constants::LEAST_SHARE;
 use celfx::view::{Projection, View};
 use glam::{DVec2, DVec3};
 
@@ -44,6 +45,7 @@ impl Outputs {
         TemporalImages {
             motion: given(&self.motion, FORMATS.motion),
             reactive: given(&self.reactive, FORMATS.reactive),
+            previous: None,
         }
     }
 
@@ -79,10 +81,17 @@ impl Outputs {
 }
 
 impl Found {
-    /// Asserts that what shows the effect, and nothing else, has a vector, and that the mask is the larger of its share and the host's.
+    /// All of it.
+    pub fn bits(&self) -> (Vec<[u32; 2]>, Vec<u32>) {
+        let motion = self.motion.iter().map(|vector| vector.map(f32::to_bits));
+        (motion.collect(), self.reactive.iter().map(|share| share.to_bits()).collect())
+    }
+
+    /// Asserts that what shows the effect to at least half, and nothing else, has a vector, and that the mask is the larger of its share and
+    /// the host's.
     pub fn assert_where(&self, shares: &[f32], hosts: f32) {
         for (i, share) in shares.iter().enumerate() {
-            assert_eq!(self.motion[i] != HOSTS, *share > 0.0, "a vector in pixel {i}, which shows {share}");
+            assert_eq!(self.motion[i] != HOSTS, *share >= LEAST_SHARE, "a vector in pixel {i}, which shows {share}");
             assert_eq!(self.reactive[i], share.max(hosts), "the mask in pixel {i}");
         }
     }

@@ -38,7 +38,7 @@ pub fn image(format: vk::Format) -> HostImage {
 fn temporal(is_asked: bool) -> (TemporalFormats, TemporalImages) {
     let formats = [vk::Format::R16G16_SFLOAT, vk::Format::R8_UNORM].map(|format| is_asked.then_some(format));
     let [motion, reactive] = formats.map(|format| format.map(image));
-    (TemporalFormats { motion: formats[0], reactive: formats[1] }, TemporalImages { motion, reactive })
+    (TemporalFormats { motion: formats[0], reactive: formats[1] }, TemporalImages { motion, reactive, previous: None })
 }
 
 fn depth() -> HostImage {
@@ -274,9 +274,13 @@ fn smoke_with_everything_that_a_frame_may_bring() {
                 temporal: outputs,
             };
             let next = smoke::Frame { sequence: smoke::Sequence::Advance, volume: None, edges: None, ..first };
-            let mut frames = vec![first, next, smoke::Frame { target: None, ..next }];
+            let unseen = smoke::Frame { target: None, temporal: TemporalImages::default(), ..next };
+            let mut frames = vec![first, next, unseen];
             frames.extend(backgrounds().map(|background| smoke::Frame { background, ..next }));
             frames.push(smoke::Frame { sequence: smoke::Sequence::Hold, ..first });
+            let previous = outputs.motion.map(|_| first.view);
+            let temporal = TemporalImages { previous, ..outputs };
+            frames.push(smoke::Frame { sequence: smoke::Sequence::Again, temporal, ..first });
             check::<SmokeKind>(&desc, &frames);
         }
     }
@@ -489,6 +493,27 @@ fn blur_of_parts_and_of_poses_on_the_device() {
     let moving = blur::Frame { skinned: skinned(2), interval: Some(interval), ..next };
     let drawn = blur::Frame { skinned: skinned(3), images: None, toon, ..moving };
     check::<BlurKind>(&desc, &[still, next, moving, drawn]);
+    // A dropped frame takes past poses with it: the list of views begins anew with the frame that is skinned then.
+    let mut kind = BlurKind::new(&desc, &TRAITS, Effort::Needed).expect("it can be made");
+    let mut plan = Plan::for_passes(&describe(&mut kind, &desc, Effort::Needed).passes);
+    let mut planned = |kind: &mut BlurKind, frame: &blur::Frame| {
+        plan.clear();
+        kind.plan(&desc, frame, &mut plan).map(|recorded| kind.recorded(&desc, recorded))
+    };
+    [still, next, moving].iter().for_each(|frame| planned(&mut kind, frame).expect("a frame"));
+    kind.forget();
+    let interval = blur::IntervalInput { views: [view(1), view(2), view(3), view(3)], ..interval };
+    let lost = blur::Frame { skinned: skinned(3), interval: Some(interval), ..still };
+    let said = planned(&mut kind, &lost).expect_err("poses that are gone").to_string();
+    let expected =
+        "poses: that of frame 1 is needed and not on the device, which keeps 5: begin the list of views anew";
+    assert!(said.starts_with(expected), "{said}");
+    planned(&mut kind, &blur::Frame { interval: None, ..lost }).expect("a frame");
+    let knots = [3, 4].map(|frame| blur::Knot { view: view(frame), ..knots[0] });
+    let trajectories = blur::Trajectories::Poses(&knots);
+    let interval = blur::IntervalInput { views: [view(3), view(3), view(4), view(4)], trajectories, ..interval };
+    let after = blur::Frame { skinned: skinned(4), interval: Some(interval), ..next };
+    planned(&mut kind, &after).expect("a frame");
 }
 
 fn one_triangle() -> blur::MeshInput<'static> {

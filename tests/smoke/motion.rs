@@ -274,8 +274,18 @@ fn outputs_that_do_not_fit_are_refused_by_name() {
     let motion = images.motion.expect("an image");
     let with_motion = |motion: HostImage| TemporalImages { motion: Some(motion), ..images };
     let cases = [
-        ("temporal.motion: expected", TemporalImages { motion: None, ..images }),
-        ("temporal.reactive: expected", TemporalImages { reactive: None, ..images }),
+        (
+            "temporal.motion: missing; the effect was made with temporal.motion = R32G32_SFLOAT",
+            TemporalImages { motion: None, ..images },
+        ),
+        (
+            "temporal.reactive: missing; the effect was made with temporal.reactive = R32_SFLOAT",
+            TemporalImages { reactive: None, ..images },
+        ),
+        (
+            "temporal.previous.jitter",
+            TemporalImages { previous: Some(View { jitter: [99.0; 2], ..good.view }), ..images },
+        ),
         ("temporal.motion: [79, 60] pixels", with_motion(HostImage { extent: [79, 60], ..motion })),
         ("temporal.motion: offset [0, 1]", with_motion(HostImage { offset: [0, 1], extent: [80, 61], ..motion })),
         ("temporal.motion: R16G16_SFLOAT", with_motion(HostImage { format: vk::Format::R16G16_SFLOAT, ..motion })),
@@ -293,5 +303,148 @@ fn outputs_that_do_not_fit_are_refused_by_name() {
         let said = rig.smoke.prepare(&Frame { temporal, ..good }).expect_err(expected).to_string();
         assert!(said.starts_with(expected), "{expected}: {said}");
     }
+    // Nothing of it without a picture.
+    for (expected, temporal) in [
+        ("temporal.motion: given; a frame without a target", images),
+        ("temporal.reactive: given", TemporalImages { motion: None, ..images }),
+        ("temporal.previous: given", TemporalImages { previous: Some(good.view), ..TemporalImages::default() }),
+    ] {
+        let said = rig.smoke.prepare(&Frame { target: None, temporal, ..good }).expect_err(expected).to_string();
+        assert!(said.starts_with(expected), "{expected}: {said}");
+    }
+    // What a second view was seen through before, only the host knows.
+    for i in 0..2 {
+        let frame = rig.frame(i, good.view);
+        rig.render(&frame, |_, _| {});
+    }
+    let again = Frame { sequence: Sequence::Again, volume: None, ..rig.frame(1, camera(9.0).view(SIZE)) };
+    let said = rig.smoke.prepare(&again).expect_err("no view before").to_string();
+    assert!(said.starts_with("temporal.previous: missing; motion vectors of Sequence::Again"), "{said}");
+    rig.destroy();
+    let Some(mut plain) = Rig::new(effect(), [0; 2]) else { return };
+    let temporal = TemporalImages { previous: Some(good.view), ..TemporalImages::default() };
+    let frame = Frame { temporal, ..plain.frame(0, good.view) };
+    let said = plain.smoke.prepare(&frame).expect_err("a view before").to_string();
+    assert_eq!(said, "temporal.previous: given; the effect was made without temporal.motion");
+    plain.destroy();
+}
+
+/// Two eyes of one effect have the vectors of two effects with one view each, bit for bit, in frames that move and in a pause; whatever
+/// scratch memory held between them.
+#[test]
+fn two_views_have_the_vectors_of_two_effects() {
+    let mut desc = Desc { temporal: FORMATS, ..effect() };
+    desc.settings.lifetime = Some(4);
+    let rigs = [(); 3].map(|()| Rig::new(desc.clone(), [3, 6]));
+    let [Some(mut both), Some(mut left), Some(mut right)] = rigs else { return };
+    let eye = |i: u32, side: f64| views::jittered(camera(3.0 * f64::from(i) + side).view(SIZE), i as usize);
+    let mut before: Option<[View; 2]> = None;
+    let sequences = [Sequence::Restart, Sequence::Advance, Sequence::Advance, Sequence::Advance, Sequence::Hold];
+    for (i, sequence) in (0..).zip(sequences).chain([(5, Sequence::Hold), (6, Sequence::Advance)]) {
+        let views = [eye(i, 0.0), eye(i, 14.0)];
+        let singles = [(&mut left, views[0]), (&mut right, views[1])].map(|(rig, view)| {
+            let frame = Frame { sequence, ..rig.frame(i, view) };
+            rig.render(&frame, |_, _| {});
+            rig.outputs.found(&mut rig.device, SHARE)
+        });
+        for (side, single) in singles.iter().enumerate() {
+            let frame = both.frame(i, views[side]);
+            let previous = before.map(|views| views[side]);
+            let temporal = TemporalImages { previous, ..frame.temporal };
+            let frame = match side {
+                0 => Frame { sequence, temporal, ..frame },
+                _ => Frame { sequence: Sequence::Again, volume: None, temporal, ..frame },
+            };
+            host::poison(&mut both.device, both.smoke.scratch(), host::POISONS[0]);
+            both.render(&frame, |_, _| {});
+            let found = both.outputs.found(&mut both.device, SHARE);
+            assert!(found.bits() == single.bits(), "frame {i}, {sequence:?}, view {side}");
+        }
+        let [_, single] = singles;
+        let seen = single.motion.iter().filter(|vector| **vector != HOSTS && **vector != [0.0; 2]).count();
+        assert!(i == 0 || seen > 500, "frame {i}: {seen} vectors");
+        before = Some(views);
+    }
+    // A frame that only moves on, and then each eye: the same again.
+    let views = [eye(7, 0.0), eye(7, 14.0)];
+    let unseen = Frame { target: None, temporal: TemporalImages::default(), ..both.frame(7, views[0]) };
+    both.render(&unseen, |_, _| {});
+    for (side, rig) in [&mut left, &mut right].into_iter().enumerate() {
+        let frame = rig.frame(7, views[side]);
+        rig.render(&frame, |_, _| {});
+        let single = rig.outputs.found(&mut rig.device, SHARE);
+        let frame = both.frame(7, views[side]);
+        let temporal = TemporalImages { previous: before.map(|views| views[side]), ..frame.temporal };
+        let frame = Frame { sequence: Sequence::Again, volume: None, temporal, ..frame };
+        both.render(&frame, |_, _| {});
+        assert!(
+            both.outputs.found(&mut both.device, SHARE).bits() == single.bits(),
+            "view {side} after a frame unseen"
+        );
+    }
+    [both, left, right].into_iter().for_each(Rig::destroy);
+}
+
+/// A resize resets no vector: they are in pixels of the new picture, as if the one before had had its size.
+#[test]
+fn vectors_go_on_over_a_resize() {
+    let small = [SIZE[0] / 2, SIZE[1] / 2];
+    let Some(mut rig) = Rig::new(Desc { temporal: FORMATS, size: small, ..effect() }, [0; 2]) else { return };
+    let view = |degrees: f64| camera(degrees).view(SIZE);
+    for i in 0..2 {
+        let frame = rig.frame(i, view(0.0));
+        rig.render(&frame, |_, _| {});
+    }
+    let moment = rig.moment();
+    let (host, kernels, allocator) = rig.device.making();
+    // SAFETY: the device's own handles; every frame has been waited for.
+    unsafe { rig.smoke.resize(&host, kernels, allocator, SIZE).expect("a size").destroy(&host, allocator) };
+    let views = [view(0.0), view(5.0)];
+    let frame = Frame { sequence: Sequence::Hold, volume: None, ..rig.frame(1, views[1]) };
+    rig.render(&frame, |_, _| {});
+    let found = rig.outputs.found(&mut rig.device, SHARE);
+    let (mut worst, mut count) = (0.0_f64, 0);
+    for (pixel, hit) in render::raycast(&views[1], SIZE, &moment.spheres).iter().enumerate() {
+        let Some(hit) = hit.filter(|_| found.motion[pixel] != HOSTS) else { continue };
+        let place = place_at(&views[1], SIZE, pixel, hit.depth);
+        worst = worst.max(distance(found.motion[pixel], vector([&views[0], &views[1]], SIZE, place, place)));
+        count += usize::from(found.motion[pixel] != [0.0; 2]);
+    }
+    // As in a held moment.
+    assert!(worst < 0.01 && count > 500, "{count} vectors, off by {worst}");
+    rig.destroy();
+}
+
+/// What covers more than half of a pixel before the smoke has its own vector there.
+#[test]
+fn what_covers_most_of_a_pixel_keeps_its_vector() {
+    let made = DepthFormat { format: vk::Format::D32_SFLOAT, reversed: true };
+    let desc = Desc { depth: Some(made), edges: true, temporal: FORMATS, ..effect() };
+    let Some(mut rig) = Rig::new(desc, [0; 2]) else { return };
+    let mut far = host::image(&mut rig.device, SIZE, made.format);
+    let mut edges = host::source(&mut rig.device, 16 * PIXELS as u64);
+    // Shares as halves of 0.25, 0.5 and 0.75, before the smoke or behind it.
+    let kinds = [(0x3400, 0.5), (0x3800, 0.5), (0x3a00, 0.5), (0x3a00, 100.0_f32)];
+    let rows: Vec<[u32; 4]> = (0..PIXELS)
+        .map(|pixel| {
+            let (share, depth) = kinds[pixel % 4];
+            [0, share << 16, depth.to_bits(), 0]
+        })
+        .collect();
+    let given = host::fill(&mut edges, &rows);
+    let depth = host::host_image(&far, SIZE, made.format, CLEARED, COPIED_FROM);
+    let frame = Frame { depth: Some(depth), edges: Some(given), ..rig.frame(0, camera(0.0).view(SIZE)) };
+    let handle = far.handle;
+    // SAFETY: the image is the test's own.
+    rig.render(&frame, |host, commands| unsafe { record_depth(host, commands, handle, 0.0) });
+    let found = rig.outputs.found(&mut rig.device, SHARE);
+    let own: Vec<f32> = host::read(&mut rig.device, rig.smoke.buffer(layout::DEPTH), PIXELS);
+    let mut counts = [0; 4];
+    for pixel in (0..PIXELS).filter(|pixel| own[*pixel].is_finite()) {
+        counts[pixel % 4] += 1;
+        assert_eq!(found.motion[pixel] != HOSTS, pixel % 4 != 2, "pixel {pixel}");
+    }
+    assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
+    host::destroy(&mut rig.device, [&mut edges], [&mut far]);
     rig.destroy();
 }

@@ -11,7 +11,7 @@ use crate::common::scenes::{camera, desc, direction, moving_puffs, point, puffs}
 /// All of each frame; of one that keeps no layers, its picture and depth. Volumes come where they change, holds and frames that
 /// are not rendered stand between, and the light changes and comes back.
 fn frames(desc: &Desc, poison: Option<u32>) -> Option<Vec<Bits>> {
-    use Sequence::{Advance, Hold, Restart};
+    use Sequence::{Advance, Again, Hold, Restart};
     let volume = |time| if desc.velocity { moving_puffs(16, time) } else { puffs(16, time) };
     let (a, b): (Volume, Volume) = (volume(0.0), volume(1.0));
     let lights = match desc.point_light {
@@ -25,6 +25,7 @@ fn frames(desc: &Desc, poison: Option<u32>) -> Option<Vec<Bits>> {
         (Advance, 0.0, 0, None, true),
         (Advance, 40.0, 0, None, true),
         (Advance, 40.0, 1, None, true),
+        (Again, 20.0, 1, None, true),
         (Hold, 0.0, 1, None, true),
         (Hold, 0.0, 0, Some(&b), true),
         (Hold, 40.0, 0, None, true),

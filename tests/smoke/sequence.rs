@@ -43,7 +43,7 @@ fn assert_skipping(name: &str, desc: &Desc, steps: &[Step], saves: bool) {
 
 #[test]
 fn skipping_changes_nothing() {
-    use Sequence::{Advance, Hold, Restart};
+    use Sequence::{Advance, Again, Hold, Restart};
     let (a, b) = (puffs(20, 0.0), puffs(20, 1.0));
     let (front, side) = (camera(0.0), camera(70.0));
     let (sun, low) = (direction(-1.0, -1.5, -1.0), direction(1.0, -0.2, 0.1));
@@ -55,6 +55,7 @@ fn skipping_changes_nothing() {
             // Nothing changes; then the camera, then the light, then back.
             steps.extend(still(5));
             steps.extend([(Advance, side, sun, None), (Advance, side, low, None), (Hold, front, low, None)]);
+            steps.extend([(Advance, front, low, None), (Again, side, low, None), (Again, front, sun, None)]);
             steps.extend([(Hold, front, sun, None), (Hold, side, sun, None)]);
             // Another volume in a hold, one while things move, and the first again.
             steps.extend([(Advance, front, sun, Some(&b))]);
