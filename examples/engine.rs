@@ -4,7 +4,7 @@
 //! `cargo run --example engine` writes engine.png, the last frame.
 
 use ash::vk;
-use celfx::blur::{self, Blur, FrameView, Mesh, MeshInput, Motion, Pose, Window};
+use celfx::blur::{self, Blur, FrameView, Interval, Mesh, MeshInput, Motion, Pose, Window};
 use celfx::error::Result;
 use celfx::flame::{self, Flame, ParticleInput, SceneDepth, SceneFormat};
 use celfx::host::{Background, DepthFormat, Host, HostImage, ImageState};
@@ -115,6 +115,7 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
     let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, of_smoke)? };
     let mut flame = unsafe { Flame::new(&host, kernels, allocator, of_flame)? };
     let (mut packed, mut uploads, mut shown) = (blur::Upload::default(), <[Upload; 3]>::default(), Download::default());
+    let (mut motion, mut interval) = (Motion::new(&blur.desc().settings, size)?, Interval::default());
     for n in 1..FRAMES {
         if n == FRAMES / 2 {
             size = [400, 225];
@@ -126,17 +127,16 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
                 smoke.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
                 flame.resize(&host, kernels, allocator, size)?.destroy(&host, allocator);
             }
+            motion = Motion::new(&blur.desc().settings, size)?;
         }
-        let (eye, target) = (DVec3::new(0.0, 1.2, 4.5), DVec3::new(0.0, 1.1, 0.0));
-        let (view, light) = (Camera { eye, target, ..Camera::default() }.view(size), Light::default());
+        let view = Camera { eye: DVec3::new(0.0, 1.2, 4.5), target: 1.1 * DVec3::Y, ..Camera::default() }.view(size);
         let [offset, factor] = Projection::new(&view, size)?.depth_terms;
         // What moves from the frame before to this one.
         poses.push(mesh.gather(&box_at(n)).unwrap_or_default());
         let window: Vec<Pose> = poses.iter().map(|positions| Pose { positions, view: &view, cut: false }).collect();
         let window = Window { frame: n - 1, poses: &window, current: n as usize - 1, between: &[] };
-        let interval = Motion::new(&blur.desc().settings, size)?.interval(&mesh, &window, 1)?;
-        let seen = |frame: u32| FrameView { frame, view };
-        let views = [seen(n.saturating_sub(2)), seen(n - 1), seen(n), seen(n)];
+        motion.renew(&mut interval, &mesh, &window, None, 1)?;
+        let views = [n.saturating_sub(2), n - 1, n, n].map(|frame| FrameView { frame, view });
         packed.clear();
         if n == 1 {
             packed.mesh(&mesh, &[[0.9, 0.5, 0.2]; 8]);
@@ -160,8 +160,8 @@ pub fn render(device: &mut Headless) -> Result<(Vec<u8>, [u32; 2])> {
                 mesh: placed.mesh,
                 poses: placed.poses,
                 interval: placed.interval(&interval, &mesh, views, None),
-                toon: Some(blur::ToonInput { view: seen(n), light }),
-                depth: Some(blur::DepthInput { host: tested, view: seen(n) }),
+                toon: Some(blur::ToonInput { view: views[2], light: Light::default() }),
+                depth: Some(blur::DepthInput { host: tested, view: views[2] }),
                 background: Background::Copy(given(sky, DRAWN, DRAWN)),
                 ..blur::Frame::new(given(target, after_all(vk::ImageLayout::UNDEFINED), DRAWN))
             };

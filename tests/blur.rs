@@ -14,6 +14,8 @@ mod depth;
 mod extent;
 #[path = "blur/host.rs"]
 mod host;
+#[path = "blur/intervals.rs"]
+mod intervals;
 #[path = "blur/motion.rs"]
 mod motion;
 #[path = "blur/normals.rs"]

@@ -359,9 +359,9 @@ impl Mesh {
         &self.shells
     }
 
-    /// The solid that each of them encloses; one position a point.
-    pub(super) fn solids(&self, positions: &[[f32; 3]]) -> Vec<Solid> {
-        self.shells.solids(&self.triangles, positions)
+    /// The solid that each of them encloses, in the place of what is in `solids`; one position a point.
+    pub(super) fn find_solids(&self, positions: &[[f32; 3]], solids: &mut Vec<Solid>) {
+        self.shells.find_solids(&self.triangles, positions, solids);
     }
 
     /// Positions of the points from those of the vertices; none where their number is another.
@@ -391,7 +391,8 @@ fn oriented(
     let mut corners = triangles.to_vec();
     turn(&mut corners, &|triangle| turned[triangle]);
     if let Some(rest) = rest {
-        let solids = shells.solids(&of_points(&corners), rest);
+        let mut solids = Vec::new();
+        shells.find_solids(&of_points(&corners), rest, &mut solids);
         let is_turned = |shell: usize| solids[shell].is_turned() == Some(true);
         turn(&mut corners, &|triangle| shells.of(triangle).is_some_and(is_turned));
     }

@@ -23,7 +23,7 @@ use crate::shaders::blur::constants::DIRECTIONS;
 /// let source = Source { buffer: skinned, stride: 8, vertices, points: points[0] };
 /// let mut desc = Desc { parts: Some(parts.sizes()), sources: vec![source], ..Desc::new(mesh, size, settings) };
 /// desc.frames_resident = 16;
-/// let motion = Motion::new(&desc.settings, size)?;
+/// let mut motion = Motion::new(&desc.settings, size)?;
 /// let mut upload = blur::Upload::default(); // with the first frame
 /// upload.mesh(mesh, &[]);
 /// upload.parts(&parts);
@@ -37,7 +37,7 @@ use crate::shaders::blur::constants::DIRECTIONS;
 /// let earlier = views[current.saturating_sub(1)];
 /// let mut frame = Frame::new(target);
 /// frame.skinned = Some(SkinnedInput { frame: next.frame, offsets: [offset, 0, 0, 0, 0, 0, 0, 0] });
-/// frame.interval = found.as_ref().map(|(knots, segments)| IntervalInput {
+/// frame.interval = found.map(|(knots, segments)| IntervalInput {
 ///     counts: Counts::of_parts(&parts.sizes(), generation),
 ///     segments,
 ///     views: [earlier, views[current], next, next],
@@ -111,7 +111,7 @@ impl Parts {
             found.rows.push(PartRow { object, first_chunk, last_chunk, unused: 0 });
         }
         found.members = members;
-        found.seams = seams::find(mesh, &found.labels);
+        seams::Scratch::default().find(mesh, &found.labels, &mut found.seams);
         found.most_neighbours = seams::most_neighbours(mesh.neighbours(), &found.seams);
         Ok(found)
     }

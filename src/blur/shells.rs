@@ -86,9 +86,9 @@ impl Shells {
         Some(self.of_triangle[triangle]).filter(|shell| *shell != NONE).map(|shell| shell as usize)
     }
 
-    /// The solid that each shell encloses. `triangles` are those that the shells were found of, and all turned over
-    /// that had to be; one position a point.
-    pub fn solids(&self, triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Vec<Solid> {
+    /// The solid that each shell encloses, in the place of what is in `solids`. `triangles` are those that the shells were
+    /// found of, and all turned over that had to be; one position a point.
+    pub fn find_solids(&self, triangles: &[[u32; 3]], positions: &[[f32; 3]], solids: &mut Vec<Solid>) {
         let nothing = Solid {
             origin: [f64::NAN; 3],
             volume: 0.0,
@@ -96,13 +96,13 @@ impl Shells {
             low: [f32::INFINITY; 3],
             high: [f32::NEG_INFINITY; 3],
         };
-        let mut solids = vec![nothing; self.count];
+        solids.clear();
+        solids.resize(self.count, nothing);
         for (corners, shell) in triangles.iter().zip(&self.of_triangle) {
             if let Some(solid) = solids.get_mut(*shell as usize) {
                 solid.add(corners.map(|point| positions[point as usize]));
             }
         }
-        solids
     }
 }
 
@@ -202,6 +202,12 @@ mod tests {
         (0..triangles.len()).map(|triangle| shells.of(triangle)).collect()
     }
 
+    fn only_solid(positions: &[[f32; 3]; 4]) -> Solid {
+        let mut solids = Vec::new();
+        Shells::find(&TETRAHEDRON).0.find_solids(&TETRAHEDRON, positions, &mut solids);
+        solids[0]
+    }
+
     #[test]
     fn what_hangs_together_and_has_no_border_is_a_shell() {
         assert_eq!(shells_of(&pair()), [0, 0, 0, 0, 1, 1, 1, 1].map(Some));
@@ -255,10 +261,8 @@ mod tests {
 
     #[test]
     fn a_volume_tells_the_outside_and_a_flat_one_does_not() {
-        let (shells, _) = Shells::find(&TETRAHEDRON);
         let solid = |scale: [f32; 3], offset: f32| {
-            let corners = CORNERS.map(|corner| [0, 1, 2].map(|axis| corner[axis] * scale[axis] + offset));
-            shells.solids(&TETRAHEDRON, &corners)[0]
+            only_solid(&CORNERS.map(|corner| [0, 1, 2].map(|axis| corner[axis] * scale[axis] + offset)))
         };
         assert_eq!(solid([1.0; 3], 0.0).volume, 1.0);
         assert_eq!(solid([2.0, 1.0, 1.0], 5.0).is_turned(), Some(false));
@@ -272,8 +276,7 @@ mod tests {
 
     #[test]
     fn an_eye_in_the_box_may_see_the_inside() {
-        let (shells, _) = Shells::find(&TETRAHEDRON);
-        let solid = shells.solids(&TETRAHEDRON, &CORNERS)[0];
+        let solid = only_solid(&CORNERS);
         let held = |eye: DVec3, near: f64| {
             let camera = Camera { eye, near, vertical_fov: 90.0, ..Camera::default() };
             solid.may_hold(&Projection::of_valid(&camera.view([200, 100]), [200, 100]), [200, 100])

@@ -190,7 +190,7 @@ impl BlurInput {
         let between: Vec<Pose> = between.iter().map(|(positions, view)| Pose { positions, view, cut: false }).collect();
         let window = Window { frame: current, poses: &poses, current: (current - begin) as usize, between: &between };
         let interval = self.motion.interval(&self.mesh, &window, self.threads)?;
-        let knots = self.motion.knots(&window);
+        let knots = self.motion.knots(&window).map(<[_]>::to_vec);
         let view = |frame: i64| {
             let frame = frame.clamp(begin.into(), end.into()) as u32;
             FrameView { frame, view: seen[(frame - begin) as usize] }

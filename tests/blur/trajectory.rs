@@ -138,7 +138,7 @@ fn poses_make_the_pieces_of_the_interval() {
         let poses: Vec<Pose> = (0..16).map(pose).collect();
         let i = 8;
         let window = Window { frame: i as u32, poses: &poses, current: i, between: &[] };
-        let motion = Motion::new(&settings, animation.size).expect("settings");
+        let mut motion = Motion::new(&settings, animation.size).expect("settings");
         let interval = motion.interval(&mesh, &window, 1).expect("an interval");
         let knots = motion.knots(&window).expect("knots");
         let desc = desc(animation.size, &mesh, settings);
@@ -147,7 +147,7 @@ fn poses_make_the_pieces_of_the_interval() {
             poses: Some((0, &animation.poses)),
             interval: Some(&interval),
             views: animation.views(i),
-            knots: Some(&knots),
+            knots: Some(knots),
         };
         rig.frame(&shot).expect("a frame");
         let (points, screen) = (animation.poses[0].len(), space == Space::Screen || animation.is_parallel());

@@ -121,10 +121,10 @@ impl Scene {
         let poses = self.poses.iter().zip(&self.views);
         let poses: Vec<Pose> = poses.map(|(positions, view)| Pose { positions, view, cut: false }).collect();
         let window = Window { frame: self.current as u32, poses: &poses, current: self.current, between: &[] };
-        let motion = Motion::new(settings, self.size)?;
+        let mut motion = Motion::new(settings, self.size)?;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let interval = motion.interval(&self.mesh, &window, threads)?;
-        Ok(Prepared { interval, knots: motion.knots(&window) })
+        Ok(Prepared { interval, knots: motion.knots(&window).map(<[_]>::to_vec) })
     }
 
     pub(super) fn view(&self, frame: usize) -> FrameView {

@@ -1,17 +1,88 @@
 //! Division by the direction of motion, and into parts that are connected on screen.
 
-use super::movers::{Joined, Mover, otsu};
+use super::movers::{Joined, Mover, Sorting};
 use crate::blur::mesh::Mesh;
 
 /// Side of a cell in pixels at 1080 lines: points in one or in neighbouring cells are connected.
 pub(super) const CELL: f32 = 32.0;
 
-/// Sorts movers along the axis on which their directions vary most, and says where to divide them; `None` if all
-/// directions are equal.
-pub(super) fn split(movers: &mut [Mover]) -> Option<usize> {
-    let axis = axis(movers);
-    let along = |mover: &Mover| axis[0] * mover.direction[0] as f64 + axis[1] * mover.direction[1] as f64;
-    otsu(movers, along).map(|(middle, _)| middle)
+/// What movers are divided and connected in.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    sorting: Sorting,
+    /// The cell of each mover, and its point; sorted.
+    keyed: Vec<(Cell, u32)>,
+    cells: Vec<Cell>,
+    joined: Joined,
+    cell_of: Vec<u32>,
+}
+
+/// Class, row and column.
+type Cell = (u32, i32, i32);
+
+impl Scratch {
+    /// Sorts movers along the axis on which their directions vary most, and says where to divide them; `None` if all
+    /// directions are equal.
+    pub(super) fn split(&mut self, movers: &mut [Mover]) -> Option<usize> {
+        let axis = axis(movers);
+        let along = |mover: &Mover| axis[0] * mover.direction[0] as f64 + axis[1] * mover.direction[1] as f64;
+        self.sorting.otsu(movers, along).map(|(middle, _)| middle)
+    }
+
+    /// Divides classes into parts that are connected: points in one or neighbouring cells of side `cell`, or at the two
+    /// ends of an edge. (A coarse mesh has less than a point in each cell that it covers.) Classes become numbers of parts,
+    /// from 1.
+    pub(super) fn connect(
+        &mut self,
+        mesh: &Mesh,
+        movers: &[Mover],
+        motion: &[[f32; 4]],
+        cell: f64,
+        classes: &mut [u32],
+    ) {
+        let most = f64::from(1 << 30);
+        let place = |c: f32| (f64::from(c) / cell).floor().clamp(-most, most) as i32;
+        let key = |mover: &Mover| {
+            let [x, y, ..] = motion[mover.point as usize];
+            (classes[mover.point as usize], place(y), place(x))
+        };
+        self.keyed.clear();
+        self.keyed.extend(movers.iter().map(|mover| (key(mover), mover.point)));
+        self.keyed.sort_unstable();
+        self.join_cells(mesh.points());
+        let Scratch { joined, cell_of, .. } = self;
+        for mover in movers {
+            for other in mesh.neighbours().of(mover.point as usize) {
+                if *other < mover.point && classes[*other as usize] == classes[mover.point as usize] {
+                    joined.join(cell_of[*other as usize], cell_of[mover.point as usize]);
+                }
+            }
+        }
+        movers.iter().map(|mover| mover.point as usize).for_each(|p| classes[p] = joined.root(cell_of[p]) + 1);
+    }
+
+    /// Joins neighbouring cells of the sorted movers, and finds the cell of each of the mesh's points.
+    fn join_cells(&mut self, points: usize) {
+        let Scratch { keyed, cells, joined, cell_of, .. } = self;
+        cells.clear();
+        cell_of.clear();
+        cell_of.resize(points, 0);
+        for (cell, point) in keyed {
+            if cells.last() != Some(cell) {
+                cells.push(*cell);
+            }
+            cell_of[*point as usize] = cells.len() as u32 - 1;
+        }
+        joined.part(cells.len());
+        for (i, (class, y, x)) in cells.iter().enumerate() {
+            for neighbour in [(*class, *y, x + 1), (*class, y + 1, x - 1), (*class, y + 1, *x), (*class, y + 1, x + 1)]
+            {
+                if let Ok(other) = cells.binary_search(&neighbour) {
+                    joined.join(i as u32, other as u32);
+                }
+            }
+        }
+    }
 }
 
 /// Eigenvector of the larger eigenvalue of the directions' covariance, of any length; x where both are equal.
@@ -32,44 +103,6 @@ fn axis(movers: &[Mover]) -> [f64; 2] {
     }
 }
 
-/// Divides classes into parts that are connected: points in one or neighbouring cells of side `cell`, or at the two
-/// ends of an edge. (A coarse mesh has less than a point in each cell that it covers.) Classes become numbers of parts,
-/// from 1.
-pub(super) fn connect(mesh: &Mesh, movers: &[Mover], motion: &[[f32; 4]], cell: f64, classes: &mut [u32]) {
-    let most = f64::from(1 << 30);
-    let place = |c: f32| (f64::from(c) / cell).floor().clamp(-most, most) as i32;
-    let key = |mover: &Mover| {
-        let [x, y, ..] = motion[mover.point as usize];
-        (classes[mover.point as usize], place(y), place(x))
-    };
-    let mut keyed: Vec<((u32, i32, i32), u32)> = movers.iter().map(|mover| (key(mover), mover.point)).collect();
-    keyed.sort_unstable();
-    let mut cells: Vec<(u32, i32, i32)> = keyed.iter().map(|(key, _)| *key).collect();
-    cells.dedup();
-    let mut joined = Joined::new(cells.len());
-    for (i, (class, y, x)) in cells.iter().enumerate() {
-        for neighbour in [(*class, *y, x + 1), (*class, y + 1, x - 1), (*class, y + 1, *x), (*class, y + 1, x + 1)] {
-            if let Ok(other) = cells.binary_search(&neighbour) {
-                joined.join(i as u32, other as u32);
-            }
-        }
-    }
-    let mut cell_of = vec![0; mesh.points()];
-    let mut current = 0;
-    for (i, (key, point)) in keyed.iter().enumerate() {
-        current += usize::from(i > 0 && *key != keyed[i - 1].0);
-        cell_of[*point as usize] = current as u32;
-    }
-    for mover in movers {
-        for other in mesh.neighbours().of(mover.point as usize) {
-            if *other < mover.point && classes[*other as usize] == classes[mover.point as usize] {
-                joined.join(cell_of[*other as usize], cell_of[mover.point as usize]);
-            }
-        }
-    }
-    movers.iter().map(|mover| mover.point as usize).for_each(|p| classes[p] = joined.root(cell_of[p]) + 1);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +113,10 @@ mod tests {
             Mover { point, direction: [x, y].map(|c| (c * 1_048_576.0).round() as i64), place: [0; 4] }
         };
         (0..).zip(degrees).map(mover).collect()
+    }
+
+    fn split(movers: &mut [Mover]) -> Option<usize> {
+        Scratch::default().split(movers)
     }
 
     fn first(degrees: &[f64]) -> Vec<u32> {

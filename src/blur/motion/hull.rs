@@ -1,5 +1,6 @@
 //! Points that can be extreme: the convex hull, decided exactly, and what rounding can make as extreme as the hull.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Half an ulp of 1 in f32.
@@ -35,48 +36,74 @@ fn exact_sum(terms: [f64; 6]) -> f64 {
     parts.into_iter().rev().find(|part| *part != 0.0).unwrap_or(0.0)
 }
 
-/// The extreme points of finite points, in the order of the outline, each once: the convex hull, counter-clockwise where y
-/// is up, with the points that are exactly on its sides, and after each of them the points so near to the side from it on
-/// that rounding in f32 can make them as extreme.
-pub(super) fn extremes(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
-    // d.x * x + d.y * y errs by at most 2 roundings of |d| |p|; two points are compared.
-    let farthest = points.iter().map(|[x, y]| f64::from(*x).hypot(f64::from(*y))).fold(0.0, f64::max);
-    let band = 5.0 * ROUNDING * farthest;
-    let mut sorted = outside(points, 2.0 * band);
-    sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    sorted.dedup();
-    let places = chain(&sorted);
-    if places.len() == sorted.len() {
-        return places.iter().map(|place| sorted[*place]).collect();
-    }
-    let mut on_chain = vec![false; sorted.len()];
-    places.iter().for_each(|place| on_chain[*place] = true);
-    let chain: Vec<[f32; 2]> = places.iter().map(|place| sorted[*place]).collect();
-    let outline = Outline::new(&chain);
-    let rest = sorted.iter().zip(&on_chain).filter(|(_, on)| !**on).map(|(point, _)| *point);
-    let mut near: Vec<(usize, f64, [f32; 2])> =
-        rest.filter_map(|point| outline.side_of(point, band).map(|(side, along)| (side, along, point))).collect();
-    near.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut near = near.into_iter().peekable();
-    let mut found = Vec::with_capacity(chain.len() + near.len());
-    for (side, point) in chain.iter().enumerate() {
-        found.push(*point);
-        while let Some((_, _, point)) = near.next_if(|next| next.0 == side) {
-            found.push(point);
+/// A point beside the chain: the side that is nearest, how far along it the point is, and the point.
+type Near = (usize, f64, [f32; 2]);
+
+/// What hulls are found in.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    /// Points that may be extreme, by x, and by y where that is the same.
+    sorted: Vec<[f32; 2]>,
+    /// Which of these are the convex hull, with what is on its sides.
+    places: Vec<usize>,
+    on_chain: Vec<bool>,
+    /// The points at these places.
+    chain: Vec<[f32; 2]>,
+    near: Vec<Near>,
+}
+
+impl Scratch {
+    /// Appends the extreme points of finite points, in the order of the outline, each once: the convex hull, counter-clockwise
+    /// where y is up, with the points that are exactly on its sides, and after each of them the points so near to the side from
+    /// it on that rounding in f32 can make them as extreme.
+    pub(super) fn extremes(&mut self, points: &[[f32; 2]], found: &mut Vec<[f32; 2]>) {
+        let Scratch { sorted, places, on_chain, chain, near } = self;
+        // d.x * x + d.y * y errs by at most 2 roundings of |d| |p|; two points are compared.
+        let farthest = points.iter().map(|[x, y]| f64::from(*x).hypot(f64::from(*y))).fold(0.0, f64::max);
+        let band = 5.0 * ROUNDING * farthest;
+        outside(points, 2.0 * band, sorted);
+        sorted.sort_unstable_by(by_place);
+        sorted.dedup();
+        find_chain(sorted, places);
+        chain.clear();
+        chain.extend(places.iter().map(|place| sorted[*place]));
+        if chain.len() == sorted.len() {
+            found.extend_from_slice(chain);
+            return;
+        }
+        on_chain.clear();
+        on_chain.resize(sorted.len(), false);
+        places.iter().for_each(|place| on_chain[*place] = true);
+        let outline = Outline::new(chain);
+        let rest = sorted.iter().zip(&*on_chain).filter(|(_, on)| !**on).map(|(point, _)| *point);
+        near.clear();
+        near.extend(rest.filter_map(|point| outline.side_of(point, band).map(|(side, along)| (side, along, point))));
+        near.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(by_place(&a.2, &b.2)));
+        let mut near = near.iter().peekable();
+        for (side, point) in chain.iter().enumerate() {
+            found.push(*point);
+            while let Some((_, _, point)) = near.next_if(|next| next.0 == side) {
+                found.push(*point);
+            }
         }
     }
-    found
+}
+
+/// Orders points by x, and by y where that is the same.
+fn by_place(a: &[f32; 2], b: &[f32; 2]) -> Ordering {
+    a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
 }
 
 /// Places of the hull of sorted points; of points on a line all.
-fn chain(sorted: &[[f32; 2]]) -> Vec<usize> {
-    let mut lower = half(sorted.iter().copied().enumerate());
-    if lower.len() < sorted.len() {
-        let upper = half(sorted.iter().copied().enumerate().rev());
-        lower.pop();
-        lower.extend(&upper[..upper.len() - 1]);
+fn find_chain(sorted: &[[f32; 2]], places: &mut Vec<usize>) {
+    places.clear();
+    extend_half(sorted, 0..sorted.len(), places);
+    if places.len() < sorted.len() {
+        // The upper half begins where the lower one ends, and ends where that begins.
+        places.pop();
+        extend_half(sorted, (0..sorted.len()).rev(), places);
+        places.pop();
     }
-    lower
 }
 
 /// A hull in quarters along which both coordinates change one way only.
@@ -142,28 +169,27 @@ fn to_side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> (f64, f64) {
     ((off[0] - along * way[0]).hypot(off[1] - along * way[1]), along)
 }
 
-/// Half of the hull of sorted points: places of those that no later turn leaves to the left.
-fn half(points: impl Iterator<Item = (usize, [f32; 2])>) -> Vec<usize> {
-    let (mut places, mut chain): (Vec<usize>, Vec<[f32; 2]>) = (Vec::new(), Vec::new());
-    for (place, point) in points {
-        while let [.., a, b] = chain[..]
-            && side(a, b, point) < 0.0
+/// Appends half of the hull of sorted points: places of those that no later turn leaves to the left.
+fn extend_half(sorted: &[[f32; 2]], order: impl Iterator<Item = usize>, places: &mut Vec<usize>) {
+    let begin = places.len();
+    for place in order {
+        while let [.., a, b] = places[begin..]
+            && side(sorted[a], sorted[b], sorted[place]) < 0.0
         {
-            chain.pop();
             places.pop();
         }
-        chain.push(point);
         places.push(place);
     }
-    places
 }
 
-/// Points that are not at least `margin` inside of the octagon of the extremes in 8 directions (Akl, Toussaint 1978).
-fn outside(points: &[[f32; 2]], margin: f64) -> Vec<[f32; 2]> {
+/// Finds the points that are not at least `margin` inside of the octagon of the extremes in 8 directions (Akl, Toussaint 1978).
+fn outside(points: &[[f32; 2]], margin: f64, found: &mut Vec<[f32; 2]>) {
     const DIRECTIONS: [[f64; 2]; 8] =
         [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
+    found.clear();
     if points.len() < 64 {
-        return points.to_vec();
+        found.extend_from_slice(points);
+        return;
     }
     let corner = |[dx, dy]: [f64; 2]| {
         let mut best = (f64::MIN, [0.0; 2]);
@@ -177,20 +203,22 @@ fn outside(points: &[[f32; 2]], margin: f64) -> Vec<[f32; 2]> {
         best.1
     };
     let corners = DIRECTIONS.map(corner);
-    let mut sides = Vec::new();
+    let (mut sides, mut count) = ([[0.0; 3]; DIRECTIONS.len()], 0);
     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
         let length = dx.hypot(dy);
         if length > 0.0 {
             let normal = [-dy / length, dx / length];
-            sides.push([normal[0], normal[1], normal[0] * a[0] + normal[1] * a[1] + margin]);
+            sides[count] = [normal[0], normal[1], normal[0] * a[0] + normal[1] * a[1] + margin];
+            count += 1;
         }
     }
+    let sides = &sides[..count];
     let inside = |point: &[f32; 2]| {
         let [x, y] = point.map(f64::from);
         sides.iter().all(|[nx, ny, least]| nx * x + ny * y > *least)
     };
-    points.iter().filter(|point| sides.is_empty() || !inside(point)).copied().collect()
+    found.extend(points.iter().filter(|point| sides.is_empty() || !inside(point)));
 }
 
 #[cfg(test)]
@@ -200,6 +228,12 @@ mod tests {
 
     fn random(n: u32) -> Vec<[f32; 2]> {
         (0..n).map(|i| [0, 1].map(|axis| unit(hash(3, i, 0, axis)) - 0.5)).collect()
+    }
+
+    fn extremes(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
+        let mut found = Vec::new();
+        Scratch::default().extremes(points, &mut found);
+        found
     }
 
     #[test]
@@ -253,13 +287,17 @@ mod tests {
         for points in [random(5000), random(63), random(20_000).into_iter().filter(ring).collect()] {
             let found = extremes(&points);
             let mut sorted = found.clone();
-            sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-            let chain: Vec<[f32; 2]> = chain(&sorted).iter().map(|place| sorted[*place]).collect();
+            sorted.sort_by(by_place);
+            let mut places = Vec::new();
+            find_chain(&sorted, &mut places);
+            let chain: Vec<[f32; 2]> = places.iter().map(|place| sorted[*place]).collect();
             for (a, b) in chain.iter().zip(chain.iter().cycle().skip(1)) {
                 assert!(points.iter().all(|p| side(*a, *b, *p) >= 0.0));
             }
             assert!(found.len() < 400, "{}", found.len());
-            assert_eq!(outside(&points[..60], 0.0).len(), 60);
+            let mut few = Vec::new();
+            outside(&points[..60], 0.0, &mut few);
+            assert_eq!(few.len(), 60);
         }
     }
 

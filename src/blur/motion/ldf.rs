@@ -4,7 +4,7 @@
 //! share of the variance that is between the two parts, by turns over the axis and over the cut: it never falls, so that
 //! it ends.
 
-use super::movers::{Mover, otsu};
+use super::movers::{Mover, Sorting};
 
 /// The most rounds of axis and cut.
 const MOST_ROUNDS: usize = 30;
@@ -14,42 +14,54 @@ const RANK: f64 = 1e-10;
 type Vector = [f64; 4];
 type Matrix = [[f64; 4]; 4];
 
-/// Sorts movers along the best axis that is found, and says where to divide them; `None` if all are equal.
-pub(super) fn split(movers: &mut [Mover]) -> Option<usize> {
-    let scatter = Scatter::new(movers);
-    let raw = (0..4).filter_map(|axis| {
-        let mut unit = [0.0; 4];
-        unit[axis] = 1.0;
-        otsu(movers, |mover| scatter.along(&unit, mover)).map(|(_, share)| (unit, share))
-    });
-    let (axis, mut best) = raw.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    let mut middle = otsu(movers, |mover| scatter.along(&axis, mover))?.0;
-    for _ in 0..MOST_ROUNDS {
-        let next = scatter.discriminant(&movers[..middle], &movers[middle..]);
-        let mut trial = movers.to_vec();
-        match otsu(&mut trial, |mover| scatter.along(&next, mover)) {
-            Some((place, share)) if share > best => {
-                let stands = place == middle && same(&movers[..middle], &trial[..place]);
-                movers.copy_from_slice(&trial);
-                (best, middle) = (share, place);
-                if stands {
-                    break;
-                }
-            }
-            _ => break,
-        }
-    }
-    Some(middle)
+/// What movers are divided in.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    sorting: Sorting,
+    trial: Vec<Mover>,
+    /// Points of two parts.
+    points: [Vec<u32>; 2],
 }
 
-/// Whether two parts have the same members.
-fn same(a: &[Mover], b: &[Mover]) -> bool {
-    let points = |part: &[Mover]| {
-        let mut points: Vec<u32> = part.iter().map(|mover| mover.point).collect();
-        points.sort_unstable();
-        points
-    };
-    a.len() == b.len() && points(a) == points(b)
+impl Scratch {
+    /// Sorts movers along the best axis that is found, and says where to divide them; `None` if all are equal.
+    pub(super) fn split(&mut self, movers: &mut [Mover]) -> Option<usize> {
+        let scatter = Scatter::new(movers);
+        let raw = (0..4).filter_map(|axis| {
+            let mut unit = [0.0; 4];
+            unit[axis] = 1.0;
+            self.sorting.otsu(movers, |mover| scatter.along(&unit, mover)).map(|(_, share)| (unit, share))
+        });
+        let (axis, mut best) = raw.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+        let mut middle = self.sorting.otsu(movers, |mover| scatter.along(&axis, mover))?.0;
+        for _ in 0..MOST_ROUNDS {
+            let next = scatter.discriminant(&movers[..middle], &movers[middle..]);
+            self.trial.clear();
+            self.trial.extend_from_slice(movers);
+            match self.sorting.otsu(&mut self.trial, |mover| scatter.along(&next, mover)) {
+                Some((place, share)) if share > best => {
+                    let stands = place == middle && self.has_first(&movers[..middle]);
+                    movers.copy_from_slice(&self.trial);
+                    (best, middle) = (share, place);
+                    if stands {
+                        break;
+                    }
+                }
+                _ => break,
+            }
+        }
+        Some(middle)
+    }
+
+    /// Whether the first movers of the trial are these, in any order.
+    fn has_first(&mut self, movers: &[Mover]) -> bool {
+        for (points, part) in self.points.iter_mut().zip([movers, &self.trial[..movers.len()]]) {
+            points.clear();
+            points.extend(part.iter().map(|mover| mover.point));
+            points.sort_unstable();
+        }
+        self.points[0] == self.points[1]
+    }
 }
 
 /// How values vary together.
@@ -136,6 +148,10 @@ mod tests {
 
     fn mover(point: u32, place: [i64; 4]) -> Mover {
         Mover { point, direction: [1, 0], place }
+    }
+
+    fn split(movers: &mut [Mover]) -> Option<usize> {
+        Scratch::default().split(movers)
     }
 
     #[test]

@@ -2,6 +2,8 @@
 //! the device needs of an animation for one output.
 
 mod clusters;
+mod crumbs;
+mod cuts;
 mod direction;
 mod fronts;
 mod hull;
@@ -9,13 +11,18 @@ mod knots;
 mod ldf;
 mod movers;
 mod projection;
+mod ranks;
 pub(super) mod seams;
 mod spline;
 mod trace;
 mod window;
 
-use clusters::Clusters;
-use trace::{Task, Traces};
+use std::ops::Range;
+
+use clusters::Found;
+use cuts::Cuts;
+use spline::Timeline;
+use trace::Traces;
 
 pub use crate::shaders::blur::constants::{FRONT_BITS, FRONTS_A_WORD};
 pub use projection::PixelClip;
@@ -30,11 +37,24 @@ use super::settings::{Settings, Space, Trajectory};
 use crate::error::{Error, Result};
 pub use crate::shaders::blur::blocks::{Cluster, Piece};
 
-/// Makes [`Interval`]s. Holds nothing of one that the next depends on.
+/// Makes [`Interval`]s. Besides settings it keeps memory to work in, and nothing of one interval that the next depends on.
 #[derive(Clone, Debug)]
 pub struct Motion {
     settings: Settings,
     size: [u32; 2],
+    scratch: Scratch,
+}
+
+/// What every interval is found in: buffers that keep their memory.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    cuts: Cuts,
+    timeline: Timeline,
+    trace: trace::Scratch,
+    clusters: clusters::Scratch,
+    seams: seams::Scratch,
+    fronts: fronts::Scratch,
+    knots: knots::Found,
 }
 
 impl Motion {
@@ -44,20 +64,18 @@ impl Motion {
     /// A setting out of range.
     pub fn new(settings: &Settings, size: [u32; 2]) -> Result<Motion> {
         settings.validate()?;
-        Ok(Motion { settings: settings.clone(), size })
+        Ok(Motion { settings: settings.clone(), size, scratch: Scratch::default() })
     }
 
     /// The interval from frame i to frame i + 1, found on `threads` threads, of which the caller's is one. Their number
-    /// changes nothing of the result.
+    /// changes nothing of the result. [`Motion::renew`] finds the same without allocating.
     ///
     /// # Errors
     /// A pose with another number of points, or a position that is not finite; it names frame and vertex.
     pub fn interval(&self, mesh: &Mesh, window: &Window, threads: usize) -> Result<Interval> {
-        self.interval_with(mesh, window, threads, |traces| {
-            let clusters = clusters::find(mesh, traces, &self.settings, self.size[1]);
-            let seams = seams::find(mesh, &clusters.labels);
-            (clusters, seams)
-        })
+        let mut interval = Interval::default();
+        self.find(&mut Scratch::default(), &mut interval, mesh, window, None, threads)?;
+        Ok(interval)
     }
 
     /// The same with clusters that the host has named.
@@ -65,43 +83,81 @@ impl Motion {
     /// # Errors
     /// As [`Motion::interval`].
     pub fn interval_of_parts(&self, mesh: &Mesh, window: &Window, parts: &Parts, threads: usize) -> Result<Interval> {
-        self.interval_with(mesh, window, threads, |traces| {
-            let clusters = clusters::of_parts(mesh, traces, &self.settings, self.size[1], parts);
-            let seams = parts.seams().iter().copied().filter(|point| clusters.labels[*point as usize] > 0).collect();
-            (clusters, seams)
-        })
+        let mut interval = Interval::default();
+        self.find(&mut Scratch::default(), &mut interval, mesh, window, Some(parts), threads)?;
+        Ok(interval)
     }
 
-    /// `divide`: clusters and points near seams.
-    fn interval_with(
-        &self,
+    /// Finds an interval in the place of an earlier one, or of [`Interval::default`]: that of [`Motion::interval`], or, with
+    /// `parts`, of [`Motion::interval_of_parts`].
+    ///
+    /// For the frames of a game: the memory that was worked in and that of the results is used again. Once it is enough for the
+    /// shot, a call with one thread allocates nothing; starting more of them does.
+    ///
+    /// # Errors
+    /// As [`Motion::interval`]; the interval is then of no use.
+    pub fn renew(
+        &mut self,
+        interval: &mut Interval,
         mesh: &Mesh,
         window: &Window,
+        parts: Option<&Parts>,
         threads: usize,
-        divide: impl FnOnce(&Traces) -> (Clusters, Vec<u32>),
-    ) -> Result<Interval> {
-        check(mesh, window)?;
-        let window = &self.nearby(window);
-        let generation = window.frame / self.settings.hold;
-        let traces = self.traces(window, threads).ok_or_else(|| not_finite(mesh, window))?;
-        let (segments, traces) = traces;
-        let (clusters, seams) = divide(&traces);
-        let seams = if self.settings.seam_smoothing > 0 { seams } else { Vec::new() };
-        let current = &window.poses[window.current];
-        let next = window.poses.get(window.current + 1).unwrap_or(current);
-        let fronts = fronts::find(mesh, [current, next], self.size);
-        let Clusters { clusters, labels, hull } = clusters;
-        let Traces { motion, pieces, .. } = traces;
-        Ok(Interval { generation, motion, labels, clusters, hull, seams, fronts, segments, pieces })
+    ) -> Result<()> {
+        self.with_scratch(|motion, scratch| motion.find(scratch, interval, mesh, window, parts, threads))
     }
 
-    /// The part of a window that is looked at: it has enough poses even where each is held for some frames.
-    fn nearby<'a>(&self, window: &Window<'a>) -> Window<'a> {
-        let first = window.current.saturating_sub(MOST_FRAMES);
+    /// The scratch is taken out, so that it can be written while settings are read.
+    fn with_scratch<R>(&mut self, work: impl FnOnce(&Motion, &mut Scratch) -> R) -> R {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let result = work(self, &mut scratch);
+        self.scratch = scratch;
+        result
+    }
+
+    fn find(
+        &self,
+        scratch: &mut Scratch,
+        interval: &mut Interval,
+        mesh: &Mesh,
+        window: &Window,
+        parts: Option<&Parts>,
+        threads: usize,
+    ) -> Result<()> {
+        check(mesh, window)?;
+        let window = &self.nearby(window);
+        if !self.trace(scratch, interval, window, threads) {
+            return Err(not_finite(mesh, window));
+        }
+        let Interval { generation, motion, labels, clusters, hull, seams, fronts, .. } = interval;
+        *generation = window.frame / self.settings.hold;
+        let traces = Traces { motion, moves: scratch.trace.moves() };
+        let task = clusters::Task { mesh, traces, settings: &self.settings, height: self.size[1] };
+        scratch.clusters.find(task, parts, Found { labels, clusters, hull });
+        seams.clear();
+        match parts {
+            _ if self.settings.seam_smoothing == 0 => {}
+            Some(parts) => seams.extend(parts.seams().iter().filter(|point| labels[**point as usize] > 0)),
+            None => scratch.seams.find(mesh, labels, seams),
+        }
+        let current = &window.poses[window.current];
+        let next = window.poses.get(window.current + 1).unwrap_or(current);
+        scratch.fronts.find(mesh, [current, next], self.size, fronts);
+        Ok(())
+    }
+
+    /// Numbers of the poses that are looked at, of so many: they are enough even where each is held for some frames.
+    fn nearby_places(&self, current: usize, count: usize) -> Range<usize> {
         let later = if self.settings.trajectory == Trajectory::Past { 0 } else { MOST_FRAMES };
-        let end = window.poses.len().min(window.current + 2 + later);
+        current.saturating_sub(MOST_FRAMES)..count.min(current + 2 + later)
+    }
+
+    /// The part of a window that is looked at.
+    fn nearby<'a>(&self, window: &Window<'a>) -> Window<'a> {
+        let places = self.nearby_places(window.current, window.poses.len());
         let between = if self.settings.trajectory == Trajectory::Exact { window.between } else { &[] };
-        Window { frame: window.frame, poses: &window.poses[first..end], current: window.current - first, between }
+        let current = window.current - places.start;
+        Window { frame: window.frame, poses: &window.poses[places], current, between }
     }
 
     /// The projection of a pose: all are of one picture, that of frame i + 1.
@@ -110,34 +166,41 @@ impl Motion {
         PixelClip::new(pose.view, next.view.jitter, self.size)
     }
 
-    /// Segments and traces; `None` if a position that is used is not finite.
-    fn traces(&self, window: &Window, threads: usize) -> Option<(Vec<Segment>, Traces)> {
-        let project = |pose: &Pose| self.project(window, pose);
-        let next = window.poses.get(window.current + 1);
+    fn find_cuts(&self, cuts: &mut Cuts, window: &Window) {
+        let jump = f64::from(self.settings.jump) * f64::from(self.size[1]);
+        cuts.renew(window.poses, jump, |pose| self.project(window, pose));
+    }
+
+    /// Finds the timeline of a window; false if nothing moves.
+    fn find_timeline(&self, timeline: &mut Timeline, window: &Window, cuts: &[usize]) -> bool {
+        let after = window.current + 1;
+        if after >= window.poses.len() || cuts.contains(&after) {
+            return false;
+        }
+        timeline.renew(window, cuts, self.settings.reach().ceil() as usize, |pose| self.project(window, pose));
+        timeline.ends[0] != timeline.ends[1]
+    }
+
+    /// Finds segments and traces; false if a position that is used is not finite.
+    fn trace(&self, scratch: &mut Scratch, interval: &mut Interval, window: &Window, threads: usize) -> bool {
+        let Scratch { cuts, timeline, trace, .. } = scratch;
+        let Interval { motion, segments, pieces, .. } = interval;
+        let current = &window.poses[window.current];
         // Of an orthographic view both are the same.
-        let is_orthographic = project(&window.poses[window.current]).is_orthographic;
+        let is_orthographic = self.project(window, current).is_orthographic;
         let space = if is_orthographic { Space::Screen } else { self.settings.space };
-        let reach = f64::from(self.settings.reach());
-        let cuts = cuts(window.poses, f64::from(self.settings.jump) * f64::from(self.size[1]), project);
-        let timeline = match next {
-            Some(_) if !cuts.contains(&(window.current + 1)) => {
-                Some(spline::timeline(window, &cuts, reach.ceil() as usize, project))
-            }
-            _ => None,
-        };
-        match timeline.filter(|timeline| timeline.ends[0] != timeline.ends[1]) {
-            Some(timeline) => {
-                let segments = timeline.spans.iter().map(|span| span.segment).collect();
-                let reference_time = f64::from(self.settings.reference_time);
-                let trajectory = self.settings.trajectory;
-                let task = Task { timeline: &timeline, space, trajectory, reference_time, reach };
-                Some((segments, Traces::new(task, threads)?))
-            }
-            None => {
-                let pose = next.unwrap_or(&window.poses[window.current]);
-                let knot = spline::Knot { time: 0.0, positions: pose.positions, projection: project(pose) };
-                Some((vec![Segment { begin: 0.0, end: 1.0 }], Traces::still(&knot, space)?))
-            }
+        self.find_cuts(cuts, window);
+        segments.clear();
+        if self.find_timeline(timeline, window, &cuts.found) {
+            segments.extend(timeline.spans.iter().map(|span| span.segment));
+            let Settings { trajectory, reference_time, .. } = self.settings;
+            let (reference_time, reach) = (f64::from(reference_time), f64::from(self.settings.reach()));
+            let task = trace::Task { window, timeline, space, trajectory, reference_time, reach };
+            trace.find(task, threads, motion, pieces)
+        } else {
+            let pose = window.poses.get(window.current + 1).unwrap_or(current);
+            segments.push(Segment { begin: 0.0, end: 1.0 });
+            trace.still(pose.positions, &self.project(window, pose), space, motion, pieces)
         }
     }
 }
@@ -146,7 +209,9 @@ impl Motion {
 /// near to it that rounding in f32 can make it extreme, in the order in which one comes by when going around it. A line's
 /// from one end to the other.
 pub fn outline(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
-    hull::extremes(points)
+    let mut found = Vec::new();
+    hull::Scratch::default().extremes(points, &mut found);
+    found
 }
 
 fn refused(why: String) -> Error {
@@ -186,43 +251,6 @@ fn not_finite(mesh: &Mesh, window: &Window) -> Error {
         }
         (None, None) => refused(format!("a camera near frame {} is too far from the mesh", window.frame)),
     }
-}
-
-/// Poses that trajectories do not reach from the ones before: those that say so, and those to which the centre of the
-/// mesh's box moves farther than `jump` pixels, and more than 4 times as far as in the frames before and after (in one of
-/// them at least it must be seen). None of the latter if `jump` is 0.
-fn cuts(poses: &[Pose], jump: f64, project: impl Fn(&Pose) -> PixelClip) -> Vec<usize> {
-    let centre = |pose: &Pose| {
-        let (projection, [low, high]) = (project(pose), bounds(pose.positions));
-        let clip = projection.clip([0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]));
-        (clip.is_finite() && clip.z > projection.near).then(|| projection.pixel_of(clip))
-    };
-    let centres: Vec<_> = if jump > 0.0 { poses.iter().map(centre).collect() } else { vec![None; poses.len()] };
-    let moves: Vec<Option<f64>> = centres.windows(2).map(|c| Some((c[1]? - c[0]?).length())).collect();
-    let jumps = |j: usize| {
-        let beside = [j.checked_sub(2), Some(j)].map(|k| k.and_then(|k| *moves.get(k)?));
-        let usual = beside.into_iter().flatten().reduce(f64::max);
-        usual.zip(moves[j - 1]).is_some_and(|(usual, own)| own > jump && own > 4.0 * usual)
-    };
-    (1..poses.len()).filter(|j| poses[*j].cut || jumps(*j)).collect()
-}
-
-/// Lowest and highest coordinates.
-fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
-    // Four points at a time: the compiler makes it lanes.
-    let (blocks, rest) = positions.as_chunks::<4>();
-    let (mut low, mut high) = ([[f32::MAX; 3]; 4], [[f32::MIN; 3]; 4]);
-    for block in blocks.iter() {
-        for k in 0..12 {
-            low[k / 3][k % 3] = low[k / 3][k % 3].min(block[k / 3][k % 3]);
-            high[k / 3][k % 3] = high[k / 3][k % 3].max(block[k / 3][k % 3]);
-        }
-    }
-    let fold = |all: [[f32; 3]; 4], with: fn(f32, f32) -> f32| {
-        let points = all.iter().chain(rest);
-        points.copied().reduce(|a, b| [0, 1, 2].map(|axis| with(a[axis], b[axis]))).unwrap_or_default()
-    };
-    [fold(low, f32::min), fold(high, f32::max)]
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub(super) struct Mover {
 }
 
 impl Mover {
-    pub(super) fn new(point: u32, traces: &Traces) -> Mover {
+    pub(super) fn new(point: u32, traces: Traces) -> Mover {
         let motion = traces.motion[point as usize].map(f64::from);
         let [mut x, mut y] = [motion[2], motion[3]];
         if x.hypot(y) < NO_SPEED {
@@ -43,13 +43,16 @@ impl Mover {
 }
 
 /// Sets of numbers that are joined two by two.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Joined {
     parent: Vec<u32>,
 }
 
 impl Joined {
-    pub(super) fn new(count: usize) -> Joined {
-        Joined { parent: (0..count as u32).collect() }
+    /// Becomes so many sets of one number each.
+    pub(super) fn part(&mut self, count: usize) {
+        self.parent.clear();
+        self.parent.extend(0..count as u32);
     }
 
     /// The smallest number of the set of `i`.
@@ -68,26 +71,38 @@ impl Joined {
     }
 }
 
-/// Sorts movers by a value of theirs, and divides them where that leaves the least variance within the two parts
-/// (Otsu). The number of movers in the first part, and the share of the variance that is between the parts. `None` if
-/// all values are equal.
-pub(super) fn otsu(movers: &mut [Mover], value: impl Fn(&Mover) -> f64) -> Option<(usize, f64)> {
-    let mut keyed: Vec<(f64, u32)> = movers.iter().map(value).zip(0..).collect();
-    keyed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let sorted: Vec<Mover> = keyed.iter().map(|(_, place)| movers[*place as usize]).collect();
-    movers.copy_from_slice(&sorted);
-    let count = keyed.len() as f64;
-    let mean = keyed.iter().map(|(value, _)| value).sum::<f64>() / count;
-    let total: f64 = keyed.iter().map(|(value, _)| (value - mean) * (value - mean)).sum();
-    let (mut sum, mut best) = (0.0, None);
-    for (i, pair) in keyed.windows(2).enumerate() {
-        sum += pair[0].0 - mean;
-        let first = (i + 1) as f64;
-        // The sum of all differences from the mean is 0, so that of the second part is the negative.
-        let between = sum * sum * count / (first * (count - first));
-        if pair[0].0 < pair[1].0 && best.is_none_or(|(_, most)| between > most) {
-            best = Some((i + 1, between));
+/// What movers are sorted in.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sorting {
+    keyed: Vec<(f64, u32)>,
+    sorted: Vec<Mover>,
+}
+
+impl Sorting {
+    /// Sorts movers by a value of theirs, and divides them where that leaves the least variance within the two parts
+    /// (Otsu). The number of movers in the first part, and the share of the variance that is between the parts. `None` if
+    /// all values are equal.
+    pub(super) fn otsu(&mut self, movers: &mut [Mover], value: impl Fn(&Mover) -> f64) -> Option<(usize, f64)> {
+        let Sorting { keyed, sorted } = self;
+        keyed.clear();
+        keyed.extend(movers.iter().map(value).zip(0..));
+        keyed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        sorted.clear();
+        sorted.extend(keyed.iter().map(|(_, place)| movers[*place as usize]));
+        movers.copy_from_slice(sorted);
+        let count = keyed.len() as f64;
+        let mean = keyed.iter().map(|(value, _)| value).sum::<f64>() / count;
+        let total: f64 = keyed.iter().map(|(value, _)| (value - mean) * (value - mean)).sum();
+        let (mut sum, mut best) = (0.0, None);
+        for (i, pair) in keyed.windows(2).enumerate() {
+            sum += pair[0].0 - mean;
+            let first = (i + 1) as f64;
+            // The sum of all differences from the mean is 0, so that of the second part is the negative.
+            let between = sum * sum * count / (first * (count - first));
+            if pair[0].0 < pair[1].0 && best.is_none_or(|(_, most)| between > most) {
+                best = Some((i + 1, between));
+            }
         }
+        best.map(|(place, between)| (place, between / total))
     }
-    best.map(|(place, between)| (place, between / total))
 }

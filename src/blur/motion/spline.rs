@@ -6,11 +6,11 @@ use crate::blur::settings::Trajectory;
 
 /// A pose that trajectories go through. Equal poses that follow each other are one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Knot<'a> {
+pub(super) struct Knot {
     /// Frames after the first knot, without those in which the mesh is held.
     pub(super) time: f64,
-    /// Positions of the points.
-    pub(super) positions: &'a [[f32; 3]],
+    /// Its place, as [`Window::pose`] takes it: the first of the equal poses.
+    pub(super) pose: usize,
     pub(super) projection: PixelClip,
 }
 
@@ -22,20 +22,30 @@ pub(super) struct Span {
 }
 
 /// The knots of trajectories, and the segments that are looked at.
-#[derive(Clone, Debug)]
-pub(super) struct Timeline<'a> {
-    pub(super) knots: Vec<Knot<'a>>,
+#[derive(Clone, Debug, Default)]
+pub(super) struct Timeline {
+    pub(super) knots: Vec<Knot>,
     /// In the order of [`super::Interval::segments`].
     pub(super) spans: Vec<Span>,
     /// Knots of frames i and i + 1.
     pub(super) ends: [usize; 2],
+    /// All poses that are looked at, by their times.
+    moments: Vec<Moment>,
 }
 
-/// A pose at a time in frames after frame i.
-#[derive(Clone, Copy)]
-struct Moment<'a> {
+/// A pose at a time in frames after frame i, and the knot that it is of.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
     time: f64,
-    pose: &'a Pose<'a>,
+    pose: usize,
+    knot: usize,
+}
+
+impl Moment {
+    /// Of no knot yet.
+    fn new(time: f64, pose: usize) -> Moment {
+        Moment { time, pose, knot: 0 }
+    }
 }
 
 /// Whether two poses show the same: positions bit for bit, and the view but for its jitter.
@@ -45,77 +55,81 @@ fn held(a: &Pose, b: &Pose) -> bool {
     a.view.without_jitter() == b.view.without_jitter() && (bits(a) == bits(b) || same())
 }
 
-/// The timeline of a window in which trajectories are cut before the poses of `cuts`, in ascending order, and looked at
-/// from `earlier` frames before frame i to frame i + 1, which must be there and not behind a cut.
-pub(super) fn timeline<'a>(
-    window: &Window<'a>,
-    cuts: &[usize],
-    earlier: usize,
-    project: impl Fn(&Pose) -> PixelClip,
-) -> Timeline<'a> {
-    let i = window.current;
-    let begin = cuts.iter().rev().copied().find(|cut| *cut <= i).unwrap_or(0);
-    let end = cuts.iter().copied().find(|cut| *cut > i).unwrap_or(window.poses.len());
-    let at = |j: usize| Moment { time: j as f64 - i as f64, pose: &window.poses[j] };
-    let parts = window.between.len() as f64 + 1.0;
-    let between = window.between.iter().enumerate().map(|(k, pose)| Moment { time: (k + 1) as f64 / parts, pose });
-    let inner: Vec<Moment> = std::iter::once(at(i)).chain(between).chain([at(i + 1)]).collect();
-    let mut before = until(WINDOW + earlier, at(i), (begin..i).rev().map(at));
-    before.reverse();
-    let after = until(WINDOW, at(i + 1), (i + 2..end).map(at));
-    collapse(&before, &inner, &after, earlier, project)
-}
-
-/// Moments up to `count` changes of the pose away from `first`, which is not among them.
-fn until<'a>(count: usize, first: Moment<'a>, moments: impl Iterator<Item = Moment<'a>>) -> Vec<Moment<'a>> {
-    let (mut last, mut changes, mut found) = (first, 0, Vec::new());
-    for moment in moments {
-        changes += usize::from(!held(last.pose, moment.pose));
-        if changes > count {
-            break;
-        }
-        found.push(moment);
-        last = moment;
+impl Timeline {
+    /// Becomes that of a window in which trajectories are cut before the poses of `cuts`, in ascending order, and looked at
+    /// from `earlier` frames before frame i to frame i + 1, which must be there and not behind a cut.
+    pub(super) fn renew(
+        &mut self,
+        window: &Window,
+        cuts: &[usize],
+        earlier: usize,
+        project: impl Fn(&Pose) -> PixelClip,
+    ) {
+        let (i, count) = (window.current, window.poses.len());
+        let begin = cuts.iter().rev().copied().find(|cut| *cut <= i).unwrap_or(0);
+        let end = cuts.iter().copied().find(|cut| *cut > i).unwrap_or(count);
+        let before = until(WINDOW + earlier, &window.poses[i], window.poses[begin..i].iter().rev());
+        let after = until(WINDOW, &window.poses[i + 1], &window.poses[i + 2..end]);
+        let at = |j: usize| Moment::new(j as f64 - i as f64, j);
+        let parts = window.between.len() as f64 + 1.0;
+        let between = (0..window.between.len()).map(|k| Moment::new((k + 1) as f64 / parts, count + k));
+        self.moments.clear();
+        self.moments.extend((i - before..=i).map(at).chain(between).chain((i + 1..i + 2 + after).map(at)));
+        self.collapse(window, project);
+        let moments = &self.moments;
+        let span = |j: usize| Span {
+            segment: Segment { begin: moments[j].time as f32, end: moments[j + 1].time as f32 },
+            knots: [moments[j].knot, moments[j + 1].knot],
+        };
+        let (first, last) = (before, before + window.between.len() + 1);
+        let back = (first.saturating_sub(earlier)..first).rev();
+        self.spans.clear();
+        self.spans.extend((first..last).chain(back).map(span));
+        self.ends = [first, last].map(|end| moments[end].knot);
     }
-    found
-}
 
-/// One knot for each run of equal poses.
-fn collapse<'a>(
-    before: &[Moment<'a>],
-    inner: &[Moment<'a>],
-    after: &[Moment<'a>],
-    earlier: usize,
-    project: impl Fn(&Pose) -> PixelClip,
-) -> Timeline<'a> {
-    let moments: Vec<Moment> = [before, inner, after].concat();
-    let knot = |time, pose: &Pose<'a>| Knot { time, positions: pose.positions, projection: project(pose) };
-    let mut knots: Vec<Knot> = Vec::with_capacity(moments.len());
-    let mut knot_of = Vec::with_capacity(moments.len());
-    for (j, moment) in moments.iter().enumerate() {
-        let last = j.checked_sub(1).map(|last| moments[last]);
-        match last {
-            Some(last) if held(last.pose, moment.pose) => {}
-            _ => {
+    /// One knot for each run of equal poses.
+    fn collapse(&mut self, window: &Window, project: impl Fn(&Pose) -> PixelClip) {
+        self.knots.clear();
+        let mut last: Option<Moment> = None;
+        for moment in &mut self.moments {
+            let pose = window.pose(moment.pose);
+            if !last.is_some_and(|last| held(window.pose(last.pose), pose)) {
                 let gone = last.map_or(0.0, |last| moment.time - last.time);
-                knots.push(knot(knots.last().map_or(0.0, |k| k.time + gone), moment.pose));
+                let time = self.knots.last().map_or(0.0, |knot| knot.time + gone);
+                self.knots.push(Knot { time, pose: moment.pose, projection: project(pose) });
             }
+            moment.knot = self.knots.len() - 1;
+            last = Some(*moment);
         }
-        knot_of.push(knots.len() - 1);
     }
-    let span = |j: usize| Span {
-        segment: Segment { begin: moments[j].time as f32, end: moments[j + 1].time as f32 },
-        knots: [knot_of[j], knot_of[j + 1]],
+
+    /// Times from each knot to the next.
+    pub(super) fn steps(&self) -> impl Iterator<Item = f64> {
+        self.knots.windows(2).map(|pair| pair[1].time - pair[0].time)
+    }
+
+    /// Square of the time from one knot to the other.
+    pub(super) fn squared(&self, [a, b]: [usize; 2]) -> f64 {
+        (self.knots[b].time - self.knots[a].time).powi(2)
+    }
+}
+
+/// How many of the poses that follow `first` come before its change number `count` + 1.
+fn until<'a>(count: usize, first: &'a Pose<'a>, poses: impl IntoIterator<Item = &'a Pose<'a>>) -> usize {
+    let (mut last, mut changes) = (first, 0);
+    let is_within = |pose: &&'a Pose<'a>| {
+        changes += usize::from(!held(last, pose));
+        last = pose;
+        changes <= count
     };
-    let (first, last) = (before.len(), before.len() + inner.len() - 1);
-    let back = (first.saturating_sub(earlier)..first).rev();
-    Timeline { spans: (first..last).chain(back).map(span).collect(), ends: [knot_of[first], knot_of[last]], knots }
+    poses.into_iter().take_while(is_within).count()
 }
 
 /// The factorised matrix of the spline through knots at ascending times: gives second derivatives as weighted sums of what
 /// is interpolated. At the ends they are 0; at the last knot of what is past, that of the knot before, which is exact where things
 /// are accelerated evenly.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Spline {
     /// Steps between the knots.
     steps: Vec<f64>,
@@ -123,42 +137,52 @@ pub(super) struct Spline {
     pivots: Vec<f64>,
     /// The knot before the end, if it has the end's second derivative.
     run_out: Option<usize>,
+    /// A row of the inverse.
+    row: Vec<f64>,
+    /// What was asked for last.
+    weights: Vec<f64>,
 }
 
 impl Spline {
-    pub(super) fn new(times: &[f64], trajectory: Trajectory) -> Spline {
-        let steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
-        let mut pivots: Vec<f64> = steps.windows(2).map(|h| 2.0 * (h[0] + h[1])).collect();
-        let run_out = Some(pivots.len()).filter(|knot| trajectory == Trajectory::Past && *knot > 0);
-        if let (Some(knot), Some(pivot)) = (run_out, pivots.last_mut()) {
+    /// Becomes that of knots with these steps from each to the next.
+    pub(super) fn renew(&mut self, between: impl Iterator<Item = f64>, trajectory: Trajectory) {
+        let Spline { steps, pivots, run_out, .. } = self;
+        steps.clear();
+        steps.extend(between);
+        pivots.clear();
+        pivots.extend(steps.windows(2).map(|h| 2.0 * (h[0] + h[1])));
+        *run_out = Some(pivots.len()).filter(|knot| trajectory == Trajectory::Past && *knot > 0);
+        if let (Some(knot), Some(pivot)) = (*run_out, pivots.last_mut()) {
             *pivot += steps[knot];
         }
         for row in 1..pivots.len() {
             pivots[row] -= steps[row] * steps[row] / pivots[row - 1];
         }
-        Spline { steps, pivots, run_out }
     }
 
     /// Weights of all knots whose sum is the second derivative at `knot`; empty where it is 0.
-    pub(super) fn weights(&self, knot: usize) -> Vec<f64> {
-        let rows = self.pivots.len();
-        let knot = self.run_out.map_or(knot, |last| knot.min(last));
+    pub(super) fn weights(&mut self, knot: usize) -> &[f64] {
+        let Spline { steps, pivots, run_out, row, weights } = self;
+        let rows = pivots.len();
+        let knot = run_out.map_or(knot, |last| knot.min(last));
+        weights.clear();
         if knot == 0 || knot > rows {
-            return Vec::new();
+            return weights;
         }
         // The matrix is symmetric: a row of its inverse is the solution for a unit vector.
-        let mut row = vec![0.0; rows];
+        row.clear();
+        row.resize(rows, 0.0);
         row[knot - 1] = 1.0;
         for j in knot..rows {
-            row[j] = -row[j - 1] * self.steps[j] / self.pivots[j - 1];
+            row[j] = -row[j - 1] * steps[j] / pivots[j - 1];
         }
         for j in (0..rows).rev() {
-            let next = if j + 1 < rows { self.steps[j + 1] * row[j + 1] } else { 0.0 };
-            row[j] = (row[j] - next) / self.pivots[j];
+            let next = if j + 1 < rows { steps[j + 1] * row[j + 1] } else { 0.0 };
+            row[j] = (row[j] - next) / pivots[j];
         }
-        let mut weights = vec![0.0; rows + 2];
+        weights.resize(rows + 2, 0.0);
         for (j, z) in row.iter().enumerate() {
-            let [left, right] = [6.0 * z / self.steps[j], 6.0 * z / self.steps[j + 1]];
+            let [left, right] = [6.0 * z / steps[j], 6.0 * z / steps[j + 1]];
             weights[j] += left;
             weights[j + 1] -= left + right;
             weights[j + 2] += right;
@@ -189,11 +213,12 @@ mod tests {
     }
 
     fn along(times: &[f64], values: &[f64], t: f64, trajectory: Trajectory) -> [f64; 2] {
-        let spline = Spline::new(times, trajectory);
+        let mut spline = Spline::default();
+        spline.renew(times.windows(2).map(|t| t[1] - t[0]), trajectory);
         let a = (0..times.len() - 2).filter(|k| times[k + 1] <= t).count();
         let length = times[a + 1] - times[a];
-        let bend = |knot| -> f64 { spline.weights(knot).iter().zip(values).map(|(w, v)| w * v).sum() };
-        let bends = [bend(a), bend(a + 1)].map(|bend| bend * length * length);
+        let mut bend = |knot| -> f64 { spline.weights(knot).iter().zip(values).map(|(w, v)| w * v).sum() };
+        let bends = [a, a + 1].map(|knot| bend(knot) * length * length);
         let [value, slope] = offset(values[a + 1] - values[a], bends, (t - times[a]) / length);
         [values[a] + value, slope / length]
     }

@@ -469,7 +469,7 @@ fn the_hull_is_as_extreme_as_all_points_bit_for_bit() {
     ];
     for (name, point) in sets {
         let points: Vec<[f32; 2]> = (0..2000).map(point).collect();
-        let hull = hull::extremes(&points);
+        let hull = outline(&points);
         for i in 0..2000_u32 {
             let [x, y] = points[i as usize];
             let motion = [x, y, normal(i, 8) * 20.0, normal(i, 9) * 20.0];

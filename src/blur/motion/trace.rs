@@ -1,13 +1,14 @@
 //! Position, velocity and trajectory of every point over one interval.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
 
 use super::projection::PixelClip;
-use super::spline::{Knot, Spline, Timeline, offset};
-use super::window::Segment;
+use super::spline::{Knot, Span, Spline, Timeline, offset};
+use super::window::{Segment, Window};
 use crate::blur::settings::{Space, Trajectory};
 use crate::shaders::blur::blocks::Piece;
 use crate::shaders::blur::constants::STATIC;
@@ -18,22 +19,21 @@ const TRACED: usize = 512;
 /// The largest number that the device is given.
 const MOST: f64 = f32::MAX as f64;
 
-/// Results of the points' traces.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Traces {
+/// What is known of each point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Traces<'a> {
     /// As in [`super::Interval::motion`].
-    pub(super) motion: Vec<[f32; 4]>,
+    pub(super) motion: &'a [[f32; 4]],
     /// Picture displacement from frame i to frame i + 1 in pixels; NaN for a point that is static or is not in front of
     /// the camera.
-    pub(super) moves: Vec<[f32; 2]>,
-    /// As in [`super::Interval::pieces`].
-    pub(super) pieces: Vec<Piece>,
+    pub(super) moves: &'a [[f32; 2]],
 }
 
 /// The input and options of a trace.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<'a> {
-    pub(super) timeline: &'a Timeline<'a>,
+    pub(super) window: &'a Window<'a>,
+    pub(super) timeline: &'a Timeline,
     pub(super) space: Space,
     pub(super) trajectory: Trajectory,
     /// In frames after frame i.
@@ -42,179 +42,359 @@ pub(super) struct Task<'a> {
     pub(super) reach: f64,
 }
 
-/// The outputs of one block.
-struct Block<'a> {
-    first: usize,
-    motion: &'a mut [[f32; 4]],
-    moves: &'a mut [[f32; 2]],
-    /// A slice for each span.
-    pieces: Vec<&'a mut [Piece]>,
+/// Buffers that are used again.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    plan: Plan,
+    moves: Vec<[f32; 2]>,
+    /// One for each thread.
+    samples: Vec<Samples>,
 }
 
-/// Data that all blocks share.
-struct Shared<'a> {
-    task: Task<'a>,
-    knots: &'a [Knot<'a>],
-    /// Weights of all knots in the second derivative at each knot that a span ends at.
-    bends: Vec<Vec<f64>>,
-    ends: Vec<SpanEnds>,
+/// What is the same for all points.
+#[derive(Clone, Debug, Default)]
+struct Plan {
+    spline: Spline,
+    /// Knots that a span ends at, ascending. Places of knots are those in here.
+    used: Vec<usize>,
+    /// The weights of all knots in the second derivative at each of these.
+    weights: Vec<f64>,
+    /// Which of the weights are a knot's: none where its second derivative is 0.
+    bends: Vec<Range<usize>>,
+    spans: Vec<SpanEnds>,
+    /// Places of the knots of frames i and i + 1.
+    ends: [usize; 2],
+    /// The span of the reference time.
+    reference: Option<usize>,
+    /// The span that begins first.
+    earliest: usize,
     /// Knots in which a point must be in front of the camera.
     seen: Vec<usize>,
     /// Whether all knots have one projection: then positions are summed before they are projected.
     still_camera: bool,
 }
 
-/// Data of one span.
+/// What is the same for all points of one span.
+#[derive(Clone, Copy, Debug)]
 struct SpanEnds {
-    knots: [usize; 2],
-    /// Places of the knots in [`Shared::bends`].
-    bends: [usize; 2],
-    /// Square of the span's length.
+    /// Places of its knots.
+    places: [usize; 2],
+    /// Square of its length.
     squared: f64,
 }
 
-impl Traces {
-    /// Traces all points on `threads` threads. `None` if a position that is used is not finite.
-    pub(super) fn new(task: Task, threads: usize) -> Option<Traces> {
-        let knots = &task.timeline.knots;
-        let (points, spans) = (knots[0].positions.len(), task.timeline.spans.len());
-        let mut traces = Traces {
-            motion: vec![[0.0; 4]; points],
-            moves: vec![[f32::NAN; 2]; points],
-            pieces: vec![Piece::zeroed(); points * spans],
-        };
-        let shared = Shared::new(task);
-        let mut slabs: Vec<_> = traces.pieces.chunks_mut(points).map(|slab| slab.chunks_mut(TRACED)).collect();
-        let outputs = traces.motion.chunks_mut(TRACED).zip(traces.moves.chunks_mut(TRACED));
-        let blocks = outputs.enumerate().map(|(n, (motion, moves))| Block {
-            first: n * TRACED,
-            motion,
-            moves,
-            pieces: slabs.iter_mut().filter_map(Iterator::next).collect(),
-        });
-        let mut blocks: Vec<Block> = blocks.collect();
-        let share = blocks.len().div_ceil(threads.max(1));
-        let work = |blocks: &mut [Block]| blocks.iter_mut().all(|block| shared.trace(block));
-        let parts = Mutex::new(blocks.chunks_mut(share));
-        let next = || parts.lock().unwrap_or_else(PoisonError::into_inner).next();
-        let good = together(threads.max(1) - 1, || std::iter::from_fn(next).all(work));
-        good.into_iter().all(|good| good).then_some(traces)
+/// What splines are made of at the points of a block, place by place.
+#[derive(Clone, Debug, Default)]
+struct Samples {
+    points: usize,
+    /// The interpolated channels.
+    channels: Vec<DVec3>,
+    /// Their second derivatives by time, three numbers a point.
+    bends: Vec<f64>,
+    /// What is summed to these, of one knot.
+    summed: Vec<f64>,
+    /// Whether each point is in front of the camera wherever it is looked at.
+    seen: Vec<bool>,
+}
+
+/// The outputs of one block.
+struct Block<'a> {
+    first: usize,
+    motion: &'a mut [[f32; 4]],
+    moves: &'a mut [[f32; 2]],
+}
+
+impl Block<'_> {
+    fn points(&self) -> Range<usize> {
+        self.first..self.first + self.motion.len()
     }
 }
 
-impl<'a> Shared<'a> {
-    fn new(task: Task<'a>) -> Shared<'a> {
-        let knots = &task.timeline.knots;
-        let times: Vec<f64> = knots.iter().map(|knot| knot.time).collect();
-        let spline = Spline::new(&times, task.trajectory);
-        let mut used: Vec<usize> = task.timeline.spans.iter().flat_map(|span| span.knots).collect();
-        used.sort_unstable();
-        used.dedup();
-        let place = |knot: usize| used.partition_point(|other| *other < knot);
-        let ends = task.timeline.spans.iter().map(|span| SpanEnds {
-            knots: span.knots,
-            bends: span.knots.map(place),
-            squared: (times[span.knots[1]] - times[span.knots[0]]).powi(2),
-        });
-        let ends: Vec<SpanEnds> = ends.collect();
-        let [a, b] = task.timeline.ends;
-        let mut seen: Vec<usize> = match task.space {
-            Space::Screen => (0..knots.len()).collect(),
-            Space::Homogeneous => (a.saturating_sub(1)..=(b + 1).min(knots.len() - 1)).collect(),
-        };
-        seen.extend(&used);
-        seen.sort_unstable();
-        seen.dedup();
-        Shared {
-            task,
-            knots,
-            bends: used.iter().map(|knot| spline.weights(*knot)).collect(),
-            ends,
-            seen,
-            still_camera: knots.iter().all(|knot| knot.projection == knots[0].projection),
+impl Scratch {
+    /// [`Traces::moves`] of what was traced last.
+    pub(super) fn moves(&self) -> &[[f32; 2]] {
+        &self.moves
+    }
+
+    /// Traces all points on `threads` threads, to an interval's motion and pieces. False if a position that is used is not
+    /// finite.
+    pub(super) fn find(
+        &mut self,
+        task: Task,
+        threads: usize,
+        motion: &mut Vec<[f32; 4]>,
+        pieces: &mut Vec<Piece>,
+    ) -> bool {
+        self.plan.renew(&task);
+        let points = task.window.poses[task.window.current].positions.len();
+        // Every one of them is written.
+        motion.resize(points, [0.0; 4]);
+        self.moves.resize(points, [0.0; 2]);
+        pieces.resize(points * task.timeline.spans.len(), Piece::zeroed());
+        let samples = self.samples.len().max(threads).max(1);
+        self.samples.resize_with(samples, Samples::default);
+        let tracer = Tracer { task, plan: &self.plan };
+        let outputs = motion.chunks_mut(TRACED).zip(self.moves.chunks_mut(TRACED));
+        let blocks = outputs.enumerate().map(|(n, (motion, moves))| Block { first: n * TRACED, motion, moves });
+        match &mut self.samples[..threads.max(1)] {
+            [samples] => { blocks }.all(|block| {
+                let own = block.points();
+                tracer.trace(samples, block, pieces.chunks_exact_mut(points).map(|slab| &mut slab[own.clone()]))
+            }),
+            // What starts threads, and what they share, allocates.
+            samples => {
+                let mut slabs: Vec<_> = pieces.chunks_exact_mut(points).map(|slab| slab.chunks_mut(TRACED)).collect();
+                let own = |block| (block, slabs.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>());
+                tracer.share(samples, blocks.map(own))
+            }
         }
     }
 
+    /// Traces points that all stay at `positions`. False if one is not finite.
+    pub(super) fn still(
+        &mut self,
+        positions: &[[f32; 3]],
+        projection: &PixelClip,
+        space: Space,
+        motion: &mut Vec<[f32; 4]>,
+        pieces: &mut Vec<Piece>,
+    ) -> bool {
+        self.moves.clear();
+        self.moves.resize(positions.len(), [f32::NAN; 2]);
+        motion.clear();
+        pieces.clear();
+        for position in positions {
+            let clip = projection.clip(*position);
+            if !clip.is_finite() {
+                return false;
+            }
+            let pixel = projection.pixel_of(clip);
+            let channels = if space == Space::Screen { pixel.extend(clip.z) } else { clip };
+            let visible = clip.z > projection.near && pixel.as_vec2().is_finite();
+            let [x, y] = if visible { pixel.as_vec2().to_array() } else { [0.0; 2] };
+            motion.push([x, y, 0.0, 0.0]);
+            let curve = Curve { begin: channels, ..Curve::default() };
+            pieces.push(curve.piece(DVec3::ZERO, false));
+        }
+        true
+    }
+}
+
+impl Plan {
+    fn renew(&mut self, task: &Task) {
+        let Timeline { knots, spans, ends, .. } = task.timeline;
+        self.used.clear();
+        self.used.extend(spans.iter().flat_map(|span| span.knots));
+        self.used.sort_unstable();
+        self.used.dedup();
+        let place = |knot: usize| self.used.partition_point(|other| *other < knot);
+        self.ends = ends.map(place);
+        self.spans.clear();
+        let ends_of = |knots: [usize; 2]| SpanEnds { places: knots.map(place), squared: task.timeline.squared(knots) };
+        self.spans.extend(spans.iter().map(|span| ends_of(span.knots)));
+        let within = |span: &Span| {
+            let Segment { begin, end } = span.segment;
+            f64::from(begin) <= task.reference_time && task.reference_time <= f64::from(end)
+        };
+        self.reference = spans.iter().position(within);
+        let begin = |span: &usize| spans[*span].segment.begin;
+        self.earliest = (0..spans.len()).min_by(|a, b| begin(a).total_cmp(&begin(b))).unwrap_or(0);
+        self.still_camera = knots.iter().all(|knot| knot.projection == knots[0].projection);
+        self.weigh(task);
+        self.look(task);
+    }
+
+    /// Finds the weights.
+    fn weigh(&mut self, task: &Task) {
+        self.spline.renew(task.timeline.steps(), task.trajectory);
+        self.weights.clear();
+        self.bends.clear();
+        for knot in &self.used {
+            let begin = self.weights.len();
+            self.weights.extend_from_slice(self.spline.weights(*knot));
+            self.bends.push(begin..self.weights.len());
+        }
+    }
+
+    /// Finds the knots in which points must be seen.
+    fn look(&mut self, task: &Task) {
+        let (last, [a, b]) = (task.timeline.knots.len() - 1, task.timeline.ends);
+        self.seen.clear();
+        self.seen.extend(match task.space {
+            Space::Screen => 0..=last,
+            Space::Homogeneous => a.saturating_sub(1)..=(b + 1).min(last),
+        });
+        self.seen.extend(&self.used);
+        self.seen.sort_unstable();
+        self.seen.dedup();
+    }
+}
+
+impl Samples {
+    /// A piece of the trajectory of one point.
+    fn curve(&self, SpanEnds { places, squared }: &SpanEnds, point: usize) -> Curve {
+        let [begin, end] = places.map(|place| self.channels[place * self.points + point]);
+        let bend = |place: usize| DVec3::from_slice(&self.bends[3 * (place * self.points + point)..][..3]);
+        Curve { begin, step: end - begin, bends: places.map(|place| bend(place) * *squared) }
+    }
+}
+
+/// Traces blocks of points.
+#[derive(Clone, Copy)]
+struct Tracer<'a> {
+    task: Task<'a>,
+    plan: &'a Plan,
+}
+
+impl<'a> Tracer<'a> {
+    /// Traces blocks, with the slices of their pieces, on as many threads as there are samples. False if a position is not
+    /// finite.
+    fn share<'p>(
+        &self,
+        samples: &mut [Samples],
+        blocks: impl Iterator<Item = (Block<'p>, Vec<&'p mut [Piece]>)> + Send,
+    ) -> bool {
+        let others = samples.len() - 1;
+        let (samples, blocks) = (Mutex::new(samples.iter_mut()), Mutex::new(blocks));
+        let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let work = || {
+            let samples = samples.lock().unwrap_or_else(PoisonError::into_inner).next();
+            samples.is_none_or(|samples| {
+                std::iter::from_fn(next).all(|(block, pieces)| self.trace(samples, block, pieces))
+            })
+        };
+        together(others, work).into_iter().all(|good| good)
+    }
+
+    fn positions(&self, knot: &Knot) -> &'a [[f32; 3]] {
+        self.task.window.pose(knot.pose).positions
+    }
+
     /// The interpolated channels: clip coordinates, or pixels and depth.
-    fn channels(&self, knot: usize, point: usize) -> DVec3 {
-        let projection = &self.knots[knot].projection;
-        let clip = projection.clip(self.knots[knot].positions[point]);
+    fn channels(&self, projection: &PixelClip, position: [f32; 3]) -> DVec3 {
+        let clip = projection.clip(position);
         match self.task.space {
             Space::Homogeneous => clip,
             Space::Screen => projection.pixel_of(clip).extend(clip.z),
         }
     }
 
-    /// Traces the points of a block; false if a position is not finite.
-    fn trace(&self, block: &mut Block) -> bool {
-        let count = block.motion.len();
-        let bends = self.second_derivatives(block.first, count);
-        let mut good = true;
-        let mut curves = vec![Curve::default(); self.ends.len()];
-        for j in 0..count {
-            let point = block.first + j;
-            let origin = self.channels(self.task.timeline.ends[0], point);
-            for (curve, span) in curves.iter_mut().zip(&self.ends) {
-                let [a, b] = span.knots.map(|knot| self.channels(knot, point));
-                let bends = span.bends.map(|place| bends[place][j] * span.squared);
-                *curve = Curve { begin: a, step: b - a, bends };
+    /// Traces the points of a block, with a slice of pieces for each span; false if a position is not finite.
+    fn trace<'p>(
+        &self,
+        samples: &mut Samples,
+        block: Block,
+        pieces: impl IntoIterator<Item = &'p mut [Piece]>,
+    ) -> bool {
+        let points = block.points();
+        self.sample(samples, points.clone());
+        self.bend(samples, points.clone());
+        self.look(samples, points.clone());
+        let good = self.is_finite(samples, points);
+        for (point, (motion, moves)) in block.motion.iter_mut().zip(block.moves).enumerate() {
+            (*motion, *moves) = ([0.0; 4], [f32::NAN; 2]);
+            samples.seen[point] &= self.stays_seen(samples, point);
+            if samples.seen[point] {
+                *motion = self.motion(samples, point);
+                *moves = self.moves(samples, point, *motion);
             }
-            good &= self.is_finite(point, &curves);
-            let seen = self.is_seen(point, &curves);
-            if seen {
-                block.motion[j] = self.motion(&curves);
-                block.moves[j] = self.moves(point, block.motion[j]);
-            }
-            for (s, (curve, pieces)) in curves.iter().zip(&mut block.pieces).enumerate() {
-                let origin = if s == 0 { DVec3::ZERO } else { origin };
-                pieces[j] = curve.piece(origin, seen);
+        }
+        let begin = self.plan.ends[0] * samples.points;
+        for (s, (span, pieces)) in self.plan.spans.iter().zip(pieces).enumerate() {
+            for (point, piece) in pieces.iter_mut().enumerate() {
+                let origin = if s == 0 { DVec3::ZERO } else { samples.channels[begin + point] };
+                *piece = samples.curve(span, point).piece(origin, samples.seen[point]);
             }
         }
         good
     }
 
-    /// Whether all positions of a point are. What is not finite stays so when it is summed; in screen space what is
-    /// beside the camera is infinite too.
-    fn is_finite(&self, point: usize, curves: &[Curve]) -> bool {
-        match self.task.space {
-            Space::Homogeneous => curves.iter().all(Curve::is_finite),
-            Space::Screen => self.knots.iter().all(|knot| knot.positions[point].iter().all(|c| c.is_finite())),
+    /// Finds the channels at the knots that spans end at.
+    fn sample(&self, samples: &mut Samples, points: Range<usize>) {
+        samples.points = points.len();
+        samples.channels.clear();
+        for knot in self.plan.used.iter().map(|knot| &self.task.timeline.knots[*knot]) {
+            let positions = &self.positions(knot)[points.clone()];
+            samples.channels.extend(positions.iter().map(|position| self.channels(&knot.projection, *position)));
         }
     }
 
-    /// Whether a point is in front of the camera wherever it is looked at.
-    fn is_seen(&self, point: usize, curves: &[Curve]) -> bool {
-        let depth = |projection: &PixelClip, p: [f32; 3]| {
-            projection.linear.row(2).dot(DVec3::from_array(p.map(f64::from))) + projection.offset.z
-        };
-        let before = |knot: &Knot| depth(&knot.projection, knot.positions[point]) > knot.projection.near;
-        self.seen.iter().all(|knot| before(&self.knots[*knot])) && self.stays_seen(curves)
+    /// Finds second derivatives at these knots.
+    fn bend(&self, samples: &mut Samples, points: Range<usize>) {
+        let Samples { bends, summed, .. } = samples;
+        let (count, plan) = (3 * points.len(), self.plan);
+        bends.clear();
+        bends.resize(count * plan.used.len(), 0.0);
+        if plan.weights.is_empty() {
+            return;
+        }
+        let projected_last = plan.still_camera && self.task.space == Space::Homogeneous;
+        summed.resize(count, 0.0);
+        for (place, knot) in self.task.timeline.knots.iter().enumerate() {
+            let positions = &self.positions(knot)[points.clone()];
+            if projected_last {
+                summed.iter_mut().zip(positions.as_flattened()).for_each(|(value, x)| *value = f64::from(*x));
+            } else {
+                for (value, position) in summed.chunks_exact_mut(3).zip(positions) {
+                    self.channels(&knot.projection, *position).write_to_slice(value);
+                }
+            }
+            for (sums, weights) in bends.chunks_exact_mut(count).zip(&plan.bends) {
+                if let Some(weight) = plan.weights[weights.clone()].get(place) {
+                    sums.iter_mut().zip(&*summed).for_each(|(sum, value)| *sum += weight * value);
+                }
+            }
+        }
+        if projected_last {
+            let linear = self.task.timeline.knots[0].projection.linear;
+            bends.chunks_exact_mut(3).for_each(|sum| (linear * DVec3::from_slice(sum)).write_to_slice(sum));
+        }
+    }
+
+    /// Finds which points are in front of the camera at the knots.
+    fn look(&self, samples: &mut Samples, points: Range<usize>) {
+        samples.seen.clear();
+        samples.seen.resize(points.len(), true);
+        for knot in self.plan.seen.iter().map(|knot| &self.task.timeline.knots[*knot]) {
+            let PixelClip { linear, offset, near, .. } = knot.projection;
+            let (row, positions) = (linear.row(2), &self.positions(knot)[points.clone()]);
+            for (seen, position) in samples.seen.iter_mut().zip(positions) {
+                *seen &= row.dot(DVec3::from_array(position.map(f64::from))) + offset.z > near;
+            }
+        }
+    }
+
+    /// Whether all positions are. What is not finite stays so when it is summed; in screen space what is beside the camera
+    /// is infinite too.
+    fn is_finite(&self, samples: &Samples, points: Range<usize>) -> bool {
+        let finite = |positions: &[[f32; 3]]| positions.as_flattened().iter().all(|c| c.is_finite());
+        let are_finite = |span: &SpanEnds| (0..points.len()).all(|point| samples.curve(span, point).is_finite());
+        match self.task.space {
+            Space::Homogeneous => self.plan.spans.iter().all(are_finite),
+            Space::Screen => self.task.timeline.knots.iter().all(|knot| finite(&self.positions(knot)[points.clone()])),
+        }
     }
 
     /// Whether depth stays above 0 between the knots too, and where trajectories are extended.
-    fn stays_seen(&self, curves: &[Curve]) -> bool {
-        let spans = &self.task.timeline.spans;
-        let earliest = spans.iter().zip(curves).min_by(|a, b| a.0.segment.begin.total_cmp(&b.0.segment.begin));
-        let reached = earliest.is_none_or(|(span, curve)| {
-            let beyond = self.task.reach + f64::from(span.segment.begin);
-            let slope = curve.at(0.0)[1].z / f64::from(span.segment.end - span.segment.begin);
-            beyond <= 0.0 || curve.begin.z - slope * beyond > 0.0
-        });
-        reached && curves.iter().all(|curve| curve.lowest_depth() > 0.0)
+    fn stays_seen(&self, samples: &Samples, point: usize) -> bool {
+        let mut curves = self.plan.spans.iter().map(|span| samples.curve(span, point));
+        let Segment { begin, end } = self.task.timeline.spans[self.plan.earliest].segment;
+        let beyond = self.task.reach + f64::from(begin);
+        let reached = beyond <= 0.0 || {
+            let curve = samples.curve(&self.plan.spans[self.plan.earliest], point);
+            let slope = curve.at(0.0)[1].z / f64::from(end - begin);
+            curve.begin.z - slope * beyond > 0.0
+        };
+        reached && curves.all(|curve| curve.lowest_depth() > 0.0)
     }
 
     /// Position and velocity at the reference time; zeros where they are not numbers.
-    fn motion(&self, curves: &[Curve]) -> [f32; 4] {
-        let time = self.task.reference_time;
-        let spans = &self.task.timeline.spans;
-        let within = |j: &usize| {
-            let segment = spans[*j].segment;
-            f64::from(segment.begin) <= time && time <= f64::from(segment.end)
-        };
-        let Some(j) = (0..spans.len()).find(within) else { return [0.0; 4] };
-        let Segment { begin, end } = spans[j].segment;
+    fn motion(&self, samples: &Samples, point: usize) -> [f32; 4] {
+        let Some(span) = self.plan.reference else { return [0.0; 4] };
+        let Segment { begin, end } = self.task.timeline.spans[span].segment;
         let length = f64::from(end) - f64::from(begin);
-        let [y, slope] = curves[j].at((time - f64::from(begin)) / length);
+        let curve = samples.curve(&self.plan.spans[span], point);
+        let [y, slope] = curve.at((self.task.reference_time - f64::from(begin)) / length);
         let (pixel, slope) = (self.pixel(y), slope / length);
         let velocity = match self.task.space {
             Space::Homogeneous => (slope.truncate() - pixel * slope.z) / y.z,
@@ -232,43 +412,11 @@ impl<'a> Shared<'a> {
     }
 
     /// How far a point's picture moves, if it is not static and the numbers that describe it are finite.
-    fn moves(&self, point: usize, motion: [f32; 4]) -> [f32; 2] {
-        let [a, b] = self.task.timeline.ends.map(|knot| self.pixel(self.channels(knot, point)));
+    fn moves(&self, samples: &Samples, point: usize, motion: [f32; 4]) -> [f32; 2] {
+        let [a, b] = self.plan.ends.map(|place| self.pixel(samples.channels[place * samples.points + point]));
         let moves = (b - a).to_array().map(|c| c as f32);
         let moved = (b - a).length() >= f64::from(STATIC) && moves.iter().all(|c| c.is_finite()) && motion != [0.0; 4];
         if moved { moves } else { [f32::NAN; 2] }
-    }
-
-    /// Second derivatives by time at each of `bends`' knots, for `count` points from `first`.
-    fn second_derivatives(&self, first: usize, count: usize) -> Vec<Vec<DVec3>> {
-        if self.bends.iter().all(Vec::is_empty) {
-            return self.bends.iter().map(|_| vec![DVec3::ZERO; count]).collect();
-        }
-        let mut sums = vec![vec![0.0; 3 * count]; self.bends.len()];
-        let mut values = vec![0.0; 3 * count];
-        for (knot, at) in self.knots.iter().enumerate() {
-            let positions = &at.positions[first..first + count];
-            if self.still_camera && self.task.space == Space::Homogeneous {
-                let flat: &[f32] = bytemuck::cast_slice(positions);
-                values.iter_mut().zip(flat).for_each(|(value, position)| *value = f64::from(*position));
-            } else {
-                for (j, value) in values.chunks_exact_mut(3).enumerate() {
-                    value.copy_from_slice(&self.channels(knot, first + j).to_array());
-                }
-            }
-            for (sum, weights) in sums.iter_mut().zip(&self.bends) {
-                if let Some(weight) = weights.get(knot) {
-                    sum.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * value);
-                }
-            }
-        }
-        let projected = self.still_camera && self.task.space == Space::Homogeneous;
-        let linear = self.knots[0].projection.linear;
-        let project = |sum: &[f64]| match projected {
-            true => linear * DVec3::from_slice(sum),
-            false => DVec3::from_slice(sum),
-        };
-        sums.iter().map(|sum| sum.chunks_exact(3).map(project).collect()).collect()
     }
 }
 
@@ -306,27 +454,5 @@ impl Curve {
         };
         let [bend_begin, bend_end] = if curved { self.bends } else { [DVec3::ZERO; 2] }.map(row);
         Piece { origin: row(self.begin - origin), step: row(self.step), bend_begin, bend_end }
-    }
-}
-
-impl Traces {
-    /// Points that all are where `knot` has them. `None` if a position is not finite.
-    pub(super) fn still(knot: &Knot, space: Space) -> Option<Traces> {
-        let mut traces = Traces::default();
-        for position in knot.positions {
-            let clip = knot.projection.clip(*position);
-            if !clip.is_finite() {
-                return None;
-            }
-            let pixel = knot.projection.pixel_of(clip);
-            let channels = if space == Space::Screen { pixel.extend(clip.z) } else { clip };
-            let visible = clip.z > knot.projection.near && pixel.as_vec2().is_finite();
-            let [x, y] = if visible { pixel.as_vec2().to_array() } else { [0.0; 2] };
-            traces.motion.push([x, y, 0.0, 0.0]);
-            let curve = Curve { begin: channels, ..Curve::default() };
-            traces.pieces.push(curve.piece(DVec3::ZERO, false));
-        }
-        traces.moves = vec![[f32::NAN; 2]; knot.positions.len()];
-        Some(traces)
     }
 }

@@ -31,12 +31,22 @@ pub struct Window<'a> {
     pub between: &'a [Pose<'a>],
 }
 
+impl<'a> Window<'a> {
+    /// A pose by its place: those between frames i and i + 1 come after those of the frames.
+    pub(super) fn pose(&self, place: usize) -> &'a Pose<'a> {
+        self.poses.get(place).unwrap_or_else(|| &self.between[place - self.poses.len()])
+    }
+}
+
 /// Different poses to each side of the interval that its trajectories depend on: the others would change them by less
 /// than 2e-6 pixels.
 pub const WINDOW: usize = 12;
 
 /// Frames to each side of an interval in which different poses are looked for, where poses are held.
 pub(crate) const MOST_FRAMES: usize = 4 * WINDOW;
+
+/// The most poses of frames that are looked at.
+pub(super) const MOST_POSES: usize = 2 * MOST_FRAMES + 2;
 
 /// A piece of the trajectories, from one time to another, in frames after frame i.
 #[repr(C)]
