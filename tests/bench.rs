@@ -31,7 +31,7 @@ impl Watch for Impatient {
 
 fn request(effect: Option<&str>, only: &[&str]) -> Request {
     let only = only.iter().map(|only| String::from(*only)).collect();
-    Request { what: benchmarks(effect), quick: true, only, page: None, device: common::options() }
+    Request { what: benchmarks(effect), look: Vec::new(), quick: true, only, page: None, device: common::options() }
 }
 
 /// Rows of `bench.json` after one benchmark under validation; a message of it is an error. One for all that a test looks

@@ -11,6 +11,8 @@ mod flame;
 mod hostile;
 #[path = "cli/info.rs"]
 mod info;
+#[path = "cli/look.rs"]
+mod look;
 #[path = "cli/mixed.rs"]
 mod mixed;
 #[path = "cli/outputs.rs"]

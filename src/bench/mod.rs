@@ -8,6 +8,7 @@ pub mod calibrate;
 mod count;
 pub(crate) mod flame;
 mod limits;
+pub mod look;
 pub(crate) mod measure;
 mod plot;
 pub(crate) mod report;
@@ -18,8 +19,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::gpu::headless::{Headless, NoDevice, Options};
-use crate::io::{WriteError, write_atomic};
+use crate::gpu::headless::{Headless, Messages, NoDevice, Options};
+use crate::io::{ReadError, WriteError, write_atomic};
+use crate::program::InputError;
 use report::{Limits, Report, Row};
 use rig::Rig;
 
@@ -32,9 +34,11 @@ pub struct Benchmark(pub(crate) fn(&mut Session) -> Outcome);
 pub struct Request {
     /// The benchmarks to run, besides what the device can do: copy and arithmetic.
     pub what: Vec<Benchmark>,
+    /// Scenes whose look is measured: shares of pixels, not times.
+    pub look: Vec<look::Scene>,
     /// One run each, and workloads and variants that take long are cut.
     pub quick: bool,
-    /// Only rows whose `pass/variant/workload` contains one of these; all of them if there is none.
+    /// Only rows whose `pass/variant/workload`, or scene, contains one of these; all of them if there is none.
     pub only: Vec<String>,
     /// Folder for a page of Markdown with the table, `performance-DEVICE.md`.
     pub page: Option<PathBuf>,
@@ -55,6 +59,9 @@ pub enum BenchError {
     /// Validation has said something.
     #[error("validation: {0}")]
     Validation(String),
+    /// The input of a scene cannot be had.
+    #[error(transparent)]
+    Input(#[from] InputError),
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -69,6 +76,12 @@ impl From<Error> for BenchError {
             Error::Interrupted { .. } => BenchError::Interrupted,
             error => BenchError::Device(error),
         }
+    }
+}
+
+impl From<ReadError> for BenchError {
+    fn from(error: ReadError) -> BenchError {
+        BenchError::Input(error.into())
     }
 }
 
@@ -128,11 +141,12 @@ impl Session<'_> {
     }
 }
 
-/// Measures, and writes `bench.json` and one plot an effect (`.svg` and `.png`) into `folder`. The result is a table for
-/// people.
+/// Measures, and writes `bench.json` and one plot an effect (`.svg` and `.png`) into `folder`, and pictures of scenes whose
+/// look is measured into `folder/look`. The result is a table for people.
 ///
 /// # Errors
-/// No device, a failure of the device, a message of validation, a file that cannot be written, an interruption.
+/// No device, a failure of the device, a message of validation, a scene whose input cannot be had, a file that cannot be
+/// written, an interruption.
 pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String, BenchError> {
     std::fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.into(), source })?;
     let rig = Rig::new(Headless::new(&Options { stores: true, ..request.device.clone() })?)?;
@@ -147,18 +161,37 @@ pub fn run(request: &Request, folder: &Path, watch: &dyn Watch) -> Result<String
     }
     let Session { rig, limits, rows, notes, .. } = session;
     drop(rig);
-    if let Some(message) = messages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).first() {
-        return Err(BenchError::Validation(message.clone()));
-    }
-    let report = Report { device, driver, limits, rows };
+    check(&messages)?;
+    let look = match &request.look[..] {
+        [] => None,
+        scenes => Some(measure_look(request, scenes, watch)?),
+    };
+    let shown = look.as_ref().map(|look| look.write(folder)).transpose()?.unwrap_or_default();
+    let report = Report { device, driver, limits, rows, look: look.map(|look| look.rows).unwrap_or_default() };
     write(&report, folder)?;
     let notes: String = notes.iter().map(|note| format!("\n{note}")).collect();
-    let table = report.table() + &notes;
+    let table = report.table() + &notes + &shown;
     if let Some(folder) = &request.page {
         let (name, text) = report.page(&table);
         write_atomic(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
     }
     Ok(table)
+}
+
+fn measure_look(request: &Request, scenes: &[look::Scene], watch: &dyn Watch) -> Result<look::Look, BenchError> {
+    let device = Headless::new(&request.device)?;
+    let messages = device.messages();
+    let found = look::measure(device, scenes, request.quick, &request.only, watch);
+    check(&messages)?;
+    found
+}
+
+/// A message of validation is an error.
+fn check(messages: &Messages) -> Outcome {
+    match messages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).first() {
+        Some(message) => Err(BenchError::Validation(message.clone())),
+        None => Ok(()),
+    }
 }
 
 fn write(report: &Report, folder: &Path) -> Outcome {

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use super::look::rows::{self, LookRow};
 use super::measure::{Deviation, Spread};
 
 /// Everything that a run of the benchmark found.
@@ -13,6 +14,9 @@ pub(crate) struct Report {
     pub(crate) driver: String,
     pub(crate) limits: Limits,
     pub(crate) rows: Vec<Row>,
+    /// Scenes whose look was measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) look: Vec<LookRow>,
 }
 
 /// Limits of the device, measured in the same run.
@@ -169,7 +173,7 @@ impl Report {
                 row.of_limit.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share)),
             );
         }
-        text
+        text + &rows::table(&self.look)
     }
 }
 
@@ -200,7 +204,7 @@ pub(crate) mod tests {
             row("grow", "growth", 2.0, deviation(0.0), Work { bytes: Some(4), flops: None }),
             row("frame", "default", 5.0, None, Work::default()),
         ];
-        Report { device: "a device".into(), driver: "a driver 1.0".into(), limits, rows }
+        Report { device: "a device".into(), driver: "a driver 1.0".into(), limits, rows, look: Vec::new() }
     }
 
     /// The names that `bench.json` is documented to have; other programs read it by them.

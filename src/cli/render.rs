@@ -97,7 +97,7 @@ impl Options {
     }
 }
 
-fn frame_range(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn frame_range(text: &str) -> Result<[u32; 2], String> {
     let number = |text: &str| text.parse().map_err(|_| "expected A-B or A, for example 1-48".to_owned());
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     match (number(first)?, number(last)?) {
