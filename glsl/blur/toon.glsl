@@ -4,6 +4,7 @@
 // for each draw whose loops and branches depend on one, and so takes memory with each frame.
 struct ToonParams {
     vec4 light;          // homogeneous: unit vector to it (w = 0), or where it is in metres (w = 1)
+    vec4 fill;           // unit axis of the hemisphere that fills; w: its share of the light
     vec4 ink_colour;     // linear RGB; w: unused
     float ink_strength;
     float ink_width;     // samples

@@ -1,5 +1,6 @@
 // Flat tones of a frame that is drawn.
 #include "poses.glsl"
+#include "toon/luminance.glsl"
 
 // The way to the light from a place of a triangle in a frame, i - 1 (0) to i + 2 (3).
 vec3 to_light(uint frame, uvec4 triangle, vec3 barycentrics) {
@@ -16,8 +17,8 @@ vec3 to_light(uint frame, uvec4 triangle, vec3 barycentrics) {
 
 // The tone of a place of a triangle, whose number is `index`, by its normal, of length 1 or 0.
 vec3 toned(uint frame, uint index, uvec4 triangle, vec3 barycentrics, vec3 normal) {
-    float lit = max(dot(normal, to_light(frame, triangle, barycentrics)), 0.0);
-    float luminance = toon.ambient + (1.0 - toon.ambient) * lit;
+    float facing = dot(normal, to_light(frame, triangle, barycentrics));
+    float luminance = luminance_of(facing, 1.0, dot(normal, toon.fill.xyz), toon.ambient, toon.fill.w);
     vec3 tone = toon.tones[0].rgb;
     for (uint i = 1u; i < toon.tone_count && luminance >= toon.tones[i].w; ++i) {
         tone = toon.tones[i].rgb;

@@ -1,5 +1,5 @@
-// Luminance, depth and group of the pixels that a sphere was seen at: Y = ambient + (1 - ambient) max(0, n.l) s. Works
-// on occupied tiles, so that only pixels that are seen ask for shadows.
+// Luminance, depth and group of the pixels that a sphere was seen at: Y = ambient + (1 - ambient) max(0, n.l) s,
+// with a share of it filled. Works on occupied tiles, so that only pixels that are seen ask for shadows.
 layout(constant_id = 1) const uint KEEP_SHADOW = 0u;  // 1: s is a layer, or several dispatches add to it
 #include "tile.glsl"
 layout(binding = 3, r32ui) uniform readonly uimage2D seen;
@@ -10,6 +10,7 @@ layout(std430, binding = 6) buffer Shadow { float shadow[]; };
 layout(std430, binding = 9) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 #include "view.glsl"
 #include "pixel.glsl"
+#include "toon/luminance.glsl"
 
 // What a shadow is asked for.
 struct Surface {
@@ -54,7 +55,8 @@ void work_on(uvec2 at) {
     } else if (surface.facing > 0.0) {
         s = lit_share(surface, s);
     }
-    float luminance = params.ambient + (1.0 - params.ambient) * max(0.0, surface.facing) * s;
+    float up = dot(surface.normal, params.fill.xyz);
+    float luminance = luminance_of(surface.facing, s, up, params.ambient, params.fill.w);
     pixels[pixel] = pack_pixel(luminance, code & GROUP_MASK);
     depth[pixel] = view_depth;
 }

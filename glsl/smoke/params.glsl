@@ -53,6 +53,7 @@ layout(binding = 0) uniform SmokeParams {
     vec4 emitter_max;     // upper corner
 
     vec4 light;                // unit vector towards a directional light, position of a point light; w: unused
+    vec4 fill;                 // unit axis of the hemisphere that fills; w: its share of the light
     vec4 light_right;          // axes across a directional light; w: unused
     vec4 light_up;
     vec2 light_low;            // low corner of the light-space tiles

@@ -248,6 +248,7 @@ impl ToonParams {
             ink_width: ink_width(toon),
             sample_extent: span as f32,
             ambient: light.ambient as f32,
+            fill: light.fill_axis(),
             tone_count: toon.tones.len() as u32,
             groups: desc.groups,
             ..ToonParams::zeroed()

@@ -135,6 +135,7 @@ pub struct Shot {
     camera: CameraTrack,
     light: LightTrack,
     ambient: Track<f64>,
+    fill: Track<f64>,
     /// Files that its keys name.
     files: Vec<Files>,
 }
@@ -211,6 +212,7 @@ impl Shot {
             camera: CameraTrack::new(tree, folder, frames, fps)?,
             light: light_track(tree, light)?,
             ambient: tree.number("light.ambient", light.ambient)?,
+            fill: tree.number("light.fill", light.fill)?,
             parts: parts.collect::<Result<_, ShotError>>()?,
             files: files::named(tree, folder, tables)?,
         };
@@ -259,7 +261,7 @@ impl Shot {
             LightTrack::Direction(direction) => LightSource::Direction(direction.at(frame)),
             LightTrack::Position(position) => LightSource::Position(position.at(frame)),
         };
-        Light { source, ambient: self.ambient.at(frame) }
+        Light { source, ambient: self.ambient.at(frame), fill: self.fill.at(frame), ..Light::default() }
     }
 
     /// Camera and light must hold at every frame: keyframes can pass through what neither end says.
@@ -276,7 +278,7 @@ impl Shot {
 
     fn is_still(&self) -> bool {
         let (LightTrack::Direction(light) | LightTrack::Position(light)) = &self.light;
-        self.camera.is_constant() && light.is_constant() && self.ambient.is_constant()
+        self.camera.is_constant() && light.is_constant() && self.ambient.is_constant() && self.fill.is_constant()
     }
 }
 

@@ -128,6 +128,7 @@ impl SmokeParams {
             light_nearest: nearest as f32,
             light_inverse_span: (1.0 / (farthest - nearest).max(1e-30)) as f32,
             ambient: light.ambient as f32,
+            fill: light.fill_axis(),
             softness: desc.settings.softness,
             light_levels: layout.light_levels,
             light_cells: layout.light_cells,

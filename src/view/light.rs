@@ -13,6 +13,11 @@ pub struct Light {
     pub source: LightSource,
     /// Luminance of what the light does not reach, 0 to 1.
     pub ambient: f64,
+    /// Share of the light that is soft, 0 to 1: half of it wraps around, half comes from the hemisphere above. 0: the papers'
+    /// light.
+    pub fill: f64,
+    /// Up, where the hemisphere is; any length above 0.
+    pub up: DVec3,
 }
 
 /// Directional or point light.
@@ -26,7 +31,7 @@ pub enum LightSource {
 
 impl Default for Light {
     fn default() -> Self {
-        Light { source: LightSource::Direction(DVec3::new(-1.0, -1.5, -1.0)), ambient: 0.25 }
+        Light { source: LightSource::Direction(DVec3::new(-1.0, -1.5, -1.0)), ambient: 0.25, fill: 0.35, up: DVec3::Y }
     }
 }
 
@@ -46,8 +51,32 @@ impl Light {
             }
             _ => {}
         }
-        ambient().check("light.ambient", self.ambient)
+        if !(self.up.length() > 0.0 && self.up.length().is_finite()) {
+            return Err(Error::setting("light.up", self.up, "three finite numbers, not all 0, of a finite length"));
+        }
+        ambient().check("light.ambient", self.ambient)?;
+        fill().check("light.fill", self.fill)
     }
+
+    /// Luminance of a surface to which a share `arriving` of the light comes, by the cosines between its normal and the light,
+    /// and up.
+    #[cfg(feature = "reference")]
+    pub fn luminance(&self, facing: f64, arriving: f64, up: f64) -> f64 {
+        let direct = facing.max(0.0) * arriving;
+        let wrapped = 0.5 + 0.5 * (direct + facing.min(0.0));
+        let soft = 0.5 * (wrapped + 0.5 + 0.5 * up);
+        self.ambient + (1.0 - self.ambient) * (direct * (1.0 - self.fill) + soft * self.fill)
+    }
+
+    /// Unit axis of the hemisphere, and the share of the light that is soft.
+    pub(crate) fn fill_axis(&self) -> [f32; 4] {
+        self.up.normalize().extend(self.fill).as_vec4().to_array()
+    }
+}
+
+/// Allowed soft shares.
+pub(crate) fn fill() -> Rule<f64> {
+    Rule::new("share of the light", 0.0..=1.0)
 }
 
 /// Allowed ambient shares.

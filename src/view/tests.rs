@@ -213,9 +213,30 @@ fn cameras_and_lights_beyond_what_floats_hold_are_refused_by_name() {
         let camera = Camera { vertical_fov, near, far: f64::INFINITY, ..usual };
         assert!(camera.validate().is_ok() && camera.view(SIZE).validate().is_ok());
     }
-    let light = |source| Light { source, ambient: 0.0 };
+    let light = |source| Light { source, ambient: 0.0, ..Light::default() };
     for way in [DVec3::ZERO, DVec3::splat(1e200), DVec3::splat(1e-200), DVec3::NAN] {
         assert!(light(LightSource::Direction(way)).validate().is_err(), "{way}");
     }
     assert!(light(LightSource::Position(DVec3::splat(1e20))).validate().is_err());
+    let why = |light: Light| light.validate().expect_err("wrong").to_string();
+    assert!(why(Light { fill: 1.5, ..Light::default() }).contains("light.fill"));
+    assert!(why(Light { up: DVec3::ZERO, ..Light::default() }).contains("light.up"));
+}
+
+#[test]
+fn filled_light_keeps_white_and_gives_form_to_what_is_dark() {
+    let light = |fill| Light { ambient: 0.25, fill, ..Light::default() };
+    // Without a fill it is the papers'.
+    for (facing, arriving, up, expected) in [(0.5, 1.0, 0.3, 0.625), (0.5, 0.5, 1.0, 0.4375), (-0.7, 1.0, 1.0, 0.25)] {
+        assert!((light(0.0).luminance(facing, arriving, up) - expected).abs() < 1e-15);
+    }
+    for fill in [0.2, 0.35, 1.0] {
+        let luminance = |facing, arriving, up| light(fill).luminance(facing, arriving, up);
+        assert!((luminance(1.0, 1.0, 1.0) - 1.0).abs() < 1e-15);
+        assert!((luminance(-1.0, 1.0, -1.0) - 0.25).abs() < 1e-15);
+        assert!(luminance(-0.5, 1.0, 0.5) > luminance(-0.5, 1.0, -0.5) + 0.15 * fill, "above is lighter");
+        assert!(luminance(-0.2, 1.0, 0.0) > luminance(-0.8, 1.0, 0.0) + 0.05 * fill, "it wraps around");
+        // Where shadow ends in a surface's own dark nothing jumps.
+        assert!((luminance(1e-9, 0.0, 0.4) - luminance(-1e-9, 1.0, 0.4)).abs() < 1e-9);
+    }
 }

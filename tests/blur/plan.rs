@@ -29,7 +29,7 @@ fn next_view() -> FrameView {
 }
 
 fn toon() -> ToonInput {
-    let light = Light { source: LightSource::Direction(glam::DVec3::NEG_Y), ambient: 0.25 };
+    let light = Light { source: LightSource::Direction(glam::DVec3::NEG_Y), ..Light::default() };
     ToonInput { view: next_view(), light }
 }
 

@@ -232,7 +232,7 @@ impl Film {
             LightSource::Direction(way) => -way.normalize(),
             LightSource::Position(place) => (place - mix(&point)).normalize(),
         };
-        let luminance = self.light.ambient + (1.0 - self.light.ambient) * normal.dot(to_light).max(0.0);
+        let luminance = self.light.luminance(normal.dot(to_light), 1.0, normal.dot(self.light.up.normalize()));
         let tones = &self.settings.toon.tones;
         let tone = tones.iter().skip(1).rfind(|tone| luminance >= f64::from(tone.from)).unwrap_or(&tones[0]);
         let near_a_tone = tones.iter().skip(1).any(|tone| (luminance - f64::from(tone.from)).abs() < 1e-4);
@@ -304,7 +304,7 @@ fn tones_and_ink_are_those_of_f64() {
     let place = LightSource::Position(DVec3::new(1.0, 2.0, 2.5));
     for (which, vertices, strength, width, light) in [
         (Builtin::Crossing, 1500, 0.0, 1.5, Light::default()),
-        (Builtin::Run, 1500, 0.0, 1.5, Light { source: place, ambient: 0.1 }),
+        (Builtin::Run, 1500, 0.0, 1.5, Light { source: place, ambient: 0.1, fill: 0.0, ..Light::default() }),
         // So weak that depth alone makes no line; and few triangles, because what is near an edge is not looked at.
         (Builtin::Crossing, 100, 1e-9, 1.0, Light::default()),
         (Builtin::Run, 200, 1e-9, 1.75, Light::default()),

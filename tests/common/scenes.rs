@@ -98,10 +98,10 @@ pub fn camera(degrees: f64) -> Camera {
 
 /// Light from a direction: the way it travels.
 pub fn direction(x: f64, y: f64, z: f64) -> Light {
-    Light { source: LightSource::Direction(DVec3::new(x, y, z)), ambient: 0.25 }
+    Light { source: LightSource::Direction(DVec3::new(x, y, z)), ..Light::default() }
 }
 
 /// Light at a point in metres.
 pub fn point(x: f64, y: f64, z: f64) -> Light {
-    Light { source: LightSource::Position(DVec3::new(x, y, z)), ambient: 0.25 }
+    Light { source: LightSource::Position(DVec3::new(x, y, z)), ..Light::default() }
 }

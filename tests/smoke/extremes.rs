@@ -213,15 +213,16 @@ fn lights_anywhere() {
     let base = desc([70, 60], [20; 3], settings);
     let Some(mut rig) = Rig::new(base.clone()) else { return };
     for way in [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::splat(1e-9), DVec3::new(1e9, -1e9, 3.0)] {
-        for ambient in [0.0, 1.0] {
-            let light = Light { source: LightSource::Direction(way), ambient };
+        for (ambient, fill, up) in [(0.0, 0.0, DVec3::Y), (1.0, 0.5, DVec3::Y), (0.0, 1.0, DVec3::new(1e-3, 0.0, -1e9))]
+        {
+            let light = Light { source: LightSource::Direction(way), ambient, fill, up };
             assert!(check(&format!("{light:?}"), &mut rig, camera(0.0), light, &volume) > 500);
         }
     }
     drop(rig);
     let Some(mut rig) = Rig::new(Desc { point_light: true, ..base }) else { return };
     for place in [DVec3::ZERO, DVec3::new(0.3, -0.1, -0.25), DVec3::new(0.0, 0.0, 4.0), DVec3::new(1e3, 1e3, -1e3)] {
-        let light = Light { source: LightSource::Position(place), ambient: 0.2 };
+        let light = Light { source: LightSource::Position(place), ambient: 0.2, ..Light::default() };
         check(&format!("{light:?}"), &mut rig, camera(0.0), light, &volume);
     }
 }

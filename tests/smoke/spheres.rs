@@ -66,7 +66,7 @@ fn one_sphere(camera: &Camera, light: &Light, size: [u32; 2], sphere: [f32; 4], 
         LightSource::Direction(d) => -d.normalize(),
         LightSource::Position(p) => (p - camera.eye - ray * depth).normalize(),
     };
-    let luminance = light.ambient + (1.0 - light.ambient) * normal.dot(towards).max(0.0);
+    let luminance = light.luminance(normal.dot(towards), 1.0, normal.dot(light.up.normalize()));
     // Cosine between the normal and the way to the eye.
     let facing = -normal.dot(ray) / a.sqrt();
     (root > 0.0 && depth >= camera.near).then_some([depth, luminance, facing])

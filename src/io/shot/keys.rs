@@ -50,6 +50,7 @@ impl Keys {
         keys.push(keyframes("camera.vertical_fov", view::vertical_fov().allowed(), "degrees"));
         keys.push(keyframes("camera.near", view::near().allowed(), "metres"));
         keys.push(keyframes("light.ambient", view::ambient().allowed(), "ambient"));
+        keys.push(keyframes("light.fill", view::fill().allowed(), "fill"));
         for Table { name, inputs, dials, .. } in tables {
             keys.push(given(name, "a table".to_owned()));
             keys.extend(inputs.iter().map(own));

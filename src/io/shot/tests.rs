@@ -434,7 +434,7 @@ fn keyframes_move_camera_and_light() {
     let shot = load(text, &[]).expect("a shot");
     assert_eq!([1, 2, 5, 9].map(|f| shot.camera(f).eye.x), [0.0, 1.0, 4.0, 4.0]);
     assert_eq!([1, 3].map(|f| shot.camera(f).far), [10.0, f64::INFINITY]);
-    assert_eq!(shot.light(2), Light { source: LightSource::Position(DVec3::new(0.0, 2.0, 0.0)), ambient: 0.25 });
+    assert_eq!(shot.light(2), Light { source: LightSource::Position(DVec3::new(0.0, 2.0, 0.0)), ..Light::default() });
     let through = "[smoke]\n[camera]\ntarget = [0, 1, 0]\neye = [[1, [0, 1, 4]], [9, [0, 1, -4]]]";
     assert!(refused(through, &[]).contains("(at frame 5)"), "{}", refused(through, &[]));
 }

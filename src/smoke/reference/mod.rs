@@ -120,7 +120,12 @@ mod tests {
     #[test]
     fn one_sphere_lit_from_the_eye() {
         let camera = Camera { eye: DVec3::ZERO, target: -DVec3::Z, vertical_fov: 90.0, ..Camera::default() };
-        let light = Light { source: crate::view::LightSource::Direction(-DVec3::Z), ambient: 0.0 };
+        let light = Light {
+            source: crate::view::LightSource::Direction(-DVec3::Z),
+            ambient: 0.0,
+            fill: 0.0,
+            ..Light::default()
+        };
         let no_line = crate::smoke::settings::Outline { strength: 0.0, ..Default::default() };
         let settings = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
         let frame = frame(&settings, &camera.view([33, 33]), &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &[5]);

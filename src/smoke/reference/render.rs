@@ -124,7 +124,8 @@ fn front([from, way]: [DVec3; 2], centre: DVec3, radius: f64) -> Option<f64> {
     (chord >= 0.0).then(|| closest - (chord / squared).sqrt())
 }
 
-/// Luminance of every pixel, 0 to 1: `ambient + (1 - ambient) max(0, n.l) s`; 0 where nothing is seen.
+/// Luminance of every pixel, 0 to 1: `ambient + (1 - ambient) max(0, n.l) s`, with a share of it filled; 0 where nothing
+/// is seen.
 ///
 /// `hits` are [`raycast`]'s, `shadow` is s of every pixel: 1 lit, 0 in shadow.
 pub fn luminance(
@@ -140,8 +141,9 @@ pub fn luminance(
     for (pixel, sphere, point) in scene.seen(hits) {
         let Some(Some((centre, radius))) = scene.spheres.get(sphere) else { continue };
         let normal = (point - centre) / *radius;
-        let lambert = normal.dot(scene.towards(light.source, point).0).max(0.0);
-        image[pixel] = (light.ambient + (1.0 - light.ambient) * lambert * shadow[pixel]).clamp(0.0, 1.0);
+        let up = scene.projection.axes * light.up.normalize();
+        let (facing, up) = (normal.dot(scene.towards(light.source, point).0), normal.dot(up));
+        image[pixel] = light.luminance(facing, shadow[pixel], up).clamp(0.0, 1.0);
     }
     image
 }
@@ -234,9 +236,9 @@ mod tests {
     fn luminance_of_the_middle_of_a_sphere() {
         let spheres = [[0.0, 0.0, -10.0, 2.0]];
         let hits = raycast(&camera().view([5, 3]), [5, 3], &spheres);
-        let middle = |source, s| {
-            luminance(&camera().view([5, 3]), [5, 3], &spheres, &hits, &Light { source, ambient: 0.2 }, &[s; 15])[7]
-        };
+        let plain = |source| Light { source, ambient: 0.2, fill: 0.0, ..Light::default() };
+        let middle =
+            |source, s| luminance(&camera().view([5, 3]), [5, 3], &spheres, &hits, &plain(source), &[s; 15])[7];
         // The normal is +z. Light from straight ahead, at 60 degrees, from behind, from a point above the hit's level.
         let direction = |x, z| LightSource::Direction(DVec3::new(x, 0.0, z));
         assert!((middle(direction(0.0, -3.0), 1.0) - 1.0).abs() < 1e-15);
