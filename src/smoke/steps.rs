@@ -389,8 +389,7 @@ impl Steps<'_> {
                 self.items(batch, 0);
                 self.items(batch, 1);
             }
-            let first_group = 1 + batch * self.layout.batch_groups;
-            let constants = GaussianConstants { base: batch * self.layout.batch_capacity, first_group };
+            let constants = GaussianConstants { base: batch * self.layout.batch_capacity };
             for (pass, argument) in [(self.passes.rows, 2 * batch), (self.passes.columns, 2 * batch + 1)] {
                 let offset = 16 * u64::from(argument);
                 let command = Command::DispatchIndirect { arguments: ITEM_ARGUMENTS, offset };
