@@ -6,6 +6,7 @@
 layout(std430, binding = 3) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 4) readonly buffer RowSums { vec2 row_sums[]; };
 layout(std430, binding = 5) writeonly buffer Smooth { float smooth_luminance[]; };
+layout(push_constant) uniform ImageConstants { uint group; } constants;
 
 void add_block(int block, uint first, uint rows) {
     float values[TAPS];
@@ -42,7 +43,7 @@ void main() {
     }
     for (uint o = 0u; o < BLOCK; ++o) {
         uint y = at.y * BLOCK + o;
-        if (y < params.size.y && pixel_id(pixels[pixel_index(uvec2(x, y))]) == constants.first_group) {
+        if (y < params.size.y && pixel_id(pixels[pixel_index(uvec2(x, y))]) == constants.group) {
             smooth_luminance[pixel_index(uvec2(x, y))] = numerator[o] / denominator[o];
         }
     }

@@ -5,6 +5,7 @@
 #include "gaussian.glsl"
 layout(std430, binding = 3) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 4) writeonly buffer RowSums { vec2 row_sums[]; };
+layout(push_constant) uniform ImageConstants { uint group; } constants;
 
 void add_block(int block, uint row, int first, uint group) {
     float values[TAPS];
@@ -32,7 +33,7 @@ void main() {
         for (int side = -1; side <= 1; side += 2) {
             int x = int(at.x) + side * distance;
             if (x >= 0 && x < across && (distance > 0 || side > 0)) {
-                add_block(side * distance, y * params.size.x, x * int(BLOCK), constants.first_group);
+                add_block(side * distance, y * params.size.x, x * int(BLOCK), constants.group);
             }
         }
     }

@@ -5,10 +5,10 @@
 #include "gaussian.glsl"
 layout(std430, binding = 3) readonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 4) readonly buffer ColumnItems { uint column_items[]; };
-layout(std430, binding = 5) readonly buffer RowSlots { uint row_slots[]; };
-layout(std430, binding = 6) readonly buffer RowSums { vec2 row_sums[]; };
-layout(std430, binding = 7) readonly buffer Pixels { uint pixels[]; };
-layout(std430, binding = 8) writeonly buffer Smooth { float smooth_luminance[]; };
+layout(std430, binding = 5) readonly buffer RowSums { vec2 row_sums[]; };
+layout(std430, binding = 6) readonly buffer Pixels { uint pixels[]; };
+layout(std430, binding = 7) writeonly buffer Smooth { float smooth_luminance[]; };
+layout(push_constant) uniform GaussianConstants { uint base; } constants;  // first entry of the batch
 
 void add_block(int block, uint first, uint rows) {
     float values[TAPS];
@@ -36,16 +36,15 @@ void main() {
         return;
     }
     clear_sums();
-    uint slots = constants.base + (group - constants.first_group) * params.tiles.x * params.tiles.y;
     for (int distance = int(params.window_blocks); distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
             int y = int(at.y) + side * distance;
             bool used = y >= 0 && y < int(down) && (distance > 0 || side > 0);
             if (used && (reached[uint(y) * across + at.x].beside & bit) != 0u) {
-                uint slot = row_slots[slots + uint(y) / TILE_BLOCKS * params.tiles.x + tile_x];
+                uint first = slot_of(uint(y) / TILE_BLOCKS * params.tiles.x + tile_x, group);
                 uint local = uint(y) % TILE_BLOCKS * BLOCK * TILE + x % TILE;
                 uint rows = min(BLOCK, params.size.y - min(uint(y) * BLOCK, params.size.y));
-                add_block(side * distance, slot * SLOT_PIXELS + local, rows);
+                add_block(side * distance, first + local, rows);
             }
         }
     }

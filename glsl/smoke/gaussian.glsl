@@ -7,10 +7,6 @@
 layout(local_size_x = BLOCK, local_size_y = TILE_BLOCKS * TILE_BLOCKS) in;
 layout(std430, binding = 1) readonly buffer Weights { float weights[]; };  // by distance, 0 beyond the window
 layout(std430, binding = 2) readonly buffer Reached { Reach reached[]; };
-layout(push_constant) uniform GaussianConstants {
-    uint base;  // first entry of the batch
-    uint first_group;
-} constants;
 
 const int TAPS = int(BLOCK);
 
@@ -50,4 +46,10 @@ void add_taps(int block, float values[TAPS], float masks[TAPS]) {
 // Place of a block's row in the slot of a tile's sums.
 uint slot_row(uint block, uint row) {
     return (block / TILE_BLOCKS * BLOCK + row) * TILE + block % TILE_BLOCKS * BLOCK;
+}
+
+// Where the row sums of a tile begin: as many groups have places as are in memory at a time, and later ones take those of
+// earlier ones.
+uint slot_of(uint tile, uint group) {
+    return (group % params.row_groups * params.tiles.x * params.tiles.y + tile) * SLOT_PIXELS;
 }

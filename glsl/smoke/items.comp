@@ -6,9 +6,8 @@
 layout(local_size_x = 256) in;
 layout(std430, binding = 2) writeonly buffer RowItems { uint row_items[]; };
 layout(std430, binding = 3) writeonly buffer ColumnItems { uint column_items[]; };
-layout(std430, binding = 4) writeonly buffer RowSlots { uint row_slots[]; };
-layout(std430, binding = 5) writeonly buffer ItemArguments { uvec4 item_arguments[]; };
-layout(std430, binding = 6) readonly buffer ItemSums { uvec2 block_sums[]; };
+layout(std430, binding = 4) writeonly buffer ItemArguments { uvec4 item_arguments[]; };
+layout(std430, binding = 5) readonly buffer ItemSums { uvec2 block_sums[]; };
 #define SCAN_TYPE uvec2
 #define SCAN_BLOCKS
 #include "common/scan.glsl"
@@ -23,7 +22,6 @@ void main() {
     uint item = index % tiles << GROUP_BITS | (constants.first_group + index / tiles);
     if (needs.x > 0u) {
         row_items[base + at.x] = item;
-        row_slots[base + index] = at.x;
     }
     if (needs.y > 0u) {
         column_items[base + at.y] = item;

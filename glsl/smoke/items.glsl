@@ -1,5 +1,5 @@
 // What the masked Gaussian works on, for one batch of groups: (tile, group) pairs whose row sums are needed (the group occurs within the window
-// above or below), each with a slot of memory; and those whose pixels are filtered (the group occurs in the tile).
+// above or below); and those whose pixels are filtered (the group occurs in the tile).
 #include "group.glsl"
 #include "screen.glsl"
 layout(std430, binding = 1) readonly buffer TileGroups { uint tile_groups[]; };

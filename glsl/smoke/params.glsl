@@ -35,7 +35,8 @@ layout(binding = 0) uniform SmokeParams {
     uvec2 size;        // of the picture in pixels
     uvec2 tiles;       // across and down
     uvec2 corner;      // of the picture, in the target
-    uvec2 unused;
+    uint row_groups;  // groups whose row sums are in memory
+    uint unused;
     uvec2 occlusion_blocks;  // of the occlusion test, across and down
     uint is_orthographic;
     uint range_before;       // where the depth range of the frame before stands

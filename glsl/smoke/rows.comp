@@ -7,6 +7,7 @@ layout(std430, binding = 3) readonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 4) readonly buffer RowItems { uint row_items[]; };
 layout(std430, binding = 5) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 6) writeonly buffer RowSums { vec2 row_sums[]; };
+layout(push_constant) uniform GaussianConstants { uint base; } constants;  // first entry of the batch
 
 void add_block(int block, uint row, int first, uint group) {
     float values[TAPS];
@@ -43,8 +44,8 @@ void main() {
             }
         }
     }
-    uint local = slot_row(block, gl_LocalInvocationID.x);
+    uint first = slot_of(tile, group) + slot_row(block, gl_LocalInvocationID.x);
     for (uint o = 0u; o < BLOCK; ++o) {
-        row_sums[gl_WorkGroupID.x * SLOT_PIXELS + local + o] = vec2(numerator[o], denominator[o]);
+        row_sums[first + o] = vec2(numerator[o], denominator[o]);
     }
 }

@@ -62,7 +62,6 @@ buffers! {
     REACHED = "Reached",
     ROW_ITEMS = "RowItems",
     COLUMN_ITEMS = "ColumnItems",
-    ROW_SLOTS = "RowSlots",
     ITEM_ARGUMENTS = "ItemArguments",
     WEIGHTS = "Weights": Kept,
     ROW_SUMS = "RowSums",
@@ -285,7 +284,6 @@ impl Layout {
         self.set(REACHED, kept(filtered, blocks * size_of::<Reach>() as u64));
         self.set(ROW_ITEMS, kept(filtered, items * 4));
         self.set(COLUMN_ITEMS, kept(filtered, items * 4));
-        self.set(ROW_SLOTS, kept(filtered, items * 4));
         self.set(TILE_SUMS, tiles.div_ceil(lanes(&glsl::occupied::SHADER)) * 4);
         self.set(ITEM_SUMS, u64::from(self.batch_capacity).div_ceil(lanes(&glsl::items::SHADER)) * 8);
         self.set(ITEM_ARGUMENTS, u64::from(self.batches) * 32);

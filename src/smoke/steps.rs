@@ -414,8 +414,7 @@ impl Steps<'_> {
 
     /// Half of the Gaussian of a batch of groups.
     fn gaussian(&mut self, pass: PassId, batch: u32, half: u32) {
-        let first_group = 1 + batch * self.layout.batch_groups;
-        let constants = GaussianConstants { base: batch * self.layout.batch_capacity, first_group };
+        let constants = GaussianConstants { base: batch * self.layout.batch_capacity };
         let offset = 16 * u64::from(2 * batch + half);
         self.plan.step_with(pass, Command::DispatchIndirect { arguments: ITEM_ARGUMENTS, offset }, &constants);
     }

@@ -17,7 +17,7 @@ use crate::plan::{BufferId, Command, Kernel, Pass, PassId, Plan};
 use crate::shaders::smoke as glsl;
 use crate::smoke::Settings;
 use crate::smoke::layout::{PARAMS, PIXELS, REACHED, SMOOTH, WEIGHTS};
-use crate::smoke::params::{GROUP_BITS, GROUP_MASK, GaussianConstants, LUMINANCE_ONE, SLOT_PIXELS, TILE};
+use crate::smoke::params::{GROUP_BITS, GROUP_MASK, ImageConstants, LUMINANCE_ONE, SLOT_PIXELS, TILE};
 use crate::smoke::reference::gaussian;
 
 const PASS: &str = "gaussian";
@@ -215,15 +215,12 @@ fn plan(variant: Variant, size: [u32; 2]) -> Plan {
         Variant::Direct => plan.step(DIRECT, image),
         Variant::Naive => NAIVE.into_iter().for_each(|pass| plan.step(pass, image)),
         Variant::PerIdImage => {
-            for first_group in 1..=GROUPS {
-                let constants = GaussianConstants { base: 0, first_group };
+            for group in 1..=GROUPS {
+                let constants = ImageConstants { group };
                 IMAGE.into_iter().for_each(|pass| plan.step_with(pass, by_tile, &constants));
             }
         }
-        Variant::Plain => {
-            let constants = GaussianConstants { base: 0, first_group: 0 };
-            PLAIN.into_iter().for_each(|pass| plan.step_with(pass, by_tile, &constants));
-        }
+        Variant::Plain => PLAIN.into_iter().for_each(|pass| plan.step(pass, by_tile)),
         Variant::PerIdTiles => {}
     }
     plan
