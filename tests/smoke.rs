@@ -32,6 +32,8 @@ mod scratch;
 mod sequence;
 #[path = "smoke/shadow.rs"]
 mod shadow;
+#[path = "smoke/soft.rs"]
+mod soft;
 #[path = "smoke/spheres.rs"]
 mod spheres;
 #[path = "smoke/subresources.rs"]

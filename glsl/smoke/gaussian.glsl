@@ -48,7 +48,7 @@ uint slot_row(uint block, uint row) {
     return (block / TILE_BLOCKS * BLOCK + row) * TILE + block % TILE_BLOCKS * BLOCK;
 }
 
-// Where the row sums of a tile begin: as many groups have places as are in memory at a time, and later ones take those of
+// Where the row sums of a tile begin: as many groups or planes have places as are in memory at a time, and later ones take those of
 // earlier ones.
 uint slot_of(uint tile, uint group) {
     return (group % params.row_groups * params.tiles.x * params.tiles.y + tile) * SLOT_PIXELS;

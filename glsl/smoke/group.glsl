@@ -1,4 +1,7 @@
 // Depth groups: in the low bits of words, and as bits of words of their own.
+#ifndef GROUP
+#define GROUP
+
 const uint GROUP_BITS = 8u;                     // of a word that holds a group below and something else above
 const uint GROUP_IDS = 1u << GROUP_BITS;        // numbers of groups; 0 is none
 const uint GROUP_MASK = GROUP_IDS - 1u;
@@ -9,3 +12,5 @@ const uint GROUP_WORDS = GROUP_IDS / 32u;       // words of the groups of a tile
 uint group_bit(uint group) {
     return 1u << (group & 31u);
 }
+
+#endif

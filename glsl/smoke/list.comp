@@ -1,5 +1,6 @@
 // Writes the lists of live and of visible spheres in particle order, and gives each sphere its group: equal ranges of
-// centre depth with hysteresis, computed once and kept as an integer (paper, section 3.3). The smoothed depth range of the last frame stands in one
+// centre depth with hysteresis, computed once and kept as an integer (paper, section 3.3). With the mask "soft" groups
+// are told without hysteresis, as no picture depends on them; what does are the ranges. The smoothed depth range of the last frame stands in one
 // place and this frame's goes to another: all workgroups read the one, and one writes the other.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -7,6 +8,7 @@
 #include "../common/bits.glsl"
 #include "view.glsl"
 #include "list.glsl"
+#include "mask.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 7) readonly buffer ViewSpheres { vec4 view_spheres[]; };
@@ -36,10 +38,15 @@ Range track_range() {
     return Range(smooth_low, smooth_high, 1u);
 }
 
-uint group_of(Range range, float depth, uint previous) {
-    bool fixed_ranges = params.group_depth > 0.0;
-    float low = fixed_ranges ? 0.0 : range.low;
-    float width = fixed_ranges ? params.group_depth : (range.high - range.low) / float(params.group_count);
+// Where ranges begin, and how wide they are.
+vec2 groups_in(Range range) {
+    if (params.group_depth > 0.0) {
+        return vec2(0.0, params.group_depth);
+    }
+    return range.exists == 0u ? vec2(0.0) : vec2(range.low, (range.high - range.low) / float(params.group_count));
+}
+
+uint group_of(float low, float width, float depth, uint previous) {
     if (width <= 0.0) {
         return 1u;
     }
@@ -65,11 +72,12 @@ void main() {
     Scan blocks = scan_blocks(gl_WorkGroupID.x, gl_NumWorkGroups.x);
     uvec2 at = blocks.before + scan_workgroup(count).before;
     Range range = track_range();
+    vec2 ranges = groups_in(range);
     for (uint slot = first; slot < end; ++slot) {
         uint group = 0u;
         if (is_live(spheres[slot])) {
             vec4 view_sphere = view_spheres[slot];
-            group = group_of(range, view_sphere.z, params.frames == 0u ? 0u : groups[slot]);
+            group = group_of(ranges.x, ranges.y, view_sphere.z, SOFT || params.frames == 0u ? 0u : groups[slot]);
             live_list[at.x++] = slot;
             if (is_visible(view_sphere)) {
                 visible_list[at.y++] = slot;
@@ -79,6 +87,8 @@ void main() {
     }
     if (gl_GlobalInvocationID.x == 0u) {
         history.ranges[1u - params.range_before] = range;
+        control.group_start = ranges.x;
+        control.groups_per_metre = ranges.y > 0.0 ? min(1.0 / ranges.y, 3e38) : 0.0;
         control.live = blocks.all.x;
         control.visible = blocks.all.y;
         control.live_groups = uvec4((blocks.all.x + LIVE_LANES - 1u) / LIVE_LANES, 1u, 1u, 0u);

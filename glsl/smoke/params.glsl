@@ -35,7 +35,7 @@ layout(binding = 0) uniform SmokeParams {
     uvec2 size;        // of the picture in pixels
     uvec2 tiles;       // across and down
     uvec2 corner;      // of the picture, in the target
-    uint row_groups;  // groups whose row sums are in memory
+    uint row_groups;  // groups or planes whose row sums are in memory
     uint unused;
     uvec2 occlusion_blocks;  // of the occlusion test, across and down
     uint is_orthographic;
@@ -120,6 +120,10 @@ struct Control {
     uint light_high_x;
     uint light_high_y;
     uint light_high_z;
+    float group_start;       // of the first range of depth, metres
+    float groups_per_metre;  // 0: ranges have no width
+    uint unused_low;
+    uint unused_high;
     uint longest[MAX_LIGHT_LEVELS];  // longest list of light-space tiles of each level
 };
 

@@ -1,21 +1,37 @@
-// Row sums of one (tile, group): numerator and denominator along x. Blocks that no column needs are left out.
+// Row sums of one tile and one group or plane: numerator and denominator along x. Blocks that no column needs are left out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "gaussian.glsl"
+#include "mask.glsl"
 layout(std430, binding = 3) readonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 4) readonly buffer RowItems { uint row_items[]; };
 layout(std430, binding = 5) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 6) writeonly buffer RowSums { vec2 row_sums[]; };
+layout(std430, binding = 7) readonly buffer Depth { float depth[]; };
+layout(std430, binding = 8) readonly buffer ControlBuffer { Control control; };
 layout(push_constant) uniform GaussianConstants { uint base; } constants;  // first entry of the batch
+#include "coordinate.glsl"
+
+// How much of a pixel the sums of a group or plane have.
+float share_of(uint pixel, uint index, uint group) {
+    uint id = pixel_id(pixel);
+    if (SOFT) {
+        vec2 shares = plane_shares(depth[index], id);
+        float behind = id == group ? shares.y : 0.0;
+        return id == group + 1u ? shares.x : behind;
+    }
+    return id == group ? 1.0 : 0.0;
+}
 
 void add_block(int block, uint row, int first, uint group) {
     float values[TAPS];
     float masks[TAPS];
     for (int i = 0; i < TAPS; ++i) {
-        int x = first + i;
-        uint pixel = x < int(params.size.x) ? pixels[row + uint(x)] : 0u;
-        masks[i] = pixel_id(pixel) == group ? 1.0 : 0.0;
+        uint x = uint(first + i);
+        uint index = row + min(x, params.size.x - 1u);
+        uint pixel = x < params.size.x ? pixels[index] : 0u;
+        masks[i] = share_of(pixel, index, group);
         values[i] = masks[i] * pixel_luminance(pixel);
     }
     add_taps(block, values, masks);
@@ -28,10 +44,10 @@ void main() {
     uint block = gl_LocalInvocationID.y;
     uvec2 at = block_at(tile, block);
     uint across = blocks_of_tiles().x;
-    uint bit = group_bit(group);
+    uint bits = adding_bits(group);
     Reach groups = reached[at.y * across + at.x];
     uint y = at.y * BLOCK + gl_LocalInvocationID.x;
-    if ((groups.beside & groups.above & bit) == 0u || y >= params.size.y) {
+    if ((groups.beside & bits) == 0u || (groups.above & bits) == 0u || y >= params.size.y) {
         return;
     }
     clear_sums();
@@ -39,7 +55,7 @@ void main() {
         for (int side = -1; side <= 1; side += 2) {
             int x = int(at.x) + side * distance;
             bool used = x >= 0 && x < int(across) && (distance > 0 || side > 0);
-            if (used && (block_masks[at.y * across + uint(x)] & bit) != 0u) {
+            if (used && (block_masks[at.y * across + uint(x)] & bits) != 0u) {
                 add_block(side * distance, y * params.size.x, x * int(BLOCK), group);
             }
         }

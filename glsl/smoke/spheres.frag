@@ -1,8 +1,12 @@
-// Exact ray-sphere intersection; the sphere's slot and group, and its exact depth.
+// Exact ray-sphere intersection; the sphere's slot and group, or, with the mask "soft", the group of what is seen itself; and
+// its exact depth.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "view.glsl"
+#include "mask.glsl"
+layout(std430, binding = 5) readonly buffer ControlBuffer { Control control; };
+#include "coordinate.glsl"
 layout(location = 0) flat in vec4 view_sphere;
 layout(location = 1) flat in uint code;
 layout(location = 0) out uint seen;
@@ -16,5 +20,5 @@ void main() {
         discard;
     }
     gl_FragDepth = params.near / depth;
-    seen = code;
+    seen = SOFT ? code & ~GROUP_MASK | group_at(depth) : code;
 }

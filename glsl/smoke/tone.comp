@@ -6,6 +6,7 @@ layout(constant_id = 1) const uint INKED = 1u;     // 0: no line
 layout(constant_id = 2) const uint LAYERS = 0u;    // 1: tone and line are kept
 layout(constant_id = 3) const int REACH = 1;       // pixels from which a line can reach a pixel
 layout(constant_id = 4) const uint HARD = 0u;      // 1: a line of less strength is thinner, not paler
+layout(constant_id = 5) const bool SOFT = false;   // the mask
 #include "params.glsl"
 #include "pixel.glsl"
 #include "tile.glsl"
@@ -34,12 +35,19 @@ float value_at(ivec2 at, uint pixel) {
     return FILTERED != 0u ? smooth_luminance[pixel_index(uvec2(at))] : pixel_luminance(pixel);
 }
 
-// Difference per pixel along an axis within the same group: central, one-sided at a border, else 0.
+// Whether smoothed values of pixels may be compared: of the same group; or, as groups change within smooth surfaces where
+// the mask is "soft", of the same or the next one: pixels that share a plane of depth. The smoke goes on between them, and so
+// does what is smoothed; pixels farther apart have no common surface.
+bool is_beside(uint id, uint other) {
+    return SOFT ? other != 0u && other <= id + 1u && id <= other + 1u : other == id;
+}
+
+// Difference per pixel along an axis between pixels that may be compared: central, one-sided at a border, else 0.
 float slope(ivec2 at, ivec2 axis, uint id, float centre) {
     uint next = pixel_at(at + axis);
     uint previous = pixel_at(at - axis);
-    bool has_next = pixel_id(next) == id;
-    bool has_previous = pixel_id(previous) == id;
+    bool has_next = is_beside(id, pixel_id(next));
+    bool has_previous = is_beside(id, pixel_id(previous));
     float high = has_next ? value_at(at + axis, next) : centre;
     float low = has_previous ? value_at(at - axis, previous) : centre;
     return (high - low) * (has_next && has_previous ? 0.5 : 1.0);

@@ -125,7 +125,9 @@ pub struct Layout {
     pub occlusion_side: u32,
     /// Blocks of the occlusion test across and down, at most 128.
     pub occlusion_blocks: [u32; 2],
-    /// Groups whose row sums are in memory at a time.
+    /// Groups, or planes of the soft mask, whose row sums are in memory at a time.
+    pub row_groups: u32,
+    /// Those that a batch adds: all, or, of planes, one less, as the last one of the batch before stays.
     pub batch_groups: u32,
     /// Batches of them.
     pub batches: u32,
@@ -156,7 +158,10 @@ impl Layout {
         let tile_count = u64::from(tiles[0]) * u64::from(tiles[1]);
         let spheres = u64::from(settings.particles) * (1 + u64::from(settings.fade));
         let per_group = tile_count * u64::from(SLOT_PIXELS) * 8;
-        let batch_groups = (ROW_SUM_BYTES / per_group).clamp(1, u64::from(settings.group_count())) as u32;
+        let (_, summed) = settings.summed();
+        let kept = u32::from(settings.is_soft());
+        let row_groups = (ROW_SUM_BYTES / per_group).clamp(1 + u64::from(kept), u64::from(summed)) as u32;
+        let batch_groups = if row_groups < summed { row_groups - kept } else { summed };
         let faces = if desc.point_light { 6 } else { 1 };
         let exact = settings.is_exact();
         // As many finest cells as particles, within what one workgroup can sum up in its loop budget.
@@ -171,8 +176,9 @@ impl Layout {
             tiles,
             occlusion_side,
             occlusion_blocks: desc.size.map(|side| side.div_ceil(occlusion_side)),
+            row_groups,
             batch_groups,
-            batches: settings.group_count().div_ceil(batch_groups),
+            batches: summed.div_ceil(batch_groups),
             batch_capacity: (tile_count * u64::from(batch_groups)) as u32,
             window_blocks: settings.window().div_ceil(BLOCK),
             light_levels,
@@ -288,7 +294,8 @@ impl Layout {
         self.set(ITEM_SUMS, u64::from(self.batch_capacity).div_ceil(lanes(&glsl::items::SHADER)) * 8);
         self.set(ITEM_ARGUMENTS, u64::from(self.batches) * 32);
         self.set(WEIGHTS, u64::from(self.window_blocks * BLOCK + BLOCK) * 4);
-        self.set(ROW_SUMS, kept(filtered, u64::from(self.batch_capacity) * u64::from(SLOT_PIXELS) * 8));
+        let row_sums = tiles * u64::from(self.row_groups) * u64::from(SLOT_PIXELS) * 8;
+        self.set(ROW_SUMS, kept(filtered, row_sums));
         self.set(SMOOTH, kept(filtered, pixels * 4));
         self.set(LINES, kept(inked, pixels * 4));
         self.set(INK_BITS, kept(inked && settings.outline.is_hard(), tiles * u64::from(INK_WORDS) * 4));

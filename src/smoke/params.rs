@@ -59,7 +59,7 @@ impl SmokeParams {
             far: projection.far as f32,
             size: desc.size,
             tiles: layout.tiles,
-            row_groups: layout.batch_groups,
+            row_groups: layout.row_groups,
             pixel_footprint: projection.focal.y.recip() as f32,
             occlusion_side: layout.occlusion_side,
             occlusion_blocks: layout.occlusion_blocks,

@@ -37,7 +37,7 @@ passes! {
     grow_growth = Pass::compute("smoke.grow", &glsl::grow_growth::SHADER).times(layout.search_parts as usize);
     grow_reset = Pass::transfer("smoke.grow").fills(CONTINUATIONS);
     count = Pass::compute("smoke.list", &glsl::count::SHADER);
-    listing = Pass::compute("smoke.list", &glsl::list::SHADER);
+    listing = Pass::compute("smoke.list", &glsl::list::SHADER).specialise([soft(desc)]);
     shadow_reset = Pass::transfer("smoke.shadow").fills(CELLS);
     shadow_count = Pass::compute("smoke.shadow", &glsl::shadow_count::SHADER).specialise([across(layout)]);
     /// Where each light-space list begins.
@@ -57,15 +57,22 @@ passes! {
     dilate = Pass::compute("smoke.tiles", &glsl::dilate::SHADER);
     /// As `occupied`.
     items: [PassId; 2] = [&glsl::items_sum::SHADER, &glsl::items::SHADER]
-        .map(|shader| Pass::compute("smoke.tiles", shader).times(layout.batches as usize));
-    rows = Pass::compute("smoke.rows", &glsl::rows::SHADER).times(layout.batches as usize);
-    columns = Pass::compute("smoke.columns", &glsl::columns::SHADER).times(layout.batches as usize);
+        .map(|shader| Pass::compute("smoke.tiles", shader).specialise([soft(desc)]).times(layout.batches as usize));
+    rows = Pass::compute("smoke.rows", &glsl::rows::SHADER).specialise([soft(desc)]).times(layout.batches as usize);
+    columns = Pass::compute("smoke.columns", &glsl::columns::SHADER)
+        .specialise([soft(desc)])
+        .times(layout.batches as usize);
     outline: Vec<PassId> = outline(&desc.settings.outline);
     tone = tone(desc);
     edges = Pass::transfer("smoke.edges").copies(HOST_EDGES, EDGES);
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
     reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
     composite = composite(desc);
+}
+
+/// The mask, as a specialisation constant.
+fn soft(desc: &Desc) -> u32 {
+    desc.settings.is_soft().into()
 }
 
 /// Cells across a sphere at its level, as a specialisation constant.
@@ -103,7 +110,7 @@ fn spheres(desc: &Desc) -> Pass {
         depth: Some(DepthAttachment::nearest(SEEN_DEPTH)),
         extent: desc.size,
     };
-    Pass::raster("smoke.spheres", raster)
+    Pass::raster("smoke.spheres", raster).specialise([soft(desc)])
 }
 
 fn luminance(desc: &Desc, layout: &Layout) -> Pass {
@@ -140,6 +147,7 @@ fn tone(desc: &Desc) -> Pass {
         u32::from(desc.layers),
         settings.outline.reach(),
         u32::from(settings.outline.is_hard()),
+        soft(desc),
     ])
 }
 

@@ -72,6 +72,18 @@ words! {
     }
 }
 
+words! {
+    /// Which pixels the Gaussian averages over.
+    pub enum Mask {
+        /// Those of about the pixel's own depth: each belongs to the two nearest planes of depth, one plane between two
+        /// ranges, by shares that change with its depth. No seams.
+        Soft = "soft",
+        /// Those whose spheres are of the same group (the paper's way, section 3.3).
+        #[default]
+        Groups = "groups",
+    }
+}
+
 /// An axis-aligned box in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(deny_unknown_fields))]
@@ -148,13 +160,15 @@ settings! {
         shadow_map: u32 = 2048, "texels a side", 16..=8192;
         /// The shadow map's filter.
         shadow_filter: u32 = 3, "taps a side", [1, 3, 5];
+        /// What is smoothed together: pixels of about the same depth, "soft", or of spheres in the same range, "groups".
+        mask: Mask = Mask::default();
         /// How many ranges of depth are smoothed separately.
         groups: u32 = 8, "", 1..=MAX_GROUPS;
         /// Fixed ranges of this depth instead, counted from the camera; without it, the smoke's own depth is divided.
         group_depth: Option<f32> = None, "metres", f32::MIN_POSITIVE..=FARTHEST;
         /// Share of the last frame's depth range that is kept.
         range_smoothing: f32 = 0.9, "share of the last frame's range", 0.0..=0.999;
-        /// A sphere keeps its group until it is this far past the border.
+        /// Of the mask "groups": a sphere keeps its group until it is this far past the border.
         hysteresis: f32 = 0.2, "share of a range", 0.0..=1.0;
         /// Standard deviation of the Gaussian.
         sigma: f32 = 4.0, "pixels", 0.1..=64.0, "off";
@@ -202,6 +216,16 @@ impl Settings {
     /// Number of group ids in use: `groups`, or [`MAX_GROUPS`] where `group_depth` fixes the ranges.
     pub fn group_count(&self) -> u32 {
         if self.group_depth.is_some() { MAX_GROUPS } else { self.groups }
+    }
+
+    /// Whether the mask is soft.
+    pub fn is_soft(&self) -> bool {
+        self.mask == Mask::Soft
+    }
+
+    /// What rows are summed up for: the first group and their number; or planes, one at either end of each group.
+    pub(super) fn summed(&self) -> (u32, u32) {
+        if self.is_soft() { (0, self.group_count() + 1) } else { (1, self.group_count()) }
     }
 
     /// The keys of `[smoke]`, in order.

@@ -375,8 +375,9 @@ impl Steps<'_> {
 
     /// Half of the list of what the Gaussian works on in a batch of groups.
     fn items(&mut self, batch: u32, half: usize) {
-        let first_group = 1 + batch * self.layout.batch_groups;
-        let group_count = self.layout.batch_groups.min(self.desc.settings.group_count() + 1 - first_group);
+        let (first, count) = self.desc.settings.summed();
+        let before = batch * self.layout.batch_groups;
+        let (first_group, group_count) = (first + before, self.layout.batch_groups.min(count - before));
         let constants = ItemsConstants { batch, first_group, group_count, capacity: self.layout.batch_capacity };
         let threads = [self.layout.tiles[0] * self.layout.tiles[1] * group_count, 1, 1];
         self.plan.step_with(self.passes.items[half], Command::Dispatch { threads }, &constants);

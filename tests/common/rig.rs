@@ -4,10 +4,11 @@ use celfx::data::Volume;
 use celfx::effect::Effort;
 use celfx::low_level::plan::BufferId;
 use celfx::low_level::smoke::layout;
-use celfx::low_level::smoke::params::Particle;
+use celfx::low_level::smoke::params::{Control, Particle};
 use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::smoke::SmokeKind;
 use celfx::smoke::reference;
+use celfx::smoke::reference::groups::Ranges;
 use celfx::smoke::{Desc, Sequence};
 use celfx::view::{Camera, Light, View};
 
@@ -111,6 +112,12 @@ impl Rig {
         self.read(layout::GROUPS, count)
     }
 
+    /// The ranges of depth that groups are.
+    pub fn ranges(&mut self) -> Ranges {
+        let Control { group_start, groups_per_metre, .. } = self.read::<Control>(layout::CONTROL, 1)[0];
+        Ranges::of_device(group_start, groups_per_metre, self.desc.settings.group_count())
+    }
+
     /// A layer of one value a pixel: `DEPTH`, `SHADOW`, `SMOOTH`, `OUTLINE_LAYER`.
     pub fn layer(&mut self, id: BufferId) -> Vec<f32> {
         let count = self.pixel_count();
@@ -160,9 +167,10 @@ impl Rig {
     /// The reference's frame of the spheres and groups that the device has.
     pub fn expected(&mut self, view: &View, light: &Light, voxel: f32) -> reference::Frame {
         let spheres: Vec<[f64; 4]> = self.spheres().iter().map(|s| s.map(f64::from)).collect();
-        let groups = self.groups();
+        let (groups, ranges) = (self.groups(), self.ranges());
         let Desc { settings, size, .. } = &self.desc;
-        reference::frame(settings, view, light, *size, voxel.into(), &spheres, &groups)
+        let grouping = reference::Grouping { groups: &groups, ranges };
+        reference::frame(settings, view, light, *size, voxel.into(), &spheres, &grouping)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Whole frames against the reference.
 
-use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Grow, Integrator, Mask, Operator, Outline, Radius, Shadow};
 use celfx::smoke::{Sequence, Settings};
 use celfx::view::Light;
 
@@ -10,8 +10,14 @@ use crate::common::scenes::{camera, desc, direction, moving_puffs, point};
 
 const SIZE: [u32; 2] = [160, 120];
 
-/// Some frames of a rising sequence; the last one is compared.
+/// Some frames of a rising sequence under either mask; the last one of each is compared.
 fn assert_frame(name: &str, settings: Settings, light: Light, point_light: bool) {
+    for mask in [Mask::Groups, Mask::Soft] {
+        assert_masked(&format!("{name}, {mask:?}"), Settings { mask, ..settings.clone() }, light, point_light);
+    }
+}
+
+fn assert_masked(name: &str, settings: Settings, light: Light, point_light: bool) {
     let mut desc = desc(SIZE, [32; 3], settings);
     desc.velocity = true;
     desc.point_light = point_light;

@@ -1,10 +1,11 @@
-//! The masked Gaussian against the reference, on images that are hard for separable forms.
+//! The Gaussian under the mask of groups against the reference, on images that are hard for separable forms.
 
 use celfx::data::Volume;
 use celfx::low_level::smoke::layout;
 use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::Settings;
 use celfx::smoke::reference::gaussian::masked_separable;
+use celfx::smoke::settings::Mask;
 use celfx::view::{Camera, Light};
 
 use crate::common::bench::{Bench, Given};
@@ -12,14 +13,15 @@ use crate::common::scenes::{desc, random, volume};
 use crate::common::unpacked;
 
 /// Steps whose results the tests write: what pixels see, and their luminance.
-const WRITTEN: &[&str] = &["smoke.clear", "smoke.shadow", "smoke.spheres", "smoke.luminance"];
+pub const WRITTEN: &[&str] = &["smoke.clear", "smoke.shadow", "smoke.spheres", "smoke.luminance"];
 
-fn nothing() -> Volume {
+pub fn nothing() -> Volume {
     volume([1; 3], [1.0; 3], [0.0; 3], |_, _, _| 0.0)
 }
 
 fn bench(size: [u32; 2], sigma: f32, cutoff: f32, groups: u32) -> Option<Bench> {
-    let settings = Settings { particles: 1, fade: 0, sigma, cutoff, groups, ..Settings::default() };
+    let mask = Mask::Groups;
+    let settings = Settings { particles: 1, fade: 0, mask, sigma, cutoff, groups, ..Settings::default() };
     let mut bench = Bench::new(desc(size, [1; 3], settings))?;
     // Images leave layout UNDEFINED in the first frame.
     run(&mut bench, &[]);

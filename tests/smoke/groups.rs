@@ -5,10 +5,10 @@ use celfx::low_level::smoke::layout;
 use celfx::low_level::smoke::params::Control;
 use celfx::program;
 use celfx::simulate::smoke::Builtin;
-use celfx::smoke::reference::groups::Groups;
+use celfx::smoke::reference::groups::{Groups, Ranges};
 use celfx::smoke::reference::particles::Origin;
 use celfx::smoke::reference::render::raycast;
-use celfx::smoke::settings::Shadow;
+use celfx::smoke::settings::{Mask, Shadow};
 use celfx::smoke::{Sequence, Settings};
 use celfx::view::Camera;
 use glam::DVec3;
@@ -63,6 +63,7 @@ fn assert_groups(name: &str, settings: &Settings, cameras: impl Fn(u32) -> Camer
         let exact: Vec<[f64; 4]> = spheres.iter().map(|s| s.map(f64::from)).collect();
         let origin = if frames == 0 { Origin::Fresh } else { Origin::Kept };
         let expected = reference.step(settings, &camera.view([1, 1]), &exact, &vec![origin; spheres.len()]);
+        assert_ranges(&mut bench, &reference);
         apart += actual.iter().zip(&expected).filter(|(a, e)| a != e).count();
         total += actual.len();
         assert!(actual.iter().zip(&expected).all(|(a, e)| (*a == 0) == (*e == 0)), "{name}: who has a group");
@@ -72,6 +73,19 @@ fn assert_groups(name: &str, settings: &Settings, cameras: impl Fn(u32) -> Camer
     // Depths are rounded to some 3e-7 of the range, and a group is an eighth of it or less: a sphere is that near to a
     // border with a chance of 5e-6 a frame, and hysteresis keeps what was decided.
     assert!(apart <= 3 * 30, "{name}: {apart} of {total} differ");
+}
+
+/// What the soft mask goes by, where there is something that can be seen.
+fn assert_ranges(bench: &mut Bench, reference: &Groups) {
+    if reference.range().is_none() {
+        return;
+    }
+    let Control { group_start, groups_per_metre, .. } = bench.read::<Control>(layout::CONTROL, 1)[0];
+    let Ranges { start, width, count } = reference.ranges(&bench.desc.settings);
+    // Depths of some metres are rounded to some 3e-7 of themselves.
+    assert!((f64::from(group_start) - start).abs() < 2e-6, "{group_start}, not {start}");
+    let inverse = if width > 0.0 { width.recip() } else { 0.0 };
+    assert!((f64::from(groups_per_metre) / inverse - 1.0).abs() < 1e-5, "{groups_per_metre}, not {inverse} ({count})");
 }
 
 /// The two lists: in particle order, complete, and counted.
@@ -94,7 +108,7 @@ fn assert_lists(bench: &mut Bench, camera: &Camera, spheres: &[[f32; 4]]) {
 }
 
 fn settings() -> Settings {
-    Settings { particles: COUNT, fade: 0, ..Settings::default() }
+    Settings { particles: COUNT, fade: 0, mask: Mask::Groups, ..Settings::default() }
 }
 
 #[test]
@@ -106,6 +120,7 @@ fn groups_with_hysteresis_are_those_of_the_reference() {
     assert_groups("254", &Settings { groups: 254, ..settings() }, turning);
     assert_groups("one", &Settings { groups: 1, ..settings() }, turning);
     assert_groups("fixed depth", &Settings { group_depth: Some(0.03), ..settings() }, turning);
+    assert_groups("soft", &Settings { mask: Mask::Soft, ..settings() }, turning);
 }
 
 #[test]
@@ -149,7 +164,7 @@ fn changing(settings: Settings, degrees: impl Fn(u32) -> f64) -> Option<f64> {
 }
 
 fn plume() -> Settings {
-    Settings { particles: 500, sigma: 0.0, shadow: Shadow::None, ..Settings::default() }
+    Settings { particles: 500, mask: Mask::Groups, sigma: 0.0, shadow: Shadow::None, ..Settings::default() }
 }
 
 #[test]
@@ -173,7 +188,7 @@ fn groups_change_rarely_when_the_camera_goes_around() {
         .settings
         .clone();
     // No lives end and nothing is filtered or shadowed: only groups are looked at.
-    let shot = Settings { lifetime: None, sigma: 0.0, shadow: Shadow::None, ..shot };
+    let shot = Settings { lifetime: None, mask: Mask::Groups, sigma: 0.0, shadow: Shadow::None, ..shot };
     let Some(mean) = changing(shot, turn) else { return };
     let Some(default) = changing(plume(), turn) else { return };
     println!("turning: {:.4} %, with the default groups {:.3} %", 100.0 * mean, 100.0 * default);

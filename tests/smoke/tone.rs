@@ -5,7 +5,7 @@ use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::Settings;
 use celfx::smoke::reference::outline::{self, Mark};
 use celfx::smoke::reference::tone;
-use celfx::smoke::settings::{Line, Operator, Outline};
+use celfx::smoke::settings::{Line, Mask, Operator, Outline};
 use celfx::toon::Tone;
 use celfx::view::{Camera, Light};
 
@@ -61,7 +61,7 @@ fn assert_drawn(name: &str, settings: Settings) {
         false => luminance,
     };
     let depth: Vec<f64> = depth.into_iter().map(f64::from).collect();
-    let tones = tone::tones(SIZE, &smooth, &id, &settings.tones, settings.tone_softness.into());
+    let tones = tone::tones(SIZE, &smooth, &id, settings.mask, &settings.tones, settings.tone_softness.into());
     let voxel = f64::from(VOXEL.into_iter().fold(f32::MAX, f32::min));
     let marks = outline::marks(SIZE, &depth, &camera.view(SIZE), voxel, &settings.outline);
     let is_hard = settings.outline.operator == Operator::Step;
@@ -110,6 +110,10 @@ fn tones_are_those_of_the_reference() {
             let name = format!("{count} tones, softness {tone_softness}");
             assert_drawn(&name, Settings { tones: tones(count), tone_softness, ..Settings::default() });
         }
+    }
+    for sigma in [0.0, 4.0] {
+        let soft = Settings { mask: Mask::Soft, sigma, tone_softness: 4.0, ..Settings::default() };
+        assert_drawn("the soft mask", soft);
     }
     // Without a Gaussian the luminance itself is cut.
     assert_drawn("no Gaussian", Settings { sigma: 0.0, ..Settings::default() });

@@ -8,7 +8,8 @@ use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
 use crate::offline;
-use crate::smoke::reference::{gaussian, outline, render, shadow, tone};
+use crate::smoke::reference::groups::Ranges;
+use crate::smoke::reference::{masked, outline, render, shadow, tone};
 use crate::smoke::settings::{Outline, Shadow};
 use crate::smoke::{Sequence, Settings};
 use crate::view::Light;
@@ -34,7 +35,9 @@ const PARTICLES: u32 = 500;
 struct Seen {
     size: [u32; 2],
     depth: Vec<f64>,
+    /// Groups of the spheres that are seen.
     id: Vec<u32>,
+    ranges: Ranges,
     /// Luminance with exact shadows and without.
     shadowed: Vec<f64>,
     open: Vec<f64>,
@@ -69,7 +72,7 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
         rig.frame(effect, &first)?;
         let seen = match &seen {
             Some(seen) => seen,
-            None => seen.insert(Seen::new(rig, effect, size, settings.fade, voxel)?),
+            None => seen.insert(Seen::new(rig, effect, size, &settings, voxel)?),
         };
         let picture = rig.picture(effect)?;
         accuracies.push(seen.accuracy(&settings, &picture));
@@ -90,26 +93,26 @@ fn measure_workload(session: &mut Session, name: &str, size: [u32; 2], variants:
 }
 
 impl Seen {
-    fn new(rig: &mut Rig, effect: EffectId, size: [u32; 2], fade: u32, voxel: f64) -> Result<Seen> {
-        let (spheres, groups) = scene::spheres(rig, effect, PARTICLES, fade)?;
+    fn new(rig: &mut Rig, effect: EffectId, size: [u32; 2], settings: &Settings, voxel: f64) -> Result<Seen> {
+        let (spheres, groups) = scene::spheres(rig, effect, PARTICLES, settings.fade)?;
+        let ranges = scene::ranges(rig, effect, settings)?;
         let (view, light) = (scene::camera().view(size), Light::default());
         let hits = render::raycast(&view, size, &spheres);
         let share = shadow::shadow(&view, size, &spheres, &hits, light.source, 0.0);
         let shadowed = render::luminance(&view, size, &spheres, &hits, &light, &share);
         let open = render::luminance(&view, size, &spheres, &hits, &light, &vec![1.0; hits.len()]);
         let (depth, id) = (render::depth(&hits), render::id(&hits, &groups));
-        Ok(Seen { size, depth, id, shadowed, open, voxel })
+        Ok(Seen { size, depth, id, ranges, shadowed, open, voxel })
     }
 
     /// Of all channels of the pixels where there is smoke in one of the two pictures.
     fn accuracy(&self, settings: &Settings, picture: &[[f32; 4]]) -> Accuracy {
         let luminance = if settings.casts_shadows() { &self.shadowed } else { &self.open };
-        let [width, height] = self.size.map(|side| side as usize);
-        let smooth = gaussian::masked_separable(width, height, luminance, &self.id, settings.sigma, settings.cutoff);
-        let tones = tone::tones(self.size, &smooth, &self.id, &settings.tones, settings.tone_softness.into());
+        let (id, smooth) = masked(settings, self.size, luminance, &self.depth, self.id.clone(), &self.ranges);
+        let tones = tone::tones(self.size, &smooth, &id, settings.mask, &settings.tones, settings.tone_softness.into());
         let outline =
             outline::outline(self.size, &self.depth, &scene::camera().view(self.size), self.voxel, &settings.outline);
-        let expected = tone::composite(&tones, &outline, &self.id, &settings.outline);
+        let expected = tone::composite(&tones, &outline, &id, &settings.outline);
         let smoke = |(pixel, expected): &(&[f32; 4], &[f64; 4])| pixel[3] != 0.0 || expected[3] != 0.0;
         let channels = |(pixel, expected): (&[f32; 4], &[f64; 4])| {
             [0, 1, 2, 3].map(|channel| (f64::from(pixel[channel]) - expected[channel]).abs())

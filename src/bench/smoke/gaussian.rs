@@ -1,7 +1,9 @@
 //! Pass `gaussian`: the masked Gaussian by its definition, by the wrong separable form, by the exact one with and without
 //! skipping, and a plain Gaussian without mask, which shows what the mask costs.
 //!
-//! The time of `per_id_tiles` is that of everything that a frame has because of the mask (dilated block masks, items, rows
+//! `soft_tiles` is the same picture's Gaussian under the soft mask, a definition of its own: so is what its error is taken from.
+//!
+//! The time of `per_id_tiles` and of `soft_tiles` is that of everything that a frame has because of the mask (dilated block masks, items, rows
 //! and columns), less the pass `tiles`, which a frame needs anyway: the later steps work on occupied tiles.
 
 use std::collections::BTreeSet;
@@ -16,16 +18,18 @@ use crate::gpu::buffer::BufferDesc;
 use crate::plan::{BufferId, Command, Kernel, Pass, PassId, Plan};
 use crate::shaders::smoke as glsl;
 use crate::smoke::Settings;
-use crate::smoke::layout::{PARAMS, PIXELS, REACHED, SMOOTH, WEIGHTS};
+use crate::smoke::layout::{DEPTH, PARAMS, PIXELS, REACHED, SMOOTH, WEIGHTS};
 use crate::smoke::params::{GROUP_BITS, GROUP_MASK, ImageConstants, LUMINANCE_ONE, SLOT_PIXELS, TILE};
-use crate::smoke::reference::gaussian;
+use crate::smoke::reference::masked;
+use crate::smoke::settings::Mask;
 
 const PASS: &str = "gaussian";
-const VARIANTS: [(&str, Variant); 5] = [
+const VARIANTS: [(&str, Variant); 6] = [
     ("direct", Variant::Direct),
     ("naive", Variant::Naive),
     ("per_id_image", Variant::PerIdImage),
     ("per_id_tiles", Variant::PerIdTiles),
+    ("soft_tiles", Variant::SoftTiles),
     ("plain", Variant::Plain),
 ];
 /// Name, pixels, what `--quick` divides the sides by, sigma.
@@ -46,6 +50,7 @@ enum Variant {
     Naive,
     PerIdImage,
     PerIdTiles,
+    SoftTiles,
     Plain,
 }
 
@@ -89,10 +94,12 @@ fn measure_workload(
     variants: &[&(&str, Variant)],
 ) -> Outcome {
     let rig = &mut session.rig;
-    let settings = Settings { particles: PARTICLES, groups: GROUPS, sigma, fade: 0, ..Settings::default() };
-    let effect = render(rig, size, &settings)?;
-    let picture = Picture::read(rig, effect, size, &settings)?;
-    let own = rig.effect_steps(effect);
+    let mask = Mask::Groups;
+    let settings = Settings { particles: PARTICLES, mask, groups: GROUPS, sigma, fade: 0, ..Settings::default() };
+    let soft_settings = Settings { mask: Mask::Soft, ..settings.clone() };
+    let [grouped, soft] = [Masked::new(rig, size, &settings)?, Masked::new(rig, size, &soft_settings)?];
+    let effect = grouped.effect;
+    let of = |variant: Variant| if variant == Variant::SoftTiles { &soft } else { &grouped };
     let kernels = kernels(rig, effect, size, &settings)?;
     let plans: Vec<Plan> = variants.iter().map(|(_, variant)| plan(*variant, size)).collect();
     for plan in &plans {
@@ -100,12 +107,13 @@ fn measure_workload(
     }
     let mut results: Vec<Vec<f32>> = vec![Vec::new(); variants.len()];
     let times = interleaved(variants.len(), session.quick, |i| {
-        let ours = variants[i].1 == Variant::PerIdTiles;
-        let time: Measured = if ours { rig.replay(effect, &own)? } else { rig.run(kernels, &plans[i])? };
+        let (variant, pixels) = (variants[i].1, grouped.picture.id.len());
+        let Masked { effect, steps, .. } = of(variant);
+        let time: Measured = if variant.is_ours() { rig.replay(*effect, steps)? } else { rig.run(kernels, &plans[i])? };
         if results[i].is_empty() {
-            results[i] = match ours {
-                true => rig.read(effect, SMOOTH, picture.id.len())?,
-                false => rig.read_kernels(kernels, OWN_SMOOTH, picture.id.len())?,
+            results[i] = match variant.is_ours() {
+                true => rig.read(*effect, SMOOTH, pixels)?,
+                false => rig.read_kernels(kernels, OWN_SMOOTH, pixels)?,
             };
         }
         Ok(time)
@@ -113,13 +121,36 @@ fn measure_workload(
     for ((((variant, kind), times), result), plan) in variants.iter().zip(&times).zip(results).zip(&plans) {
         let (variant, workload) = ((*variant).to_owned(), name.to_owned());
         let subject = Subject { pass: PASS, variant, workload, items: PARTICLES.into() };
-        let work = match kind {
-            Variant::PerIdTiles => session.rig.work_of_replay(effect, &own)?,
-            _ => session.rig.work_of_run(kernels, plan)?,
+        let Masked { effect, steps, picture } = of(*kind);
+        let work = match kind.is_ours() {
+            true => session.rig.work_of_replay(*effect, steps)?,
+            false => session.rig.work_of_run(kernels, plan)?,
         };
         session.rows.push(Row::new(EFFECT, subject, times, &picture.accuracy(&result), work, &session.limits));
     }
     Ok(())
+}
+
+impl Variant {
+    /// Whether the effect's own kernels are measured.
+    fn is_ours(self) -> bool {
+        matches!(self, Variant::PerIdTiles | Variant::SoftTiles)
+    }
+}
+
+/// The scene under a mask.
+struct Masked {
+    effect: EffectId,
+    /// What a frame has because of the mask.
+    steps: Plan,
+    picture: Picture,
+}
+
+impl Masked {
+    fn new(rig: &mut Rig, size: [u32; 2], settings: &Settings) -> Result<Masked> {
+        let effect = render(rig, size, settings)?;
+        Ok(Masked { effect, steps: rig.effect_steps(effect), picture: Picture::read(rig, effect, size, settings)? })
+    }
 }
 
 /// Renders the scene, the camera so near that about half of the picture is covered.
@@ -139,7 +170,7 @@ impl Rig {
         self.steps(effect, |pass| match &pass.kernel {
             Kernel::Compute(shader) => {
                 matches!(pass.name, "smoke.rows" | "smoke.columns")
-                    || matches!(shader.file, "smoke/dilate.comp" | "smoke/items.comp")
+                    || matches!(shader.file, "smoke/dilate.comp" | "smoke/items_sum.comp" | "smoke/items.comp")
             }
             _ => false,
         })
@@ -221,7 +252,7 @@ fn plan(variant: Variant, size: [u32; 2]) -> Plan {
             }
         }
         Variant::Plain => PLAIN.into_iter().for_each(|pass| plan.step(pass, by_tile)),
-        Variant::PerIdTiles => {}
+        Variant::PerIdTiles | Variant::SoftTiles => {}
     }
     plan
 }
@@ -232,8 +263,10 @@ impl Picture {
         let luminance = |pixel: &u32| f64::from(pixel >> GROUP_BITS) / f64::from(LUMINANCE_ONE);
         let luminance: Vec<f64> = pixels.iter().map(luminance).collect();
         let id: Vec<u32> = pixels.iter().map(|pixel| pixel & GROUP_MASK).collect();
-        let [width, height] = size.map(|side| side as usize);
-        let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
+        let depth: Vec<f32> = rig.read(effect, DEPTH, pixels.len())?;
+        let depth: Vec<f64> = depth.into_iter().map(f64::from).collect();
+        let ranges = scene::ranges(rig, effect, settings)?;
+        let (_, smooth) = masked(settings, size, &luminance, &depth, id.clone(), &ranges);
         Ok(Picture { id, smooth })
     }
 

@@ -7,7 +7,9 @@ use crate::data::Volume;
 use crate::error::Result;
 use crate::offline::Scene;
 use crate::simulate::smoke::Builtin;
-use crate::smoke::layout::{GROUPS, SPHERES};
+use crate::smoke::layout::{CONTROL, GROUPS, SPHERES};
+use crate::smoke::params::Control;
+use crate::smoke::reference::groups::Ranges;
 use crate::smoke::reference::render;
 use crate::smoke::{Desc, Settings};
 use crate::view::Camera;
@@ -81,6 +83,13 @@ pub(super) fn camera_covering(spheres: &[[f64; 4]], size: [u32; 2], share: f64) 
         (near, far) = if covered(middle) > share { (middle, far) } else { (near, middle) };
     }
     seen_from(0.5 * (near + far))
+}
+
+/// The ranges of depth of the frame recorded last.
+pub(super) fn ranges(rig: &mut Rig, effect: EffectId, settings: &Settings) -> Result<Ranges> {
+    let control: Vec<Control> = rig.read(effect, CONTROL, 1)?;
+    let Control { group_start, groups_per_metre, .. } = control[0];
+    Ok(Ranges::of_device(group_start, groups_per_metre, settings.group_count()))
 }
 
 /// Centre and displayed radius of each sphere of the frame recorded last, and its group.

@@ -6,7 +6,7 @@ use crate::host::TemporalFormats;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
 use crate::program::variants::{DEPTH, SIZE, TEMPORAL, passes, switches};
-use crate::smoke::settings::{Integrator, Operator, Shadow};
+use crate::smoke::settings::{Integrator, Mask, Operator, Shadow};
 use crate::smoke::{Desc, Settings, SmokeKind};
 
 pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
@@ -24,6 +24,8 @@ fn variant(
 ) -> Result<Vec<Pass>> {
     let mut settings = Settings { shadow, ..Settings::default() };
     settings.integrator = if rk2 { Integrator::Rk2 } else { Integrator::Euler };
+    // Ways of moving, masks and pieces of lines have no kernel in common.
+    settings.mask = if rk2 { Mask::Soft } else { Mask::Groups };
     settings.outline.operator = operator;
     settings.outline.width = if operator == Operator::Roberts { 1.0 } else { 16.0 };
     settings.outline.shortest = if rk2 { 0.0 } else { settings.outline.shortest };

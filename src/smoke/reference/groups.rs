@@ -6,6 +6,36 @@ use super::particles::Origin;
 use crate::smoke::settings::Settings;
 use crate::view::{Projection, View};
 
+/// Equal ranges of depth, one after the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ranges {
+    /// Where the first begins, metres.
+    pub start: f64,
+    /// How wide each is, metres; 0 if all depths are one.
+    pub width: f64,
+    /// How many there are.
+    pub count: u32,
+}
+
+impl Ranges {
+    /// As the device has them: the width's inverse, 0 if there is none.
+    pub fn of_device(start: f32, per_metre: f32, count: u32) -> Ranges {
+        let width = if per_metre > 0.0 { f64::from(per_metre).recip() } else { 0.0 };
+        Ranges { start: start.into(), width, count }
+    }
+
+    /// Where a depth lies, in widths from the start, between 0 and the number of ranges.
+    pub fn coordinate(&self, depth: f64) -> f64 {
+        let position = (depth - self.start) / self.width;
+        if self.width > 0.0 { position.clamp(0.0, f64::from(self.count)) } else { 0.0 }
+    }
+
+    /// The range that a depth lies in, from 1.
+    pub fn group(&self, depth: f64) -> u32 {
+        (1 + self.coordinate(depth) as u32).min(self.count)
+    }
+}
+
 /// Remembers the range and the groups of the last frame. A new one starts afresh.
 #[derive(Clone, Debug, Default)]
 pub struct Groups {
@@ -16,7 +46,7 @@ pub struct Groups {
 impl Groups {
     /// Group of every sphere of this frame, 1 to [`Settings::group_count`]; 0 where the radius is 0.
     ///
-    /// `spheres` are centre and displayed radius in metres, `origins` what each was in the frame before.
+    /// Under the soft mask no sphere keeps its group. `spheres` are centre and displayed radius in metres, `origins` what each was in the frame before.
     pub fn step(&mut self, settings: &Settings, view: &View, spheres: &[[f64; 4]], origins: &[Origin]) -> Vec<u32> {
         // Depth is the same whatever the picture's size.
         let projection = Projection::of_valid(view, [1, 1]);
@@ -24,26 +54,32 @@ impl Groups {
         let ahead = spheres.iter().filter(|s| s[3] > 0.0).map(depth).filter(|z| *z >= projection.near);
         let fresh_range = ahead.map(|z| [z, z]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         self.range = smoothed(self.range, fresh_range, f64::from(settings.range_smoothing));
-        let (start, width) = match (settings.group_depth, self.range) {
-            (Some(depth), _) => (0.0, f64::from(depth)),
-            (None, Some([z0, z1])) => (z0, (z1 - z0) / f64::from(settings.groups)),
-            (None, None) => (0.0, 0.0),
-        };
+        let ranges = self.ranges(settings);
         let previous = std::mem::take(&mut self.groups);
         let group = |(place, (sphere, origin)): (usize, (&[f64; 4], &Origin))| {
             if sphere[3] <= 0.0 {
                 return 0;
             }
             let previous = match origin {
+                _ if settings.is_soft() => None,
                 Origin::Fresh => None,
                 Origin::Kept => previous.get(place),
                 Origin::Ghost(slot) => previous.get(*slot),
             };
-            let position = (depth(sphere) - start) / width;
-            group_at(position, previous.copied(), f64::from(settings.hysteresis), settings.group_count())
+            kept_group(&ranges, depth(sphere), previous.copied(), f64::from(settings.hysteresis))
         };
         self.groups = spheres.iter().zip(origins).enumerate().map(group).collect();
         self.groups.clone()
+    }
+
+    /// The ranges that groups are.
+    pub fn ranges(&self, settings: &Settings) -> Ranges {
+        let (start, width) = match (settings.group_depth, self.range) {
+            (Some(depth), _) => (0.0, f64::from(depth)),
+            (None, Some([z0, z1])) => (z0, (z1 - z0) / f64::from(settings.groups)),
+            (None, None) => (0.0, 0.0),
+        };
+        Ranges { start, width, count: settings.group_count() }
     }
 
     /// The smoothed range of centre depth in metres; none while nothing is ahead of the near plane.
@@ -62,18 +98,17 @@ fn smoothed(old: Option<[f64; 2]>, fresh: Option<[f64; 2]>, kept: f64) -> Option
     }
 }
 
-/// Group at `position`, in widths of a group from the start of the first; not finite where groups have no width.
-fn group_at(position: f64, previous: Option<u32>, hysteresis: f64, count: u32) -> u32 {
-    if !position.is_finite() {
-        return 1;
-    }
-    if let Some(group @ 1..) = previous {
-        let group_end = f64::from(group);
-        if group_end - 1.0 - hysteresis <= position && position <= group_end + hysteresis {
-            return group;
+/// The group at a depth; the previous one within `hysteresis` of it.
+fn kept_group(ranges: &Ranges, depth: f64, previous: Option<u32>, hysteresis: f64) -> u32 {
+    let position = (depth - ranges.start) / ranges.width;
+    match previous {
+        Some(group @ 1..) if ranges.width > 0.0 => {
+            let group_end = f64::from(group);
+            let kept = group_end - 1.0 - hysteresis <= position && position <= group_end + hysteresis;
+            if kept { group } else { ranges.group(depth) }
         }
+        _ => ranges.group(depth),
     }
-    (1.0 + position.floor()).clamp(1.0, f64::from(count)) as u32
 }
 
 #[cfg(test)]

@@ -14,8 +14,9 @@ pub mod tone;
 
 pub use grid::Grid;
 
-use super::settings::{Settings, Shadow};
+use super::settings::{Mask, Settings, Shadow};
 use crate::view::{Light, View};
+use groups::Ranges;
 use render::Hit;
 
 /// One rendered frame, every layer row by row from the top.
@@ -29,7 +30,7 @@ pub struct Frame {
     pub luminance: Vec<f64>,
     /// Linear view depth in metres; infinite where nothing is seen.
     pub depth: Vec<f64>,
-    /// Depth group; 0 where nothing is seen.
+    /// Depth group, of the sphere, or, under the soft mask, of what is seen; 0 where nothing is.
     pub id: Vec<u32>,
     /// Smoothed luminance; 0 where nothing is seen.
     pub smooth: Vec<f64>,
@@ -41,6 +42,15 @@ pub struct Frame {
     pub image: Vec<[f64; 4]>,
 }
 
+/// What the mask of a frame is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Grouping<'a> {
+    /// Depth group of each sphere.
+    pub groups: &'a [u32],
+    /// The ranges of depth that groups are.
+    pub ranges: Ranges,
+}
+
 /// Renders one frame of `size` pixels from spheres (centre and displayed radius in metres) and their depth groups.
 /// `voxel` is the smallest side of a voxel in metres. A shadow map is an approximation of hard exact shadows.
 pub fn frame(
@@ -50,7 +60,7 @@ pub fn frame(
     size: [u32; 2],
     voxel: f64,
     spheres: &[[f64; 4]],
-    groups: &[u32],
+    grouping: &Grouping,
 ) -> Frame {
     let hits = render::raycast(view, size, spheres);
     let soft = |softness| shadow::shadow(view, size, spheres, &hits, light.source, softness);
@@ -61,13 +71,36 @@ pub fn frame(
     };
     let luminance = render::luminance(view, size, spheres, &hits, light, &shadow);
     let depth = render::depth(&hits);
-    let id = render::id(&hits, groups);
-    let [width, height] = size.map(|n| n as usize);
-    let smooth = gaussian::masked_separable(width, height, &luminance, &id, settings.sigma, settings.cutoff);
-    let tone = tone::tones(size, &smooth, &id, &settings.tones, settings.tone_softness.into());
+    let (id, smooth) = masked(settings, size, &luminance, &depth, render::id(&hits, grouping.groups), &grouping.ranges);
+    let tone = tone::tones(size, &smooth, &id, settings.mask, &settings.tones, settings.tone_softness.into());
     let outline = outline::outline(size, &depth, view, voxel, &settings.outline);
     let image = tone::composite(&tone, &outline, &id, &settings.outline);
     Frame { hits, shadow, luminance, depth, id, smooth, tone, outline, image }
+}
+
+/// The group of each pixel and its smoothed luminance, from the groups of the spheres.
+pub fn masked(
+    settings: &Settings,
+    size: [u32; 2],
+    luminance: &[f64],
+    depth: &[f64],
+    id: Vec<u32>,
+    ranges: &Ranges,
+) -> (Vec<u32>, Vec<f64>) {
+    let [width, height] = size.map(|n| n as usize);
+    match settings.mask {
+        Mask::Groups => {
+            let smooth = gaussian::masked_separable(width, height, luminance, &id, settings.sigma, settings.cutoff);
+            (id, smooth)
+        }
+        Mask::Soft => {
+            let id = depth.iter().map(|z| if z.is_finite() { ranges.group(*z) } else { 0 }).collect();
+            let at = |z: &f64| if z.is_finite() { ranges.coordinate(*z) } else { f64::INFINITY };
+            let coordinate: Vec<f64> = depth.iter().map(at).collect();
+            let (sigma, cutoff) = (settings.sigma, settings.cutoff);
+            (id, gaussian::soft_separable(width, height, luminance, &coordinate, sigma, cutoff))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -98,8 +131,9 @@ mod tests {
             particles.step(&grid, &settings, 0.04, 1);
             ids = depth_groups.step(&settings, &camera.view(size), &particles.spheres(), &particles.origins());
         }
-        let frame =
-            frame(&settings, &camera.view(size), &light, size, grid.smallest_side(), &particles.spheres(), &ids);
+        let (spheres, voxel) = (particles.spheres(), grid.smallest_side());
+        let grouping = Grouping { groups: &ids, ranges: depth_groups.ranges(&settings) };
+        let frame = frame(&settings, &camera.view(size), &light, size, voxel, &spheres, &grouping);
         let seen = frame.hits.iter().flatten().count();
         assert!(seen > 1000, "{seen} pixels");
         assert!(frame.hits.iter().flatten().any(|hit| hit.sphere >= 100), "no ghost is seen");
@@ -128,12 +162,15 @@ mod tests {
         };
         let no_line = crate::smoke::settings::Outline { strength: 0.0, ..Default::default() };
         let settings = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
-        let frame = frame(&settings, &camera.view([33, 33]), &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &[5]);
+        let ranges = Ranges { start: 2.0, width: 1.0, count: 8 };
+        let grouping = Grouping { groups: &[5], ranges };
+        let view = camera.view([33, 33]);
+        let frame = frame(&settings, &view, &light, [33, 33], 0.1, &[[0.0, 0.0, -4.0, 2.0]], &grouping);
         let middle = 16 * 33 + 16;
         assert_eq!((frame.depth[middle], frame.id[middle], frame.shadow[middle]), (2.0, 5, 1.0));
         assert!((frame.luminance[middle] - 1.0).abs() < 1e-15 && frame.smooth == frame.luminance);
         assert_eq!(frame.image[middle], [0.95_f32, 0.95, 0.93, 1.0].map(f64::from));
-        let none = super::frame(&settings, &camera.view([33, 33]), &light, [33, 33], 0.1, &[], &[]);
+        let none = super::frame(&settings, &view, &light, [33, 33], 0.1, &[], &grouping);
         assert!(none.image.iter().all(|c| *c == [0.0; 4]));
     }
 }

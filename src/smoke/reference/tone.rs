@@ -2,7 +2,7 @@
 //!
 //! Images have `size` = [width, height] pixels, row by row from the top.
 
-use crate::smoke::settings::Outline;
+use crate::smoke::settings::{Mask, Outline};
 use crate::toon::Tone;
 
 /// Tone colour of every pixel, linear RGB; black where `id` is 0.
@@ -10,12 +10,12 @@ use crate::toon::Tone;
 /// `smooth` is the smoothed luminance, `softness` the width in pixels over which tones mix. Tone after tone is
 /// composited over the first with the share `clamp(0.5 + (S - from) / (2 softness |grad S|), 0, 1)`: a step, open at
 /// `from`, where the product is 0.
-pub fn tones(size: [u32; 2], smooth: &[f64], id: &[u32], tones: &[Tone], softness: f64) -> Vec<[f64; 3]> {
+pub fn tones(size: [u32; 2], smooth: &[f64], id: &[u32], mask: Mask, tones: &[Tone], softness: f64) -> Vec<[f64; 3]> {
     let colour = |pixel: usize| {
         if id[pixel] == 0 {
             return [0.0; 3];
         }
-        let slope = 2.0 * softness * gradient(size, smooth, id, pixel);
+        let slope = 2.0 * softness * gradient(size, smooth, id, mask, pixel);
         let mut colour = tones.first().map_or([0.0; 3], |tone| tone.colour.map(f64::from));
         for tone in tones.iter().skip(1) {
             let over = smooth[pixel] - f64::from(tone.from);
@@ -29,13 +29,18 @@ pub fn tones(size: [u32; 2], smooth: &[f64], id: &[u32], tones: &[Tone], softnes
 }
 
 /// Length of the gradient per pixel: central differences within the pixel's own ID, one-sided where only one neighbour
-/// has it (the image's border included), 0 where none has.
-fn gradient(size: [u32; 2], smooth: &[f64], id: &[u32], pixel: usize) -> f64 {
+/// has it (the image's border included), 0 where none has. Under the soft mask smooth surfaces change their ID, range of
+/// depth by range, so the next ones count, too.
+fn gradient(size: [u32; 2], smooth: &[f64], id: &[u32], mask: Mask, pixel: usize) -> f64 {
+    let most = match mask {
+        Mask::Groups => 0,
+        Mask::Soft => 1,
+    };
     let [x, y] = place(size, pixel);
     let along = |dx: i64, dy: i64| {
         let value = |side: i64| {
             let other = inside(size, x + side * dx, y + side * dy)?;
-            (id[other] == id[pixel]).then(|| smooth[other])
+            (id[other] != 0 && id[other].abs_diff(id[pixel]) <= most).then(|| smooth[other])
         };
         match (value(-1), value(1)) {
             (Some(before), Some(after)) => (after - before) / 2.0,
@@ -95,23 +100,23 @@ mod tests {
     #[test]
     fn hard_tones_step_at_their_threshold() {
         let smooth = image(|x, _| x as f64 / 8.0);
-        let colours = tones(SIZE, &smooth, &image(|_, _| 1), &two_tones(0.5), 0.0);
+        let colours = tones(SIZE, &smooth, &image(|_, _| 1), Mask::Groups, &two_tones(0.5), 0.0);
         let red: Vec<f64> = colours[..9].iter().map(|c| c[0]).collect();
         assert_eq!(red, [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
         assert_eq!(colours[0], [0.0, 0.5, 1.0]);
-        assert_eq!(tones(SIZE, &smooth, &image(|_, _| 0), &two_tones(0.5), 0.0), [[0.0; 3]; 63]);
+        assert_eq!(tones(SIZE, &smooth, &image(|_, _| 0), Mask::Groups, &two_tones(0.5), 0.0), [[0.0; 3]; 63]);
     }
 
     #[test]
     fn soft_tones_mix_by_the_distance_in_pixels() {
         // Slope 1/8 per pixel; softness 2: the border is 4 pixels wide, and the share 1/2 lies at x = 4.
         let smooth = image(|x, _| x as f64 / 8.0);
-        let colours = tones(SIZE, &smooth, &image(|_, _| 1), &two_tones(0.5), 2.0);
+        let colours = tones(SIZE, &smooth, &image(|_, _| 1), Mask::Groups, &two_tones(0.5), 2.0);
         let red: Vec<f64> = colours[9..18].iter().map(|c| c[0]).collect();
         assert_eq!(red, [0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0]);
         // Three tones are composited over each other in order.
         let three = [two_tones(0.5)[0], two_tones(0.5)[1], Tone { from: 0.625, colour: [0.0, 0.0, 0.0] }];
-        let colour = tones(SIZE, &smooth, &image(|_, _| 1), &three, 2.0)[4];
+        let colour = tones(SIZE, &smooth, &image(|_, _| 1), Mask::Groups, &three, 2.0)[4];
         assert_eq!(colour, [0.375, 0.375, 0.375]);
     }
 
@@ -123,12 +128,21 @@ mod tests {
         for (x, across) in [(0, 0.1), (1, 0.1), (3, 0.1), (4, 0.3), (8, 0.3)] {
             for y in [0, 3, 6] {
                 let expected = f64::hypot(across, 0.2);
-                assert!((gradient(SIZE, &smooth, &id, y * 9 + x) - expected).abs() < 1e-14, "at {x}, {y}");
+                assert!(
+                    (gradient(SIZE, &smooth, &id, Mask::Groups, y * 9 + x) - expected).abs() < 1e-14,
+                    "at {x}, {y}"
+                );
             }
         }
+        // Under the soft mask the jump counts from one range to the next, and not over two.
+        let across_ids = |id: &[u32]| gradient(SIZE, &smooth, id, Mask::Soft, 3 * 9 + 3);
+        let jump = (5.0 + 0.3 * 4.0 - 0.2) / 2.0;
+        assert!((across_ids(&id) - f64::hypot(jump, 0.2)).abs() < 1e-14);
+        assert!((across_ids(&image(|x, _| if x < 4 { 1 } else { 3 })) - f64::hypot(0.1, 0.2)).abs() < 1e-14);
+        assert!((across_ids(&image(|x, _| if x < 4 { 1 } else { 0 })) - f64::hypot(0.1, 0.2)).abs() < 1e-14);
         // An ID of its own everywhere: no gradient, hence a step.
         let alone = image(|x, y| 1 + (y * 9 + x) as u32);
-        assert_eq!(gradient(SIZE, &smooth, &alone, 30), 0.0);
+        assert_eq!(gradient(SIZE, &smooth, &alone, Mask::Groups, 30), 0.0);
     }
 
     #[test]
