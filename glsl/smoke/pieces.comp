@@ -7,16 +7,14 @@ layout(constant_id = 0) const uint ALL_STAY = 0u;
 #include "screen.glsl"
 #include "lines.glsl"
 #include "pieces.glsl"
-layout(local_size_x = 8u * TILE) in;
+layout(local_size_x = 2u * TILE) in;
 layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
 layout(std430, binding = 2) readonly buffer InkBits { uint ink_bits[]; };
 layout(std430, binding = 3) buffer Lines { float lines[]; };
 #include "ink_bits.glsl"
 #include "step.glsl"
 
-const uint LANES = 8u * TILE;
-const uint PART = 16u;                           // pixels of the window's rows for each invocation
-const uint SIDE = TILE + 2u * PIECE_REACH + 2u;  // of what is looked at, with an empty border
+const uint SIDE = TILE + 2u * PIECE_REACH + 2u;      // of what is looked at, with an empty border
 const uint BEGIN = uint(MARGIN) - PIECE_REACH - 1u;  // of it in the window
 
 // How far the piece of each pixel reaches to both sides along an axis, each in a byte that grows outwards. Rounds read one
@@ -25,27 +23,17 @@ shared uint reached[SIDE * SIDE];
 shared uint stays[TILE];
 shared uint has_ink;
 
-// Ink in an invocation's part of the window.
-struct Part {
-    uint bits;
-    uvec2 begin;  // in what is looked at
-};
-
-Part part_of(uvec2 tile, uint lane) {
-    uint row = lane / 4u;
-    uint begin = lane % 4u * PART;
-    uvec2 words = window_row(tile, row, TRACED);
-    uint bits = words[begin / 32u] >> begin % 32u & (1u << PART) - 1u;
-    // What is beyond reach is cut.
-    uint before = begin == 0u ? BEGIN + 1u : 0u;
-    uint behind = begin == 3u * PART ? BEGIN + 1u : 0u;
-    bits &= (1u << PART - behind) - (1u << before);
-    bool is_in_reach = row > BEGIN && row < BEGIN + SIDE - 1u;
-    return Part(is_in_reach ? bits : 0u, uvec2(begin - BEGIN, row - BEGIN));
+// The ink of a row of the window, within reach.
+uvec2 row_of(uvec2 tile, uint row) {
+    if (row <= BEGIN || row >= BEGIN + SIDE - 1u) {
+        return uvec2(0u);
+    }
+    uvec2 beyond = uvec2((1u << BEGIN + 1u) - 1u, ~(~0u >> BEGIN + 1u));
+    return window_row(tile, row, TRACED) & ~beyond;
 }
 
-uint cell_of(Part part, uint bit) {
-    return part.begin.y * SIDE + part.begin.x + bit;
+uint cell_of(uint row, uint column) {
+    return (row - BEGIN) * SIDE + column - BEGIN;
 }
 
 // The farthest of a cell and those beside it.
@@ -60,34 +48,37 @@ uint joined(uint cell, uint half_word) {
     return farthest.x | farthest.y << 8;
 }
 
-// Which pixels of a part belong to what reaches far enough along an axis.
-uint far_reaching(Part part, uint axis, uint lane) {
+// For each pixel of a row's ink, as `column`.
+#define FOR_INK(bits, column) \
+    for (uint word = 0u; word < 2u; ++word) \
+        for (uint rest = bits[word], column; rest != 0u && (column = 32u * word + uint(findLSB(rest))) < WINDOW; rest &= rest - 1u)
+
+// Which pixels of a row's ink belong to what reaches far enough along an axis.
+uvec2 far_reaching(uvec2 bits, uint row, uint axis) {
     barrier();
-    for (uint cell = lane; cell < SIDE * SIDE; cell += LANES) {
+    for (uint cell = row; cell < SIDE * SIDE; cell += WINDOW) {
         reached[cell] = 0u;
     }
     barrier();
-    for (uint rest = part.bits; rest != 0u; rest &= rest - 1u) {
-        uint bit = uint(findLSB(rest));
-        uint at = axis == 0u ? part.begin.x + bit : part.begin.y;
-        reached[cell_of(part, bit)] = SIDE - at | at + 1u << 8;
+    FOR_INK(bits, column) {
+        uint at = (axis == 0u ? column : row) - BEGIN;
+        reached[cell_of(row, column)] = SIDE - at | at + 1u << 8;
     }
     barrier();
     uint half_word = 0u;
     for (uint round = 0u; round < params.piece_reach; ++round) {
-        for (uint rest = part.bits; rest != 0u; rest &= rest - 1u) {
-            uint cell = cell_of(part, uint(findLSB(rest)));
+        FOR_INK(bits, column) {
+            uint cell = cell_of(row, column);
             reached[cell] = reached[cell] & 0xffffu << half_word | joined(cell, half_word) << 16u - half_word;
         }
         half_word = 16u - half_word;
         barrier();
     }
-    uint far = 0u;
-    for (uint rest = part.bits; rest != 0u; rest &= rest - 1u) {
-        uint bit = uint(findLSB(rest));
-        uint sides = reached[cell_of(part, bit)] >> half_word;
+    uvec2 far = uvec2(0u);
+    FOR_INK(bits, column) {
+        uint sides = reached[cell_of(row, column)] >> half_word;
         uint pixels = (sides & 0xffu) + (sides >> 8 & 0xffu) - SIDE;
-        far |= float(pixels) >= params.shortest_line ? 1u << bit : 0u;
+        far[word] |= float(pixels) >= params.shortest_line ? rest & -rest : 0u;
     }
     return far;
 }
@@ -99,30 +90,26 @@ float narrowed(float high) {
 
 void main() {
     uvec2 tile = tile_at(occupied_tiles[gl_WorkGroupID.x]);
-    uint lane = gl_LocalInvocationIndex;
-    uint row = lane / 4u;
-    uint place = lane % 4u;
-    if (lane < TILE) {
-        stays[lane] = 0u;
+    uint row = gl_LocalInvocationIndex;
+    if (row == 0u) {
         has_ink = 0u;
     }
-    Part part = part_of(tile, lane);
-    bool is_own = is_own_row(row) && (place == 1u || place == 2u);
+    uvec2 bits = row_of(tile, row);
     barrier();
-    if (is_own && part.bits != 0u) {
+    if (is_own_row(row) && own_part(bits) != 0u) {
         has_ink = 1u;
     }
     barrier();
-    uint found = part.bits;
+    uvec2 found = bits;
     if (ALL_STAY == 0u && has_ink != 0u) {
-        found = far_reaching(part, 0u, lane);
-        found |= far_reaching(part, 1u, lane);
+        found = far_reaching(bits, row, 0u);
+        found |= far_reaching(bits, row, 1u);
     }
-    if (is_own && found != 0u) {
-        atomicOr(stays[row - uint(MARGIN)], found << PART * (place - 1u));
+    if (is_own_row(row)) {
+        stays[row - uint(MARGIN)] = own_part(found);
     }
     barrier();
-    for (uint pixel = lane; pixel < SLOT_PIXELS; pixel += LANES) {
+    for (uint pixel = row; pixel < SLOT_PIXELS; pixel += WINDOW) {
         uvec2 own = uvec2(pixel % TILE, pixel / TILE);
         uvec2 at = tile * TILE + own;
         if (is_in_picture(at)) {

@@ -73,8 +73,7 @@ fn stencil(size: [u32; 2], depth: &[f64], unit: f64, settings: &Outline, pixel: 
 /// Of the heights of steps, those that are ink; what is left of them is the share of the width that each has.
 ///
 /// Ink is what is higher than `LINE_STEP`, and what is higher than `LOWEST_STEP` within `TRACE_REACH` pixels along such from
-/// it. Of that stays what within twice `shortest`, at most `PIECE_REACH`, pixels along ink reaches over `shortest` columns or
-/// rows.
+/// it. Of that stays what within `shortest` pixels along ink reaches over `shortest` columns or rows.
 pub fn drawn(size: [u32; 2], heights: &[Mark], settings: &Outline) -> Vec<Mark> {
     let above = |limit: f32| {
         let is_above = move |mark: &Mark| match mark {

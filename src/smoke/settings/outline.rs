@@ -92,9 +92,9 @@ impl Outline {
         ink_reach(self.silhouettes().width.max(self.inner_lines().width))
     }
 
-    /// Pixels along a line that are looked at: from the middle of a straight one of the least length both ends are seen.
+    /// Pixels along a line that are looked at: a straight one of the least length is known from each of its pixels.
     pub(crate) fn piece_reach(&self) -> u32 {
-        (2 * self.shortest.ceil() as u32).min(PIECE_REACH)
+        self.shortest.ceil() as u32
     }
 
     fn drawn(&self, line: &Line, strength: f32) -> Drawn {
