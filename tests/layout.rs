@@ -13,7 +13,7 @@ use celfx::low_level::smoke::layout::{self, Layout};
 use celfx::low_level::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
 use celfx::low_level::smoke::params::{Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::low_level::smoke::search::{Pyramid, growth_rows};
-use celfx::smoke::settings::{Emitter, Grow, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Emitter, Grow, Mask, Outline, Radius, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 use celfx::toon::Tone;
 
@@ -45,7 +45,7 @@ fn many(particles: u32, fade: u32) -> Settings {
 
 #[test]
 fn sizes_follow_from_counts() {
-    let made = desc([200, 150], [33, 20, 10], many(500, 6));
+    let made = desc([200, 150], [33, 20, 10], Settings { mask: Mask::Groups, ..many(500, 6) });
     let layout = Layout::new(&made, &TRAITS).unwrap();
     assert_eq!((layout.spheres, layout.tiles), (3500, [7, 5]));
     assert_eq!(layout.size(layout::PARTICLES), 500 * size_of::<Particle>() as u64);
@@ -110,12 +110,16 @@ fn memory_is_what_buffers_and_images_take() {
 #[test]
 fn groups_go_in_batches_of_64_mib() {
     for (size, groups) in [([1920, 1080], 8), ([1920, 1080], 254), ([64, 64], 254), ([3000, 2700], 20)] {
-        let settings = Settings { groups, ..many(10, 0) };
-        let layout = Layout::new(&desc(size, [8; 3], settings), &TRAITS).unwrap();
-        let bytes = layout.size(layout::ROW_SUMS);
-        let one = u64::from(layout.tiles[0] * layout.tiles[1] * SLOT_PIXELS) * 8;
-        assert!(bytes <= 64 << 20 || bytes == one, "{size:?}: {bytes}");
-        assert!(layout.batches * layout.batch_groups >= groups && (layout.batches - 1) * layout.batch_groups < groups);
+        // Ranges have a plane of the soft mask more than they are, and pixels need two of them at a time.
+        for (mask, summed, least) in [(Mask::Groups, groups, 1), (Mask::Soft, groups + 1, 2)] {
+            let settings = Settings { groups, mask, ..many(10, 0) };
+            let layout = Layout::new(&desc(size, [8; 3], settings), &TRAITS).unwrap();
+            let bytes = layout.size(layout::ROW_SUMS);
+            let one = u64::from(layout.tiles[0] * layout.tiles[1] * SLOT_PIXELS) * 8;
+            assert!(bytes <= 64 << 20 || bytes == least * one, "{size:?}: {bytes}");
+            let added = layout.batches * layout.batch_groups;
+            assert!(added >= summed && added - layout.batch_groups < summed, "{size:?}, {mask:?}");
+        }
     }
 }
 

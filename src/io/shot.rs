@@ -51,6 +51,7 @@ pub(crate) use tree::Tree;
 pub const BUILTIN: &[(&str, &str)] = &[
     ("builtin:smoke", include_str!("shot/smoke.toml")),
     ("builtin:cloud", include_str!("shot/cloud.toml")),
+    ("builtin:paper_smoke", include_str!("shot/paper_smoke.toml")),
     ("builtin:flame", include_str!("shot/flame.toml")),
     ("builtin:campfire", include_str!("shot/campfire.toml")),
     ("builtin:blur", include_str!("shot/blur.toml")),

@@ -77,9 +77,9 @@ words! {
     pub enum Mask {
         /// Those of about the pixel's own depth: each belongs to the two nearest planes of depth, one plane between two
         /// ranges, by shares that change with its depth. No seams.
+        #[default]
         Soft = "soft",
         /// Those whose spheres are of the same group (the paper's way, section 3.3).
-        #[default]
         Groups = "groups",
     }
 }

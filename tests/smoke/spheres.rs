@@ -4,7 +4,7 @@ use celfx::data::Volume;
 use celfx::low_level::smoke::layout;
 use celfx::smoke::Settings;
 use celfx::smoke::reference::render::{self, Hit};
-use celfx::smoke::settings::Shadow;
+use celfx::smoke::settings::{Mask, Shadow};
 use celfx::view::{Camera, Light, LightSource};
 use glam::DVec3;
 
@@ -148,7 +148,8 @@ fn assert_seen(name: &str, bench: &mut Bench, camera: Camera, spheres: &[[f32; 4
 
 #[test]
 fn groups_and_depth_are_those_of_ray_casting() {
-    let settings = Settings { particles: 900, fade: 0, sigma: 0.0, shadow: Shadow::None, ..Settings::default() };
+    let flat = Settings { sigma: 0.0, shadow: Shadow::None, mask: Mask::Groups, ..Settings::default() };
+    let settings = Settings { particles: 900, fade: 0, ..flat };
     let Some(mut bench) = Bench::new(desc([199, 150], [4; 3], settings)) else { return };
     let inside =
         Camera { eye: DVec3::new(0.1, 0.0, 0.2), target: DVec3::X, near: 0.01, vertical_fov: 80.0, ..camera(0.0) };

@@ -149,6 +149,13 @@ fn built_in_shots_say_the_defaults() {
             let defaults = &smoke_of(&defaults).settings;
             // Beside a fire it is night, and the smoke stays above the fire.
             let own = if shot.has("flame") { settings } else { defaults };
+            if *name == "builtin:paper_smoke" {
+                let [soft, hard] = [defaults, settings].map(|s| (s.mask, s.outline.operator, s.fade, s.tone_softness));
+                assert!(
+                    soft.0 != hard.0 && soft.1 != hard.1 && (hard.2, hard.3) == (0, 0.0) && shot.light(1).fill == 0.0
+                );
+                continue;
+            }
             let expected = Settings {
                 particles,
                 lifetime,

@@ -114,6 +114,7 @@ fn kept_group(ranges: &Ranges, depth: f64, previous: Option<u32>, hysteresis: f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::smoke::settings::Mask;
     use crate::view::Camera;
 
     /// Looks along -z from the origin: a sphere at z = -d has depth d.
@@ -154,7 +155,7 @@ mod tests {
     #[test]
     fn a_sphere_keeps_its_group_until_it_is_past_the_hysteresis() {
         // Spheres at 0.5 and 10.5 pin the range; width 1, hysteresis 0.2; group 3 is 2.5 to 3.5.
-        let settings = Settings { groups: 10, ..Settings::default() };
+        let settings = Settings { groups: 10, mask: Mask::Groups, ..Settings::default() };
         let mut groups = Groups::default();
         let mut third = |depth, origin| step(&mut groups, &settings, &[0.5, 10.5, depth], origin)[2];
         assert_eq!(third(3.0, Origin::Fresh), 3);
@@ -168,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_ghost_inherits_the_group_that_its_particle_had() {
-        let settings = Settings { groups: 10, ..Settings::default() };
+        let settings = Settings { groups: 10, mask: Mask::Groups, ..Settings::default() };
         let mut groups = Groups::default();
         assert_eq!(step(&mut groups, &settings, &[0.5, 10.5, 3.0, 9.0], Origin::Fresh), [1, 10, 3, 9]);
         // Slot 2 died at 3.6 and was reborn at 3.6; its ghost takes the last place.

@@ -161,7 +161,8 @@ mod tests {
             ..Light::default()
         };
         let no_line = crate::smoke::settings::Outline { strength: 0.0, ..Default::default() };
-        let settings = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
+        let plain = Settings { sigma: 0.0, tone_softness: 0.0, outline: no_line, ..Settings::default() };
+        let settings = Settings { mask: Mask::Groups, ..plain };
         let ranges = Ranges { start: 2.0, width: 1.0, count: 8 };
         let grouping = Grouping { groups: &[5], ranges };
         let view = camera.view([33, 33]);
