@@ -1,1 +1,1 @@
-const uint PIECE_REACH = 14u;  // pixels along a line that are looked at, and the most that one must reach over
+const uint PIECE_REACH = 14u;  // the most pixels that a piece of a line must reach over; one less than four bits hold
