@@ -196,6 +196,19 @@ fn built_in_shots_say_the_defaults() {
     }
 }
 
+/// Those that pictures in the documents are made by.
+#[test]
+fn the_documents_shots_are_shots() {
+    let folder = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/shots")).expect("a folder of shots");
+    let paths: Vec<_> = folder.map(|entry| entry.expect("a shot").path()).collect();
+    assert!(!paths.is_empty());
+    for path in paths {
+        let name = path.to_str().expect("a name");
+        let shot = program::load(name, &[]).expect(name);
+        shot.check_effects().expect(name);
+    }
+}
+
 /// Keys of kinds of lines, which are those of all lines if they are not given.
 const LINES: [&str; 6] = [
     "smoke.outline.silhouette.strength",
