@@ -396,7 +396,8 @@ impl Steps<'_> {
             self.outline(1);
         }
         self.outline(2);
-        for batch in 1..self.layout.batches {
+        let batches = if self.desc.settings.is_filtered() { self.layout.batches } else { 0 };
+        for batch in 1..batches {
             self.items(batch, 0);
             self.items(batch, 1);
             self.gaussian(self.passes.rows, batch, 0);
