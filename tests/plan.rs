@@ -385,7 +385,6 @@ fn the_steps_of_a_frame_in_order() {
         "smoke.rows",
         "smoke.outline",
         "smoke.columns",
-        "smoke.outline",
         "smoke.tone",
         "smoke.composite",
     ];

@@ -129,7 +129,7 @@ pub struct Layout {
     pub row_groups: u32,
     /// Those that a batch adds: all, or, of planes, one less, as the last one of the batch before stays.
     pub batch_groups: u32,
-    /// Batches of them.
+    /// Batches of them; one without a Gaussian.
     pub batches: u32,
     /// Row items of a batch.
     pub batch_capacity: u32,
@@ -178,7 +178,7 @@ impl Layout {
             occlusion_blocks: desc.size.map(|side| side.div_ceil(occlusion_side)),
             row_groups,
             batch_groups,
-            batches: summed.div_ceil(batch_groups),
+            batches: if settings.is_filtered() { summed.div_ceil(batch_groups) } else { 1 },
             batch_capacity: (tile_count * u64::from(batch_groups)) as u32,
             window_blocks: settings.window().div_ceil(BLOCK),
             light_levels,

@@ -124,7 +124,7 @@ fn luminance(desc: &Desc, layout: &Layout) -> Pass {
     pass.times(layout.luminance_parts as usize)
 }
 
-/// One pass, or three for steps.
+/// One pass, or two for steps.
 fn outline(outline: &Outline) -> Vec<Pass> {
     let pass = |shader| Pass::compute("smoke.outline", shader);
     let fading = |second: u32| vec![pass(&glsl::outline::SHADER).specialise([second])];
@@ -133,8 +133,7 @@ fn outline(outline: &Outline) -> Vec<Pass> {
         Operator::Second => fading(1),
         Operator::Step => {
             let all_stay = u32::from(outline.shortest == 0.0);
-            let pieces = pass(&glsl::pieces::SHADER).specialise([all_stay]);
-            vec![pass(&glsl::step::SHADER), pass(&glsl::trace::SHADER), pieces]
+            vec![pass(&glsl::outline_step::SHADER), pass(&glsl::outline_ink::SHADER).specialise([all_stay])]
         }
     }
 }

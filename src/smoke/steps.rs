@@ -386,18 +386,10 @@ impl Steps<'_> {
     /// Lines and smoothed luminance, step by step beside each other: neither waits for the other.
     fn outline_and_gaussian(&mut self) {
         self.outline(0);
-        if self.desc.settings.is_filtered() {
-            self.gaussian(self.passes.rows, 0, 0);
-            self.outline(1);
-            self.gaussian(self.passes.columns, 0, 1);
-        } else {
-            self.plan.skip(self.passes.rows, "sigma is 0");
-            self.plan.skip(self.passes.columns, "sigma is 0");
-            self.outline(1);
-        }
-        self.outline(2);
-        let batches = if self.desc.settings.is_filtered() { self.layout.batches } else { 0 };
-        for batch in 1..batches {
+        self.gaussian(self.passes.rows, 0, 0);
+        self.outline(1);
+        self.gaussian(self.passes.columns, 0, 1);
+        for batch in 1..self.layout.batches {
             self.items(batch, 0);
             self.items(batch, 1);
             self.gaussian(self.passes.rows, batch, 0);
@@ -416,6 +408,9 @@ impl Steps<'_> {
 
     /// Half of the Gaussian of a batch of groups.
     fn gaussian(&mut self, pass: PassId, batch: u32, half: u32) {
+        if !self.desc.settings.is_filtered() {
+            return self.plan.skip(pass, "sigma is 0");
+        }
         let constants = GaussianConstants { base: batch * self.layout.batch_capacity };
         let offset = 16 * u64::from(2 * batch + half);
         self.plan.step_with(pass, Command::DispatchIndirect { arguments: ITEM_ARGUMENTS, offset }, &constants);

@@ -60,7 +60,7 @@ fn a_frame_of_smoke() {
     };
     let next = smoke::Frame { sequence: smoke::Sequence::Advance, ..first };
     let (_, barriers) = commands::<SmokeKind>(&desc, &[first, next]);
-    assert!(barriers <= 21, "{barriers}");
+    assert!(barriers <= 20, "{barriers}");
 }
 
 #[test]

@@ -141,7 +141,7 @@ fn steps_are_those_of_the_reference() {
         (1.0, 1.5, 0.5, 8.0),
         (1.0, 1.0, 0.0, 0.0),
         (0.2, 3.0, 1.0, 3.0),
-        (5.0, 2.25, 0.5, 14.0),
+        (5.0, 2.25, 0.5, 13.0),
         (0.7, 16.0, 0.25, 4.5),
     ] {
         let outline = Outline { strength, width, taper, shortest, colour: [0.1, 0.0, 0.6], ..Outline::default() };

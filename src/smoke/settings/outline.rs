@@ -3,6 +3,7 @@
 use crate::settings::{settings, words};
 use crate::shaders::smoke::constants::PIECE_REACH;
 use crate::toon::ink_reach;
+use crate::toon::settings::{BROADEST, STRONGEST};
 use crate::view::BRIGHTEST;
 
 words! {
@@ -23,9 +24,9 @@ settings! {
     #[derive(Copy)]
     pub struct Line {
         /// Of a silhouette: its opacity. Of an inner line: as of all.
-        strength: Option<f32> = None, "", 0.0..=1e6, "off";
+        strength: Option<f32> = None, "", 0.0..=STRONGEST, "off";
         /// How broad it is.
-        width: Option<f32> = None, "pixels", 1.0..=16.0;
+        width: Option<f32> = None, "pixels", 1.0..=BROADEST;
         /// What it is drawn with.
         colour: Option<[f32; 3]> = None, "linear [red, green, blue]", 0.0..=BRIGHTEST;
     }
@@ -36,9 +37,9 @@ settings! {
     #[derive(Copy)]
     pub struct Outline {
         /// What steps in depth count: with 1, a step of a voxel is a line. The other operators darken by its square.
-        strength: f32 = 1.0, "", 0.0..=1e6, "off";
+        strength: f32 = 1.0, "", 0.0..=STRONGEST, "off";
         /// How broad the line is; 1 is the thinnest.
-        width: f32 = 1.5, "pixels", 1.0..=16.0;
+        width: f32 = 1.5, "pixels", 1.0..=BROADEST;
         /// What it is drawn with.
         colour: [f32; 3] = [0.0; 3], "linear [red, green, blue]", 0.0..=BRIGHTEST;
         /// What makes a line: a "step" in depth is black or nothing; "roberts" and "second" differences fade.

@@ -11,7 +11,6 @@ layout(std430, binding = 1) readonly buffer OccupiedTiles { uint occupied_tiles[
 layout(std430, binding = 3) writeonly buffer Lines { float lines[]; };
 layout(std430, binding = 4) buffer InkBits { uint ink_bits[]; };
 #include "ink_bits.glsl"
-#include "step.glsl"
 
 shared uint weak[TILE];
 shared uint strong[TILE];
