@@ -1,5 +1,7 @@
 //! Input of effects, in memory: volumes, particles, meshes. Files and simulations make these.
 
+use crate::smoke::reference::Grid;
+
 /// A density volume in memory: x runs fastest, then y, then z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
@@ -13,6 +15,19 @@ pub struct Volume {
     pub density: Vec<f32>,
     /// One velocity (m/s; x, y, z) per voxel.
     pub velocity: Option<Vec<[f32; 3]>>,
+}
+
+impl Volume {
+    /// As the references read it.
+    pub fn grid(&self) -> Grid<'_> {
+        Grid {
+            dimensions: self.dimensions,
+            voxel_size: self.voxel_size,
+            origin: self.origin,
+            density: &self.density,
+            velocity: self.velocity.as_deref(),
+        }
+    }
 }
 
 /// Particles in memory, a row each.

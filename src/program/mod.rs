@@ -25,7 +25,9 @@ use crate::bench::Benchmark;
 use crate::effect::DeviceTraits;
 use crate::error::Result;
 use crate::io::shot::{self, Shot, ShotError, Table};
+use crate::offline::Scene;
 use crate::plan::Pass;
+use crate::smoke::Sequence;
 pub(crate) use hash::{Files, add};
 pub use input::InputError;
 pub(crate) use input::{Brought, Input, Opened};
@@ -81,6 +83,19 @@ pub fn variants(traits: &DeviceTraits) -> Result<Vec<Pass>> {
 /// The tables that shots may have.
 pub fn tables() -> Vec<&'static Table> {
     EFFECTS.iter().map(|effect| effect.table).collect()
+}
+
+/// A frame of a shot, without what its effects' inputs bring.
+pub(crate) fn scene<'a>(shot: &Shot, number: u32, rendered: bool) -> Scene<'a> {
+    Scene {
+        sequence: if number == shot.frames[0] { Sequence::Restart } else { Sequence::Advance },
+        dt: (1.0 / shot.fps) as f32,
+        camera: shot.camera(number),
+        light: shot.light(number),
+        rendered,
+        number,
+        ..Scene::default()
+    }
 }
 
 /// Loads a shot that may have all of these tables: as [`Shot::load`].

@@ -5,6 +5,11 @@ use crate::settings::{Number, Rule, Setting, settings, three, words};
 use crate::shaders::toon::constants::MOST_TONES;
 use crate::view::BRIGHTEST;
 
+/// What a step may count at most.
+pub(crate) const STRONGEST: f32 = 1e6;
+/// The broadest line, in pixels.
+pub(crate) const BROADEST: f32 = 16.0;
+
 words! {
     /// The operator that finds lines in the depth image.
     pub enum Operator {
@@ -28,9 +33,9 @@ settings! {
     #[derive(Copy)]
     pub struct Outline {
         /// How dark a step in depth is, per its square.
-        strength: f32 = 1.0, "", 0.0..=1e6, "off";
+        strength: f32 = 1.0, "", 0.0..=STRONGEST, "off";
         /// How broad the line is; 1 is the thinnest.
-        width: f32 = 1.5, "pixels", 1.0..=16.0;
+        width: f32 = 1.5, "pixels", 1.0..=BROADEST;
         /// What it is drawn with.
         colour: [f32; 3] = [0.0; 3], "linear [red, green, blue]", 0.0..=BRIGHTEST;
         /// Which differences of depth make a line; "second" ones make no false lines on slopes.

@@ -3,7 +3,6 @@
 use celfx::data::Volume;
 use celfx::low_level::random::{hash, unit};
 use celfx::offline::TARGET_FORMAT;
-use celfx::smoke::reference::Grid;
 use celfx::smoke::{Desc, Settings};
 use celfx::view::{Camera, Light, LightSource};
 use glam::DVec3;
@@ -45,17 +44,6 @@ pub fn volume(
         }
     }
     Volume { dimensions, voxel_size, origin, density: values, velocity: None }
-}
-
-/// The volume as the references read it.
-pub fn grid(volume: &Volume) -> Grid<'_> {
-    Grid {
-        dimensions: volume.dimensions,
-        voxel_size: volume.voxel_size,
-        origin: volume.origin,
-        density: &volume.density,
-        velocity: volume.velocity.as_deref(),
-    }
 }
 
 /// Three balls of smoke in a box of 2 m around the origin, lumpy, as the frames of a rising sequence.

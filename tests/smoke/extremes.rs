@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::common::apart;
 use crate::common::rig::{Rig, scene};
-use crate::common::scenes::{camera, desc, direction, grid, moving_puffs, puffs, random, volume};
+use crate::common::scenes::{camera, desc, direction, moving_puffs, puffs, random, volume};
 
 /// No NaN in any layer, and no infinity but the one that means "empty".
 fn assert_finite(name: &str, rig: &mut Rig) {
@@ -187,7 +187,7 @@ fn a_million_particles() {
     let spheres = rig.spheres();
     for (slot, sphere) in spheres.iter().enumerate().step_by(997) {
         let expected = celfx::smoke::reference::grow::radius(
-            &grid(&noise),
+            &noise.grid(),
             settings.threshold,
             [sphere[0], sphere[1], sphere[2]],
             settings.radius,

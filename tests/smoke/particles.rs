@@ -9,7 +9,7 @@ use celfx::smoke::{Sequence, Settings};
 
 use crate::common::apart;
 use crate::common::rig::{Rig, scene};
-use crate::common::scenes::{camera, desc, direction, grid, moving_puffs, puffs, random, volume};
+use crate::common::scenes::{camera, desc, direction, moving_puffs, puffs, random, volume};
 
 fn assert_born(volume: &Volume, emitter: Option<Emitter>, seed: u32) {
     let settings = Settings { particles: 700, emitter, fade: 0, ..Settings::default() };
@@ -17,7 +17,7 @@ fn assert_born(volume: &Volume, emitter: Option<Emitter>, seed: u32) {
     desc.seed = seed;
     let Some(mut rig) = Rig::new(desc) else { return };
     rig.frame(&scene(Sequence::Restart, camera(0.0), direction(-1.0, -1.0, -1.0), Some(volume)));
-    let grid = grid(volume);
+    let grid = volume.grid();
     let voxels = candidates(&grid, settings.threshold, emitter);
     for (slot, particle) in rig.particles().iter().enumerate() {
         match birth(&grid, emitter, &voxels, seed, slot as u32, 0) {
@@ -118,7 +118,7 @@ fn assert_sequence(name: &str, settings: Settings, expected_ghosts: bool, frame:
         let mut scene = scene(sequence, camera(0.0), direction(-1.0, -1.0, -1.0), Some(&volume));
         scene.rendered = i % 3 == 0;
         rig.frame(&scene);
-        reference.step(&grid(&volume), &settings, 1.0 / 24.0, rig.desc().seed);
+        reference.step(&volume.grid(), &settings, 1.0 / 24.0, rig.desc().seed);
         last = compare(&mut rig, &reference, &mut flipped);
         // Twenty steps of a few centimetres around 1 m, each rounded to 6e-8 a handful of times; a displacement follows
         // from a velocity at a place that is itself so far off. Of a radius, scale and fade add two roundings.

@@ -10,7 +10,7 @@ use celfx::smoke::{Settings, Shape};
 use celfx::view::{Camera, Light};
 
 use crate::common::bench::{Bench, Given, TRAITS};
-use crate::common::scenes::{desc, grid, random, volume};
+use crate::common::scenes::{desc, random, volume};
 
 /// Particles of a frame.
 const COUNT: u32 = 192;
@@ -97,7 +97,7 @@ fn check_at(bench: &mut Bench, name: &str, volume: &Volume, positions: &[[f32; 3
     let actual = radii(bench, volume, positions);
     let mut worst = 0.0_f64;
     for (p, actual) in positions.iter().zip(actual) {
-        let expected = grow::radius(&grid(volume), threshold, *p, kind);
+        let expected = grow::radius(&volume.grid(), threshold, *p, kind);
         assert_eq!(actual == 0.0, expected == 0.0, "{name}: {p:?}: {actual}, expected {expected}");
         // Of the particle, the empty voxel's centre and the corner that it is counted from.
         let largest = (0..3).map(|a| (p[a].abs() + expected as f32).max(volume.origin[a].abs())).fold(0.0, f32::max);

@@ -7,12 +7,13 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::bench::{BenchError, Watch};
+use crate::data::Volume;
 use crate::gpu::headless::Headless;
 use crate::io::picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{EffectBuffer, Effects, Offline, Scene};
 use crate::program::layers::{self, Layer, LayerData, Rendered};
-use crate::program::{Brought, EFFECTS, Input};
+use crate::program::{self, Brought, EFFECTS, Input};
 use crate::smoke::Sequence;
 use crate::smoke::reference::grid::Grid;
 use crate::view::{Camera, Projection};
@@ -118,7 +119,7 @@ impl<'a> Take<'a> {
     pub(super) fn seen(&mut self, camera: Camera) -> Result<Still, BenchError> {
         self.check()?;
         if let Some((number, all)) = &self.at {
-            let mut scene = self.scene(*number, true);
+            let mut scene = program::scene(self.shot, *number, true);
             all.iter().for_each(|(_, brought)| brought.put(&mut scene));
             // Volume and particles are on the device.
             let held = Scene { sequence: Sequence::Hold, camera, volume: None, particles: None, ..scene };
@@ -133,7 +134,7 @@ impl<'a> Take<'a> {
         for (name, input) in &mut self.inputs {
             all.extend(input.read(number, rendered)?.map(|brought| (*name, brought.into())));
         }
-        let mut scene = self.scene(number, rendered);
+        let mut scene = program::scene(self.shot, number, rendered);
         for (_, brought) in &all {
             let had_volume = scene.volume.is_some();
             brought.put(&mut scene);
@@ -148,20 +149,6 @@ impl<'a> Take<'a> {
 
     fn check(&self) -> Result<(), BenchError> {
         if self.watch.is_interrupted() { Err(BenchError::Interrupted) } else { Ok(()) }
-    }
-
-    /// A frame without what it brings.
-    fn scene<'s>(&self, number: u32, rendered: bool) -> Scene<'s> {
-        let shot = self.shot;
-        Scene {
-            sequence: if number == shot.frames[0] { Sequence::Restart } else { Sequence::Advance },
-            dt: (1.0 / shot.fps) as f32,
-            camera: shot.camera(number),
-            light: shot.light(number),
-            rendered,
-            number,
-            ..Scene::default()
-        }
     }
 
     /// What the device has rendered.
@@ -207,15 +194,7 @@ impl Motion {
     fn grid(&self) -> Grid<'_> {
         let mut scene = Scene::default();
         self.volume.put(&mut scene);
-        let Some(volume) = scene.volume else {
-            return Grid { dimensions: [0; 3], voxel_size: [0.0; 3], origin: [0.0; 3], density: &[], velocity: None };
-        };
-        Grid {
-            dimensions: volume.dimensions,
-            voxel_size: volume.voxel_size,
-            origin: volume.origin,
-            density: &volume.density,
-            velocity: volume.velocity.as_deref(),
-        }
+        // It is here because it has brought one.
+        scene.volume.map_or(Grid::EMPTY, Volume::grid)
     }
 }

@@ -12,7 +12,7 @@ use crate::offline;
 use crate::plan::Plan;
 use crate::smoke::Settings;
 use crate::smoke::layout::SPHERES;
-use crate::smoke::reference::{Grid, grow};
+use crate::smoke::reference::grow;
 use crate::smoke::settings::{Grow, Radius, Shadow};
 use crate::view::Camera;
 
@@ -104,13 +104,7 @@ fn prepare(rig: &mut Rig, grow: Grow, particles: u32, volume: &Volume) -> Result
 /// Against the brute force over all voxels in f64, in voxels.
 fn accuracy(rig: &mut Rig, effect: EffectId, volume: &Volume, particles: u32) -> Result<Accuracy> {
     let spheres: Vec<[f32; 4]> = rig.read(effect, SPHERES, particles as usize)?;
-    let grid = Grid {
-        dimensions: volume.dimensions,
-        voxel_size: volume.voxel_size,
-        origin: volume.origin,
-        density: &volume.density,
-        velocity: None,
-    };
+    let grid = volume.grid();
     let side = grid.smallest_side();
     let every = (particles / SAMPLE).max(1) as usize;
     let threshold = Settings::default().threshold;

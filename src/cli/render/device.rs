@@ -6,11 +6,10 @@ use crate::cli::{Common, Failure};
 use crate::gpu::headless::{Headless, Messages};
 use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
-use crate::offline::{EffectBuffer, Effects, Offline, Scene};
+use crate::offline::{EffectBuffer, Effects, Offline};
 use crate::profile::FrameTimes;
-use crate::program::EFFECTS;
 use crate::program::layers::{self, Rendered};
-use crate::smoke::Sequence;
+use crate::program::{self, EFFECTS};
 
 /// Renders the frames of one shot, in order.
 pub(super) struct Renderer<'a> {
@@ -63,15 +62,7 @@ impl<'a> Renderer<'a> {
         let Renderer { offline, shot, .. } = self;
         let Step { number, origin, rendered, .. } = *step;
         offline.set_timed(self.timed && rendered);
-        let mut scene = Scene {
-            sequence: if number == shot.frames[0] { Sequence::Restart } else { Sequence::Advance },
-            dt: (1.0 / shot.fps) as f32,
-            camera: shot.camera(number),
-            light: shot.light(number),
-            rendered,
-            number,
-            ..Scene::default()
-        };
+        let mut scene = program::scene(shot, number, rendered);
         step.put(&mut scene);
         offline.frame(&scene)?;
         check(&self.messages)?;

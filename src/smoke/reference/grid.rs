@@ -18,6 +18,10 @@ pub struct Grid<'a> {
 }
 
 impl Grid<'_> {
+    /// No voxel.
+    pub const EMPTY: Grid<'static> =
+        Grid { dimensions: [0; 3], voxel_size: [0.0; 3], origin: [0.0; 3], density: &[], velocity: None };
+
     /// Is the density of voxel (x, y, z) above `threshold`? NaN and everything outside of the volume is empty.
     pub fn occupied(&self, x: i64, y: i64, z: i64, threshold: f32) -> bool {
         self.index([x, y, z]).and_then(|i| self.density.get(i)).is_some_and(|density| *density > threshold)
