@@ -68,7 +68,7 @@ fn one_workload_of_each_pass() {
     }
     let folder = std::env::temp_dir().join(format!("celfx-bench-{}", std::process::id()));
 
-    let all = rows("smoke", &["15x15x20", "/512x512 sigma 4", "shadow/exact/paper"], &folder);
+    let all = rows("smoke", &["15x15x20", "/512x512 sigma 4", "shadow/exact/paper", "shadow/map 1024/paper"], &folder);
     // All ways to search a radius agree with the brute force to rounding.
     let grow = of_pass(&all, "grow");
     let names: Vec<&str> = grow.iter().filter_map(|row| row["variant"].as_str()).collect();
@@ -94,9 +94,13 @@ fn one_workload_of_each_pass() {
 
     // Exact shadows differ from those in f64 at borders only; a shadow map blurs them.
     let shadow = of_pass(&all, "shadow");
-    assert_eq!(shadow.len(), 1, "{shadow:?}");
+    assert_eq!(shadow.len(), 2, "{shadow:?}");
     for row in shadow {
-        assert!(row["error_p99"].as_f64().is_some_and(|error| error == 0.0), "{row}");
+        match row["variant"].as_str().expect("a name") {
+            "exact" => assert!(row["error_p99"].as_f64().is_some_and(|error| error == 0.0), "{row}"),
+            // Wrong by up to 1, at most at one pixel in a hundred: those within a texel of a shadow's border.
+            _ => assert!(row["error_rms"].as_f64().is_some_and(|error| error > 0.0 && error < 0.1), "{row}"),
+        }
     }
     std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }

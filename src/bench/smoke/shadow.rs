@@ -111,7 +111,7 @@ impl Truth {
         let (spheres, _) = scene::spheres(rig, effect, PARTICLES, 0)?;
         let (view, light) = (scene::camera().view(size), Light::default());
         let hits = render::raycast(&view, size, &spheres);
-        let lit = Light { ambient: 0.0, ..light };
+        let lit = Light { ambient: 0.0, fill: 0.0, ..light };
         let open = vec![1.0; hits.len()];
         let facing = render::luminance(&view, size, &spheres, &hits, &lit, &open);
         Ok(Truth {
