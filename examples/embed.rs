@@ -5,7 +5,7 @@
 
 use ash::vk;
 use celfx::error::Result;
-use celfx::host::{HostBuffer, HostImage, ImageState, TemporalFormats, TemporalImages};
+use celfx::host::{HostBuffer, HostImage, ImageState, TemporalImages};
 use celfx::low_level::gpu::buffer::{Buffer, BufferDesc, READ_BACK, UPLOADED};
 use celfx::low_level::gpu::headless::{Commands, Headless, Options, Submission};
 use celfx::low_level::gpu::image::{Image, ImageDesc};
@@ -194,19 +194,8 @@ impl Slot {
 pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Result<Smoke> {
     // README begin
     // Once: the effect, for pictures of one size and volumes up to one size.
-    let desc = Desc {
-        size: SIZE,
-        target_format: FORMAT,
-        dimensions: [48, 72, 48],
-        velocity: false,
-        point_light: false,
-        seed: 1,
-        settings: Settings { particles: 1000, ..Settings::default() },
-        layers: false,
-        depth: None,
-        edges: false,
-        temporal: TemporalFormats::default(), // nothing for temporal upscalers
-    };
+    let settings = Settings { particles: 1000, ..Settings::default() };
+    let desc = Desc { target_format: FORMAT, seed: 1, ..Desc::new(SIZE, [48, 72, 48], settings) };
     let (host, kernels, allocator) = device.making();
     let mut smoke = unsafe { Smoke::new(&host, kernels, allocator, desc)? };
     let most = queries(smoke.most_steps()); // timestamps that a frame can take

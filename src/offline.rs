@@ -65,6 +65,8 @@ pub struct Scene<'a> {
     pub rendered: bool,
     /// Number of the frame, in profiles and for the flame's flicker.
     pub number: u32,
+    /// Number of the fire's drawing, for its flicker, if that is not the frame's.
+    pub drawing: Option<u32>,
 }
 
 impl Scene<'_> {

@@ -5,6 +5,8 @@
 
 #[path = "cli/blur.rs"]
 mod blur;
+#[path = "cli/exposure.rs"]
+mod exposure;
 #[path = "cli/flame.rs"]
 mod flame;
 #[path = "cli/hostile.rs"]

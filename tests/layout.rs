@@ -13,7 +13,7 @@ use celfx::low_level::smoke::layout::{self, Layout};
 use celfx::low_level::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
 use celfx::low_level::smoke::params::{Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::low_level::smoke::search::{Pyramid, growth_rows};
-use celfx::smoke::settings::{Emitter, Grow, Mask, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Emitter, Grow, LINES, Mask, Outline, Radius, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 use celfx::toon::Tone;
 
@@ -24,19 +24,8 @@ const TRAITS: DeviceTraits = DeviceTraits::LAVAPIPE;
 const BUDGET: u64 = 50_000;
 
 fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
-    Desc {
-        size,
-        target_format: vk::Format::R8G8B8A8_SRGB,
-        dimensions,
-        velocity: true,
-        point_light: false,
-        seed: 0,
-        settings,
-        layers: true,
-        depth: None,
-        edges: false,
-        temporal: Default::default(),
-    }
+    let new = Desc::new(size, dimensions, settings);
+    Desc { lines: Some(LINES), target_format: vk::Format::R8G8B8A8_SRGB, velocity: true, layers: true, ..new }
 }
 
 fn many(particles: u32, fade: u32) -> Settings {
@@ -58,7 +47,7 @@ fn sizes_follow_from_counts() {
     // Eight groups, one batch: numerator and denominator for each pixel of each tile.
     assert_eq!((layout.batches, layout.batch_groups), (1, 8));
     assert_eq!(layout.size(layout::ROW_SUMS), 8 * 35 * u64::from(SLOT_PIXELS) * 8);
-    assert_eq!(layout.window_blocks, 2, "a window of 12 pixels");
+    assert_eq!(layout.window_blocks, 3, "a window of 24 pixels");
     for buffer in layout.buffers(&made) {
         assert!(buffer.size >= 16 && buffer.size % 16 == 0, "{}: {}", buffer.name, buffer.size);
     }

@@ -21,7 +21,7 @@ use celfx::low_level::smoke::params::SmokeParams;
 use celfx::low_level::smoke::passes::Passes;
 use celfx::low_level::smoke::steps::{FrameDelta, Steps};
 use celfx::low_level::smoke::tables::Tables;
-use celfx::smoke::settings::{Grow, Integrator, Operator, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Grow, Integrator, LINES, Operator, Outline, Radius, Shadow};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
 use celfx::view::{Camera, Light};
 
@@ -258,19 +258,8 @@ fn a_binding_is_bound_once_and_used_as_each_stage_says() {
 }
 
 fn desc(settings: Settings) -> Desc {
-    Desc {
-        size: [200, 150],
-        target_format: vk::Format::R8G8B8A8_SRGB,
-        dimensions: [32, 32, 32],
-        velocity: true,
-        point_light: false,
-        seed: 0,
-        settings,
-        layers: false,
-        depth: None,
-        edges: false,
-        temporal: Default::default(),
-    }
+    let new = Desc::new([200, 150], [32; 3], settings);
+    Desc { lines: Some(LINES), target_format: vk::Format::R8G8B8A8_SRGB, velocity: true, ..new }
 }
 
 /// The effect's side of a frame, and a plan to be filled.

@@ -4,6 +4,8 @@
 
 mod common;
 
+#[path = "smoke/coverage.rs"]
+mod coverage;
 #[path = "smoke/depth.rs"]
 mod depth;
 #[path = "smoke/extremes.rs"]

@@ -41,7 +41,8 @@ void main() {
     for (uint slot = first; slot < min(first + LIST_RUN, params.spheres); ++slot) {
         vec4 sphere = spheres[slot];
         if (is_live(sphere)) {
-            vec4 view_sphere = vec4(to_view(sphere.xyz), sphere.w);
+            vec3 centre = to_view(sphere.xyz);
+            vec4 view_sphere = vec4(centre, drawn_radius(sphere.w, centre.z));
             view_spheres[slot] = view_sphere;
             count += uvec2(1u, is_visible(view_sphere) ? 1u : 0u);
             measure(sphere, view_sphere.z);

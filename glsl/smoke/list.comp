@@ -22,7 +22,7 @@ layout(std430, binding = 8) buffer ControlBuffer { Control control; };
 #define SCAN_BLOCKS
 #include "common/scan.glsl"
 
-// The smoothed depth range of live spheres.
+// The smoothed depth range of live spheres. In a held moment only the camera moves, and the range goes with it.
 Range track_range() {
     Range before = history.ranges[params.range_before];
     before.exists = params.frames == 0u ? 0u : before.exists;
@@ -31,11 +31,14 @@ Range track_range() {
     }
     float low = from_ordered(control.depth_low);
     float high = from_ordered(control.depth_high);
+    if (before.exists != 0u && params.range_smoothing == HELD_RANGE) {
+        return Range(before.low + (low - before.lowest), before.high + (high - before.highest), 1u, low, high);
+    }
     bool fresh = before.exists == 0u || high < before.low || low > before.high;
-    float kept = fresh ? 0.0 : params.range_smoothing;
+    float kept = fresh ? 0.0 : max(params.range_smoothing, 0.0);
     float smooth_low = kept == 0.0 ? low : kept * before.low + (1.0 - kept) * low;
     float smooth_high = kept == 0.0 ? high : kept * before.high + (1.0 - kept) * high;
-    return Range(smooth_low, smooth_high, 1u);
+    return Range(smooth_low, smooth_high, 1u, low, high);
 }
 
 // Where ranges begin, and how wide they are.

@@ -4,6 +4,14 @@ bool is_live(vec4 sphere) {
     return sphere.w > 0.0;
 }
 
+// The radius that a sphere is drawn with: those that are small in the picture shrink to nothing, and do not pop. They are
+// spheres still to all that does not depend on the camera.
+float drawn_radius(float radius, float depth) {
+    float pixels = 2.0 * radius / (params.pixel_footprint * widening(max(depth, params.near)));
+    float t = params.smallest > 0.0 ? clamp(2.0 * pixels / params.smallest - 1.0, 0.0, 1.0) : 1.0;
+    return radius * (t * t * (3.0 - 2.0 * t));
+}
+
 bool is_visible(vec4 view_sphere) {
-    return can_be_seen(view_sphere.xyz, view_sphere.w);
+    return view_sphere.w > 0.0 && can_be_seen(view_sphere.xyz, view_sphere.w);
 }

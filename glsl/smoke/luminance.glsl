@@ -32,15 +32,16 @@ void work_on(uvec2 at) {
     }
     Surface surface;
     surface.slot = (code >> GROUP_BITS) - 1u;
-    vec4 sphere = spheres[surface.slot];
+    vec3 centre = spheres[surface.slot].xyz;
     float view_depth;
     vec3 normal;
-    hit_sphere(pixel_ray(vec2(at) + 0.5), view_spheres[surface.slot], view_depth, normal);
-    surface.centre = sphere.xyz;
+    vec4 view_sphere = view_spheres[surface.slot];
+    hit_sphere(pixel_ray(vec2(at) + 0.5), view_sphere, view_depth, normal);
+    surface.centre = centre;
     surface.normal = to_world_direction(normal);
-    surface.offset = surface.normal * sphere.w;
+    surface.offset = surface.normal * view_sphere.w;
     bool is_point = params.is_point_light != 0u;
-    vec3 to_light = is_point ? (params.light.xyz - sphere.xyz) - surface.offset : params.light.xyz;
+    vec3 to_light = is_point ? (params.light.xyz - centre) - surface.offset : params.light.xyz;
     surface.light_distance = is_point ? length(to_light) : INFINITY;
     surface.to_light = is_point ? to_light / max(surface.light_distance, 1e-30) : to_light;
     surface.facing = dot(surface.normal, surface.to_light);

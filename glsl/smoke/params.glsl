@@ -15,6 +15,7 @@ const uint MAX_LIGHT_LEVELS = 16u;  // levels of light-space tiles: more than th
 const uint LIST_RUN = 16u;             // sphere slots that one invocation counts and lists
 const uint LIVE_LANES = 64u;           // invocations of a workgroup of kernels over live spheres
 const uint QUAD_VERTICES = 4u;         // what a draw of a sphere or tile has
+const float HELD_RANGE = -1.0;       // instead of a share
 const uint MAX_LEVELS = 12u;           // levels that the occupancy pyramid can have
 
 // A level of the occupancy pyramid.
@@ -36,7 +37,7 @@ layout(binding = 0) uniform SmokeParams {
     uvec2 tiles;       // across and down
     uvec2 corner;      // of the picture, in the target
     uint row_groups;  // groups or planes whose row sums are in memory
-    uint unused;
+    float smallest;    // sphere that is drawn at its size, diameter in pixels
     uvec2 occlusion_blocks;  // of the occlusion test, across and down
     uint is_orthographic;
     uint range_before;       // where the depth range of the frame before stands
@@ -84,7 +85,7 @@ layout(binding = 0) uniform SmokeParams {
 
     uint group_count;
     float group_depth;      // metres; 0: equal ranges of the smoke's own depth
-    float range_smoothing;  // share of the old depth range that is kept
+    float range_smoothing;  // share of the old depth range that is kept; HELD_RANGE: it moves as the depths do
     float hysteresis;       // share of a group's range
     uint window;            // of the Gaussian to each side, in pixels
     uint window_blocks;     // the same in blocks
@@ -127,11 +128,13 @@ struct Control {
     uint longest[MAX_LIGHT_LEVELS];  // longest list of light-space tiles of each level
 };
 
-// A smoothed depth range, if there is one.
+// A smoothed depth range, if there is one, and the range of depths itself.
 struct Range {
     float low;
     float high;
     uint exists;
+    float lowest;
+    float highest;
 };
 
 // Survives from frame to frame.

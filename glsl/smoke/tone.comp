@@ -7,6 +7,7 @@ layout(constant_id = 2) const uint LAYERS = 0u;    // 1: tone and line are kept
 layout(constant_id = 3) const int REACH = 1;       // pixels from which a line can reach a pixel
 layout(constant_id = 4) const uint HARD = 0u;      // 1: a line of less strength is thinner, not paler
 layout(constant_id = 5) const bool SOFT = false;   // the mask
+layout(constant_id = 6) const bool ANTIALIASED = false;  // smoke covers pixels in part
 #include "params.glsl"
 #include "pixel.glsl"
 #include "tile.glsl"
@@ -26,6 +27,10 @@ layout(std430, binding = 5) readonly buffer Tones { Tone tones[]; };
 layout(std430, binding = 6) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 7) writeonly buffer ToneLayer { vec4 tone_layer[]; };
 layout(std430, binding = 8) writeonly buffer OutlineLayer { float outline_layer[]; };
+layout(std430, binding = 9) readonly buffer ViewSpheres { vec4 view_spheres[]; };
+layout(binding = 10, r32ui) uniform readonly uimage2D seen;
+#include "view.glsl"
+#include "coverage.glsl"
 
 uint pixel_at(ivec2 at) {
     return is_in_picture(uvec2(at)) ? pixels[pixel_index(uvec2(at))] : 0u;
@@ -99,19 +104,21 @@ vec2 line_of(ivec2 at) {
 
 void work_on(uvec2 at) {
     uint index = pixel_index(at);
-    uint pixel = pixels[index];
+    ivec2 source = ivec2(at);
+    float coverage = ANTIALIASED ? coverage_of(ivec2(at), source) : 1.0;
+    uint pixel = pixel_at(source);
     if (pixel_id(pixel) == 0u) {
         picture[index] = vec4(0.0);
         return;
     }
-    vec3 tone = tone_of(ivec2(at), pixel);
-    vec2 line = INKED != 0u ? line_of(ivec2(at)) : vec2(0.0);
+    vec3 tone = tone_of(source, pixel);
+    vec2 line = INKED != 0u ? line_of(source) : vec2(0.0);
     // Silhouettes lie over inner lines, which are seen where they are the stronger ones.
     float ink = max(line.x, line.y);
     vec3 colour = params.silhouette_colour.rgb * line.y + params.inner_colour.rgb * (ink - line.y);
-    picture[index] = vec4(tone * (1.0 - ink) + colour, 1.0);
+    picture[index] = coverage * vec4(tone * (1.0 - ink) + colour, 1.0);
     if (LAYERS != 0u) {
-        tone_layer[index] = vec4(tone, 1.0);
-        outline_layer[index] = ink;
+        tone_layer[index] = coverage * vec4(tone, 1.0);
+        outline_layer[index] = coverage * ink;
     }
 }

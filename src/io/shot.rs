@@ -17,6 +17,7 @@
 //! `celfx shot builtin:campfire` and `celfx shot builtin:blur` print every key.
 
 mod camera;
+mod exposure;
 mod files;
 mod keys;
 mod print;
@@ -42,6 +43,7 @@ use crate::settings::Dial;
 use crate::view::{Camera, Light, LightSource};
 use camera::CameraTrack;
 pub use camera::count_cameras;
+pub use exposure::Exposure;
 pub use files::FileKey;
 use keys::Keys;
 use track::Track;
@@ -106,6 +108,14 @@ pub struct Section<'a> {
     pub(crate) frames: [u32; 2],
     /// Frames per second.
     pub(crate) fps: f64,
+}
+
+impl Section<'_> {
+    /// How long drawings of an effect last: as its key `on` says, or that of the shot.
+    pub(crate) fn exposure(&self, key: &str) -> Result<Exposure, ShotError> {
+        let on = self.tree.exposure("on", 1)?;
+        Ok(Exposure::new(self.frames[0], self.tree.exposure(key, on)?))
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]

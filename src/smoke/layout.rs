@@ -18,9 +18,9 @@ use crate::shaders::smoke::constants::{
 };
 use crate::smoke::desc::Desc;
 use crate::smoke::frame::Shape;
-use crate::smoke::limits::{ROW_SUM_BYTES, luminance_entries};
+use crate::smoke::limits::{MOST_INK_REACH, ROW_SUM_BYTES, luminance_entries};
 use crate::smoke::search::{Pyramid, growth_rows};
-use crate::smoke::settings::Grow;
+use crate::smoke::settings::{Grow, Outline, Pixels};
 
 buffers! {
     "smoke"
@@ -133,6 +133,8 @@ pub struct Layout {
     pub batches: u32,
     /// Row items of a batch.
     pub batch_capacity: u32,
+    /// Sizes of the look in pixels of the picture.
+    pub pixels: Pixels,
     /// Window of the Gaussian in blocks.
     pub window_blocks: u32,
     /// Levels of light-space tiles.
@@ -153,7 +155,8 @@ pub struct Layout {
 impl Layout {
     /// Computes it; fails where a buffer is larger than a shader can bind.
     pub fn new(desc: &Desc, traits: &DeviceTraits) -> Result<Layout> {
-        let (settings, limit) = (&desc.settings, traits.storage_range);
+        let (settings, limit, pixels) = (&desc.settings, traits.storage_range, desc.pixels());
+        check_ink(&pixels.outline)?;
         let tiles = desc.size.map(|side| side.div_ceil(TILE));
         let tile_count = u64::from(tiles[0]) * u64::from(tiles[1]);
         let spheres = u64::from(settings.particles) * (1 + u64::from(settings.fade));
@@ -180,7 +183,8 @@ impl Layout {
             batch_groups,
             batches: if settings.is_filtered() { summed.div_ceil(batch_groups) } else { 1 },
             batch_capacity: (tile_count * u64::from(batch_groups)) as u32,
-            window_blocks: settings.window().div_ceil(BLOCK),
+            pixels,
+            window_blocks: pixels.window().div_ceil(BLOCK),
             light_levels,
             light_cells: ((1_u64 << (2 * light_levels)) / 3) as u32,
             light_faces: faces,
@@ -357,6 +361,16 @@ impl Inventory for Layout {
     }
 }
 
+/// Each pixel looks at all from which a line can reach it.
+fn check_ink(outline: &Outline) -> Result<()> {
+    let (needed, limit) = (outline.reach().into(), MOST_INK_REACH.into());
+    let advice = "use less smoke.outline.width or a smaller picture";
+    match needed > limit {
+        true => Err(Error::Limit { what: "the ink line (pixels from its middle)", needed, limit, advice }),
+        false => Ok(()),
+    }
+}
+
 /// Invocations of a workgroup along x.
 fn lanes(shader: &Shader) -> u64 {
     shader.local_size[0].into()
@@ -369,19 +383,8 @@ mod tests {
 
     #[test]
     fn what_is_too_large_says_what_to_change() {
-        let desc = Desc {
-            size: [8, 8],
-            target_format: vk::Format::R32G32B32A32_SFLOAT,
-            dimensions: [4; 3],
-            velocity: false,
-            point_light: false,
-            seed: 0,
-            settings: Settings { particles: 1, ..Settings::default() },
-            layers: true,
-            depth: None,
-            edges: false,
-            temporal: Default::default(),
-        };
+        let new = Desc::new([8, 8], [4; 3], Settings { particles: 1, ..Settings::default() });
+        let desc = Desc { layers: true, ..new };
         let limit = DeviceTraits::LEAST.storage_range;
         let layout = Layout::new(&desc, &DeviceTraits::LEAST).expect("small");
         for (id, name, advice) in [

@@ -15,5 +15,7 @@ pub const LUMINANCE_ENTRIES: u32 = LOOP_BUDGET / TILE_ROWS - MAX_LIGHT_LEVELS;
 pub fn luminance_entries(traits: &DeviceTraits) -> u32 {
     if traits.ends_loops { LUMINANCE_ENTRIES } else { u32::MAX }
 }
+/// Pixels to each side from which a line can reach a pixel: all of them are within the loop budget.
+pub const MOST_INK_REACH: u32 = 127;
 /// Bytes of row sums in a batch of groups, unless a single group needs more.
 pub const ROW_SUM_BYTES: u64 = 64 << 20;

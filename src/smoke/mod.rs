@@ -31,7 +31,7 @@ use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
 use crate::plan::{Pass, Plan};
 use crate::view::{Light, View};
 use layout::Layout;
-use params::SmokeParams;
+use params::{HELD_RANGE, SmokeParams};
 use passes::Passes;
 use steps::{FrameDelta, Steps};
 use tables::Tables;
@@ -61,6 +61,8 @@ pub struct State {
     quiet: u32,
     /// Where the depth range of the frame before this one stands.
     range_before: u32,
+    /// The last frame was of the moment of the one before.
+    held: bool,
     /// A volume came in a hold: particles meet it when they move on.
     unmet: bool,
     shape: Shape,
@@ -112,6 +114,9 @@ impl Kind for SmokeKind {
         let SmokeKind { layout, passes, tables, traits, .. } = self;
         let mut params = SmokeParams::new(desc, layout, frame, &delta.shape, state.frames);
         params.range_before = state.range_before;
+        if state.held {
+            params.range_smoothing = HELD_RANGE;
+        }
         Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, tables);
         Ok(state)
     }
@@ -179,6 +184,7 @@ impl SmokeKind {
         let State { stale, .. } = self.state;
         let mut state = State { stale: false, ..self.state };
         state.begun = true;
+        state.held = frame.sequence == Sequence::Hold || again && state.held;
         state.range_before = 1 - self.state.range_before;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());

@@ -163,14 +163,16 @@ impl SmokeParams {
     }
 
     fn set_look(&mut self, settings: &Settings, layout: &Layout) {
-        let outline = &settings.outline;
+        let pixels = &layout.pixels;
+        let outline = &pixels.outline;
         let (silhouettes, inner) = (outline.silhouettes(), outline.inner_lines());
         let colour = |[r, g, b]: [f32; 3], w| [r, g, b, w];
         *self = SmokeParams {
-            window: settings.window(),
+            window: pixels.window(),
             window_blocks: layout.window_blocks,
             tone_count: settings.tones.len() as u32,
-            tone_softness: settings.tone_softness,
+            tone_softness: pixels.tone_softness,
+            smallest: pixels.smallest,
             silhouette_colour: colour(silhouettes.colour, silhouettes.strength),
             inner_colour: colour(inner.colour, 0.0),
             silhouette_width: silhouettes.width,

@@ -49,7 +49,7 @@ passes! {
     occluders = Pass::compute("smoke.occlusion", &glsl::occluders::SHADER);
     quads = Pass::compute("smoke.occlusion", &glsl::quads::SHADER).specialise([u32::from(effort.skips())]);
     spheres = spheres(desc);
-    tiles = Pass::compute("smoke.tiles", &glsl::tiles::SHADER);
+    tiles = Pass::compute("smoke.tiles", &glsl::tiles::SHADER).specialise([u32::from(desc.settings.is_antialiased())]);
     /// Sums of blocks, and what follows from them.
     occupied: [PassId; 2] = [&glsl::occupied_sum::SHADER, &glsl::occupied::SHADER]
         .map(|shader| Pass::compute("smoke.tiles", shader));
@@ -62,8 +62,8 @@ passes! {
     columns = Pass::compute("smoke.columns", &glsl::columns::SHADER)
         .specialise([soft(desc)])
         .times(layout.batches as usize);
-    outline: Vec<PassId> = outline(&desc.settings.outline);
-    tone = tone(desc);
+    outline: Vec<PassId> = outline(&layout.pixels.outline);
+    tone = tone(desc, layout);
     edges = Pass::transfer("smoke.edges").copies(HOST_EDGES, EDGES);
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
     reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
@@ -138,15 +138,16 @@ fn outline(outline: &Outline) -> Vec<Pass> {
     }
 }
 
-fn tone(desc: &Desc) -> Pass {
-    let settings = &desc.settings;
+fn tone(desc: &Desc, layout: &Layout) -> Pass {
+    let (settings, outline) = (&desc.settings, &layout.pixels.outline);
     Pass::compute("smoke.tone", &glsl::tone::SHADER).specialise([
         u32::from(settings.is_filtered()),
-        u32::from(settings.outline.is_on()),
+        u32::from(outline.is_on()),
         u32::from(desc.layers),
-        settings.outline.reach(),
-        u32::from(settings.outline.is_hard()),
+        outline.reach(),
+        u32::from(outline.is_hard()),
         soft(desc),
+        u32::from(settings.is_antialiased()),
     ])
 }
 

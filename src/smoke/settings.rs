@@ -7,8 +7,10 @@ use crate::toon::Tone;
 use crate::view::FARTHEST;
 
 mod outline;
+mod pixels;
 
 pub use outline::{Line, Operator, Outline};
+pub use pixels::{LINES, Pixels};
 
 /// The most depth groups.
 pub const MAX_GROUPS: u32 = GROUP_MASK - 1;
@@ -73,6 +75,17 @@ words! {
 }
 
 words! {
+    /// How silhouettes are antialiased.
+    pub enum Antialias {
+        /// Pixels have the share of the smoke that covers them, in closed form.
+        #[default]
+        Coverage = "coverage",
+        /// They have smoke or not, as their middle has (the paper's way).
+        None = "none",
+    }
+}
+
+words! {
     /// Which pixels the Gaussian averages over.
     pub enum Mask {
         /// Those of about the pixel's own depth: each belongs to the two nearest planes of depth, one plane between two
@@ -132,7 +145,7 @@ settings! {
     pub struct Settings {
         /// A voxel holds smoke where density > threshold.
         threshold: f32 = 0.1, "", f32::MIN..=f32::MAX;
-        /// How many particles there are; each becomes a sphere.
+        /// How many particles there are; each becomes a sphere. Few: large, plain puffs; many: a skin of small billows.
         particles: u32 = 500, "", 0..=1_000_000;
         /// Where particles are placed: "random", uniform in the voxels that hold smoke.
         placement: Placement = Placement::default();
@@ -148,8 +161,10 @@ settings! {
         fade: u32 = 6, "frames", 0..=64, "they pop, as in the paper";
         /// What a sphere's radius is: how far it is to empty space in a "box", or as a "ball" (Euclidean, fills more).
         radius: Radius = Radius::default();
-        /// Multiplies the radius.
+        /// Multiplies the radius. Below 1: balls apart, froth; above: they swell together into one body.
         scale: f32 = 1.0, "", f32::MIN_POSITIVE..=1e6;
+        /// Smaller spheres are not drawn, so that there are no specks: down to half of it they shrink to nothing.
+        smallest: f32 = 4.0, "pixels of diameter at 1080 lines", 0.0..=64.0, "all are drawn";
         /// How the radius is searched, with the same result; "chosen" is the fastest.
         grow: Grow = Grow::default();
         /// How spheres shadow each other: by rays, "exact", or by a shadow map.
@@ -162,7 +177,8 @@ settings! {
         shadow_filter: u32 = 3, "taps a side", [1, 3, 5];
         /// What is smoothed together: pixels of about the same depth, "soft", or of spheres in the same range, "groups".
         mask: Mask = Mask::default();
-        /// How many ranges of depth are smoothed separately.
+        /// How many ranges of depth are smoothed separately. Few: light and shade flow over all of the smoke; many: what is in
+        /// front is set off from what is behind.
         groups: u32 = 8, "", 1..=MAX_GROUPS;
         /// Fixed ranges of this depth instead, counted from the camera; without it, the smoke's own depth is divided.
         group_depth: Option<f32> = None, "metres", f32::MIN_POSITIVE..=FARTHEST;
@@ -170,18 +186,22 @@ settings! {
         range_smoothing: f32 = 0.9, "share of the last frame's range", 0.0..=0.999;
         /// Of the mask "groups": a sphere keeps its group until it is this far past the border.
         hysteresis: f32 = 0.2, "share of a range", 0.0..=1.0;
-        /// Standard deviation of the Gaussian.
-        sigma: f32 = 4.0, "pixels", 0.1..=64.0, "off";
+        /// How far light and shade flow together: standard deviation of the Gaussian. Small: each ball has its own light;
+        /// large: broad, calm shapes over many.
+        sigma: f32 = 8.0, "pixels at 1080 lines", 0.1..=64.0, "off";
         /// Where the Gaussian's window ends; 4 is as good as exact.
         cutoff: f32 = 3.0, "multiples of sigma", 1.0..=4.0;
-        /// What smoothed luminances become.
+        /// What smoothed luminances become. Two: a woodcut; three: the usual cel; more: soft modelling. A tone that begins
+        /// higher is a smaller patch of light.
         tones: Vec<Tone> = vec![
             Tone { from: 0.0, colour: [0.30, 0.33, 0.42] },
             Tone { from: 0.42, colour: [0.62, 0.65, 0.72] },
             Tone { from: 0.68, colour: [0.95, 0.95, 0.93] },
         ];
-        /// Width of the antialiased border between tones.
-        tone_softness: f32 = 0.5, "pixels", 0.0..=16.0, "hard";
+        /// Half the width of the border between tones; at least half a pixel of the picture, so that it is antialiased.
+        tone_softness: f32 = 0.5, "pixels at 1080 lines", 0.0..=16.0, "hard";
+        /// How silhouettes are antialiased: by the share of a pixel that smoke covers, "coverage", or not at all.
+        antialias: Antialias = Antialias::default();
         /// The ink line.
         outline: Outline = Outline::default();
     }
@@ -208,14 +228,14 @@ impl Settings {
         self.shadow == Shadow::Map
     }
 
-    /// Window of the Gaussian to each side in pixels: `ceil(cutoff * sigma)`; 0 if it is off.
-    pub fn window(&self) -> u32 {
-        (self.cutoff * self.sigma).ceil() as u32
-    }
-
     /// Number of group ids in use: `groups`, or [`MAX_GROUPS`] where `group_depth` fixes the ranges.
     pub fn group_count(&self) -> u32 {
         if self.group_depth.is_some() { MAX_GROUPS } else { self.groups }
+    }
+
+    /// Whether smoke covers pixels in part.
+    pub fn is_antialiased(&self) -> bool {
+        self.antialias == Antialias::Coverage
     }
 
     /// Whether the mask is soft.

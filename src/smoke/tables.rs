@@ -15,8 +15,8 @@ pub struct Tables {
 impl Tables {
     /// From settings.
     pub fn new(settings: &Settings, layout: &Layout) -> Tables {
-        let sigma = f64::from(settings.sigma);
-        let weight = |distance: u32| match distance <= settings.window() {
+        let sigma = f64::from(layout.pixels.sigma);
+        let weight = |distance: u32| match distance <= layout.pixels.window() {
             true => (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp() as f32,
             false => 0.0,
         };

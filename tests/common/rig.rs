@@ -9,6 +9,7 @@ use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::smoke::SmokeKind;
 use celfx::smoke::reference;
 use celfx::smoke::reference::groups::Ranges;
+use celfx::smoke::settings::LINES;
 use celfx::smoke::{Desc, Sequence};
 use celfx::view::{Camera, Light, View};
 
@@ -170,7 +171,8 @@ impl Rig {
         let (groups, ranges) = (self.groups(), self.ranges());
         let Desc { settings, size, .. } = &self.desc;
         let grouping = reference::Grouping { groups: &groups, ranges };
-        reference::frame(settings, view, light, *size, voxel.into(), &spheres, &grouping)
+        let settings = settings.in_pixels(LINES);
+        reference::frame(&settings, view, light, *size, voxel.into(), &spheres, &grouping)
     }
 }
 

@@ -3,6 +3,7 @@
 use celfx::data::Volume;
 use celfx::low_level::random::{hash, unit};
 use celfx::offline::TARGET_FORMAT;
+use celfx::smoke::settings::{Antialias, LINES};
 use celfx::smoke::{Desc, Settings};
 use celfx::view::{Camera, Light, LightSource};
 use glam::DVec3;
@@ -12,21 +13,16 @@ pub fn random(key: u32, index: u32, dimension: u32) -> f32 {
     unit(hash(key, index, 0, dimension))
 }
 
-/// An effect of this picture and volume size with every layer kept.
+/// An effect of this picture and volume size with every layer kept; sizes are pixels of the picture. Small spheres are drawn, too, and
+/// pixels have smoke or not, so that stages can be compared.
 pub fn desc(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
-    Desc {
-        size,
-        target_format: TARGET_FORMAT,
-        dimensions,
-        velocity: false,
-        point_light: false,
-        seed: 1,
-        settings,
-        layers: true,
-        depth: None,
-        edges: false,
-        temporal: Default::default(),
-    }
+    drawn(size, dimensions, Settings { smallest: 0.0, antialias: Antialias::None, ..settings })
+}
+
+/// The same with all that settings say.
+pub fn drawn(size: [u32; 2], dimensions: [u32; 3], settings: Settings) -> Desc {
+    let new = Desc::new(size, dimensions, settings);
+    Desc { lines: Some(LINES), target_format: TARGET_FORMAT, seed: 1, layers: true, ..new }
 }
 
 /// A volume whose density is a function of the voxel.

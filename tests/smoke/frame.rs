@@ -6,7 +6,7 @@ use celfx::view::Light;
 
 use crate::common::picture::{Picture, Tolerance, assert_pictures};
 use crate::common::rig::{Rig, scene};
-use crate::common::scenes::{camera, desc, direction, moving_puffs, point};
+use crate::common::scenes::{camera, direction, drawn, moving_puffs, point};
 
 const SIZE: [u32; 2] = [160, 120];
 
@@ -18,7 +18,7 @@ fn assert_frame(name: &str, settings: Settings, light: Light, point_light: bool)
 }
 
 fn assert_masked(name: &str, settings: Settings, light: Light, point_light: bool) {
-    let mut desc = desc(SIZE, [32; 3], settings);
+    let mut desc = drawn(SIZE, [32; 3], settings);
     desc.velocity = true;
     desc.point_light = point_light;
     let Some(mut rig) = Rig::new(desc) else { return };

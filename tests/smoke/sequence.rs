@@ -117,3 +117,29 @@ fn the_same_seed_gives_the_same_bits() {
     assert_eq!(once.differences(&again), []);
     assert!(!once.differences(&other).is_empty());
 }
+
+/// With a range of depth that is still on its way to that of the smoke.
+#[test]
+fn a_held_moment_is_drawn_as_it_was_until_the_camera_moves() {
+    use Sequence::{Advance, Again, Hold, Restart};
+    let volumes: Vec<Volume> = (0..3).map(|i| moving_puffs(20, i as f32)).collect();
+    let (front, side, sun) = (camera(0.0), camera(20.0), direction(-1.0, -1.5, -1.0));
+    let next = |i: usize| (if i == 0 { Restart } else { Advance }, front, sun, Some(&volumes[i]));
+    let steps =
+        [next(0), next(1), next(2), (Hold, front, sun, None), (Hold, front, sun, None), (Again, front, sun, None)];
+    let desc = effect(Settings { range_smoothing: 0.9, ..Settings::default() }, true);
+    let Some((frames, _)) = rendered(&desc, Effort::Needed, &steps) else { return };
+    for held in &frames[3..] {
+        assert!(frames[2] == *held, "(layer, words) that differ: {:?}", frames[2].differences(held));
+    }
+    assert!(frames[1] != frames[2]);
+    // The way of the camera does not count, nor how long it took.
+    let way = |cameras: &[Camera]| {
+        let held = cameras.iter().map(|camera| (Hold, *camera, sun, None));
+        rendered(&desc, Effort::Needed, &steps[..3].iter().copied().chain(held).collect::<Vec<_>>())
+    };
+    let Some((back, _)) = way(&[side, front]) else { return };
+    let differing = back[4].differences(&frames[2]);
+    // The range may be off by a rounding each way.
+    assert!(differing.iter().all(|(_, words)| *words < 100), "{differing:?}");
+}

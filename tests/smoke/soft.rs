@@ -41,7 +41,7 @@ impl Soft {
     /// A second frame: nothing lives, so that the range of the one before stays.
     fn run(&mut self) {
         let [low, width] = self.range;
-        let before = Range { low, high: low + width * self.groups() as f32, exists: 1 };
+        let before = Range { low, high: low + width * self.groups() as f32, exists: 1, lowest: low, highest: low };
         self.bench.write(layout::HISTORY, &[History { ranges: [before; 2] }]);
         run(&mut self.bench, 1, WRITTEN);
     }

@@ -5,7 +5,7 @@ use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::Settings;
 use celfx::smoke::reference::outline::{self, Mark};
 use celfx::smoke::reference::tone;
-use celfx::smoke::settings::{Line, Mask, Operator, Outline};
+use celfx::smoke::settings::{LINES, Line, Mask, Operator, Outline};
 use celfx::toon::Tone;
 use celfx::view::{Camera, Light};
 
@@ -39,7 +39,7 @@ fn image() -> (Vec<u32>, Vec<f32>) {
 
 /// Runs the steps from tiles to the composite on the image, and compares with the reference.
 fn assert_drawn(name: &str, settings: Settings) {
-    let settings = Settings { particles: 1, fade: 0, groups: 3, ..settings };
+    let settings = Settings { particles: 1, fade: 0, groups: 3, ..settings }.in_pixels(LINES);
     let Some(mut bench) = Bench::new(desc(SIZE, [2; 3], settings.clone())) else { return };
     let (pixels, depth) = image();
     let camera = Camera { near: 0.01, ..camera(0.0) };

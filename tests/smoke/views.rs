@@ -5,7 +5,7 @@ use celfx::offline::Scene;
 use celfx::smoke::{Sequence, Settings};
 
 use crate::common::rig::{Rig, scene};
-use crate::common::scenes::{camera, desc, direction, moving_puffs};
+use crate::common::scenes::{camera, direction, drawn, moving_puffs};
 use crate::common::{apart, views};
 
 const SIZE: [u32; 2] = [120, 90];
@@ -13,7 +13,7 @@ const SIZE: [u32; 2] = [120, 90];
 #[test]
 fn smoke_is_that_of_the_reference_through_any_projection() {
     let settings = Settings { particles: 300, ..Settings::default() };
-    let Some(mut rig) = Rig::new(desc(SIZE, [32; 3], settings)) else { return };
+    let Some(mut rig) = Rig::new(drawn(SIZE, [32; 3], settings)) else { return };
     let (light, camera) = (direction(-1.0, -1.5, -1.0), camera(24.0));
     let volume = moving_puffs(32, 0.3);
     for (name, view) in views::of(&camera, SIZE, camera.eye.length()) {

@@ -197,7 +197,8 @@ impl Shown<'_> {
             }
             let Some(motion) = take.motion() else { continue };
             let is_middle = number == middle([first, last]);
-            self.still(&frame, is_middle.then_some(&still), motion.voxel(), smoke.settings.sigma.into());
+            let sigma = smoke.settings.pixels(self.scene.shot.size[1]).sigma;
+            self.still(&frame, is_middle.then_some(&still), motion.voxel(), sigma.into());
             before = Some((frame, motion));
         }
         Ok(())

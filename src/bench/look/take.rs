@@ -13,6 +13,7 @@ use crate::io::picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{EffectBuffer, Effects, Offline, Scene};
 use crate::program::layers::{self, Layer, LayerData, Rendered};
+use crate::program::smoke::Smoke;
 use crate::program::{self, Brought, EFFECTS, Input};
 use crate::smoke::Sequence;
 use crate::smoke::reference::grid::Grid;
@@ -167,7 +168,10 @@ impl<'a> Take<'a> {
 
     /// How the frame stepped to last moves smoke; none where no frame has brought a volume.
     pub(super) fn motion(&self) -> Option<Motion> {
-        Some(Motion { volume: self.volume.clone()?, seconds: 1.0 / self.shot.fps })
+        let (number, _) = self.at.as_ref()?;
+        let exposure = self.shot.part::<Smoke>()?.exposure;
+        let frames = if exposure.is_held(number + 1) { 0 } else { exposure.on() };
+        Some(Motion { volume: self.volume.clone()?, seconds: f64::from(frames) / self.shot.fps })
     }
 }
 

@@ -8,6 +8,7 @@ use crate::bench::rig::{EffectId, Rig};
 use crate::bench::{Outcome, Session};
 use crate::error::Result;
 use crate::offline;
+use crate::smoke::reference::coverage::{self, Coverage};
 use crate::smoke::reference::groups::Ranges;
 use crate::smoke::reference::{masked, outline, render, shadow, tone};
 use crate::smoke::settings::{Outline, Shadow};
@@ -41,6 +42,7 @@ struct Seen {
     /// Luminance with exact shadows and without.
     shadowed: Vec<f64>,
     open: Vec<f64>,
+    coverage: Vec<Coverage>,
     voxel: f64,
 }
 
@@ -97,12 +99,14 @@ impl Seen {
         let (spheres, groups) = scene::spheres(rig, effect, PARTICLES, settings.fade)?;
         let ranges = scene::ranges(rig, effect, settings)?;
         let (view, light) = (scene::camera().view(size), Light::default());
-        let hits = render::raycast(&view, size, &spheres);
+        let drawn = render::drawn(&view, size, settings.smallest.into(), &spheres);
+        let hits = render::raycast(&view, size, &drawn);
         let share = shadow::shadow(&view, size, &spheres, &hits, light.source, 0.0);
-        let shadowed = render::luminance(&view, size, &spheres, &hits, &light, &share);
-        let open = render::luminance(&view, size, &spheres, &hits, &light, &vec![1.0; hits.len()]);
+        let shadowed = render::luminance(&view, size, &drawn, &hits, &light, &share);
+        let open = render::luminance(&view, size, &drawn, &hits, &light, &vec![1.0; hits.len()]);
         let (depth, id) = (render::depth(&hits), render::id(&hits, &groups));
-        Ok(Seen { size, depth, id, ranges, shadowed, open, voxel })
+        let coverage = coverage::coverage(&view, size, &drawn, &hits);
+        Ok(Seen { size, depth, id, ranges, shadowed, open, coverage, voxel })
     }
 
     /// Of all channels of the pixels where there is smoke in one of the two pictures.
@@ -112,7 +116,10 @@ impl Seen {
         let tones = tone::tones(self.size, &smooth, &id, settings.mask, &settings.tones, settings.tone_softness.into());
         let outline =
             outline::outline(self.size, &self.depth, &scene::camera().view(self.size), self.voxel, &settings.outline);
-        let expected = tone::composite(&tones, &outline, &id, &settings.outline);
+        let mut expected = tone::composite(&tones, &outline, &id, &settings.outline);
+        if settings.is_antialiased() {
+            expected = coverage::covered(&expected, &self.coverage);
+        }
         let smoke = |(pixel, expected): &(&[f32; 4], &[f64; 4])| pixel[3] != 0.0 || expected[3] != 0.0;
         let channels = |(pixel, expected): (&[f32; 4], &[f64; 4])| {
             [0, 1, 2, 3].map(|channel| (f64::from(pixel[channel]) - expected[channel]).abs())

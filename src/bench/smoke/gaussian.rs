@@ -21,7 +21,7 @@ use crate::smoke::Settings;
 use crate::smoke::layout::{DEPTH, PARAMS, PIXELS, REACHED, SMOOTH, WEIGHTS};
 use crate::smoke::params::{GROUP_BITS, GROUP_MASK, ImageConstants, LUMINANCE_ONE, SLOT_PIXELS, TILE};
 use crate::smoke::reference::masked;
-use crate::smoke::settings::Mask;
+use crate::smoke::settings::{LINES, Mask};
 
 const PASS: &str = "gaussian";
 const VARIANTS: [(&str, Variant); 6] = [
@@ -190,7 +190,7 @@ fn kernels(rig: &mut Rig, effect: EffectId, size: [u32; 2], settings: &Settings)
     ];
     let sigma = f64::from(settings.sigma);
     let weight = |distance: u32| (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp();
-    let sum = 1.0 + 2.0 * (1..=settings.window()).map(weight).sum::<f64>();
+    let sum = 1.0 + 2.0 * (1..=settings.pixels(LINES).window()).map(weight).sum::<f64>();
     rig.kernels(buffers, passes((1.0 / sum) as f32))
 }
 

@@ -11,6 +11,7 @@ use crate::smoke::layout::{CONTROL, GROUPS, SPHERES};
 use crate::smoke::params::Control;
 use crate::smoke::reference::groups::Ranges;
 use crate::smoke::reference::render;
+use crate::smoke::settings::LINES;
 use crate::smoke::{Desc, Settings};
 use crate::view::Camera;
 
@@ -35,21 +36,10 @@ pub(super) fn still_plume(dimensions: [u32; 3]) -> Volume {
     Volume { velocity: None, ..plume(dimensions) }
 }
 
-/// An effect for a volume.
+/// An effect for a volume. Sizes are pixels, whatever the picture's.
 pub(super) fn desc(size: [u32; 2], volume: &Volume, settings: Settings, layers: bool) -> Desc {
-    Desc {
-        size,
-        target_format: FORMAT,
-        dimensions: volume.dimensions,
-        velocity: volume.velocity.is_some(),
-        point_light: false,
-        seed: 0,
-        settings,
-        layers,
-        depth: None,
-        edges: false,
-        temporal: Default::default(),
-    }
+    let new = Desc::new(size, volume.dimensions, settings);
+    Desc { lines: Some(LINES), target_format: FORMAT, velocity: volume.velocity.is_some(), layers, ..new }
 }
 
 /// A rendered first frame of a volume.

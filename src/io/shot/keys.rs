@@ -10,6 +10,7 @@ const SHOT: &[(&str, &str)] = &[
     ("size", "[width, height], whole numbers of pixels, 1 to 16384 each"),
     ("frames", "[first, last], whole numbers, 0 to 999999, first not above last"),
     ("fps", "frames per second, 0.001 to 1000000"),
+    ("on", "1, 2 or 3 frames"),
     ("seed", "a whole number, 0 to 4294967295"),
     ("background", "linear [red, green, blue], 0 to 1e6, or \"file.png\", or \"none\""),
     ("camera", "a table"),

@@ -6,7 +6,7 @@ use toml::Value;
 
 use super::track::{Between, Track};
 use super::tree::{self, Kind, Node, Tree};
-use super::{Background, ShotError};
+use super::{Background, Exposure, ShotError};
 use crate::io::pattern::LAST_FRAME;
 use crate::io::scene::Pick;
 use crate::settings::DialKind;
@@ -44,6 +44,11 @@ impl Tree {
     /// Frames per second.
     pub(super) fn fps(&self) -> Result<f64> {
         self.read("fps", 24.0, |value| number(value).filter(|fps| (1e-3..=1e6).contains(fps)))
+    }
+
+    /// How many frames a drawing lasts.
+    pub(super) fn exposure(&self, path: &str, default: u32) -> Result<u32> {
+        self.read(path, default, |value| whole(value).filter(|on| (1..=Exposure::MOST).contains(on)))
     }
 
     /// Seed of everything random.

@@ -62,13 +62,18 @@ fn an_empty_table_has_every_default() {
         volume: "builtin:plume".to_owned(),
         grids: Grids::default(),
         hold: false,
+        exposure: Exposure::new(1, 1),
         settings: Settings::default(),
     };
     assert_eq!((shot.part(), shot.has("flame")), (Some(&smoke), false));
 
     let shot = load("[flame]", &[]).expect("a shot");
-    let flame =
-        Flame { particles: "builtin:random".to_owned(), hold: false, settings: crate::flame::Settings::default() };
+    let flame = Flame {
+        particles: "builtin:random".to_owned(),
+        hold: false,
+        exposure: Exposure::new(1, 1),
+        settings: crate::flame::Settings::default(),
+    };
     assert_eq!((shot.has("smoke"), shot.part()), (false, Some(&flame)));
 
     let both = load("[flame]\n[smoke]", &[]).expect("a shot");
@@ -103,8 +108,8 @@ fn comments_change_no_value_and_say_range_and_default() {
         assert!(printed.lines().all(|line| line.chars().count() <= 120), "{name}");
     }
     let printed = program::builtin_text("builtin:smoke").expect("a built-in shot");
-    let line = "sigma = 6.0                     # pixels, 0 (off) or 0.1 to 64; default 4. Standard deviation of the Gaussian.";
-    assert!(printed.lines().any(|printed| printed == line), "{printed}");
+    let line = "sigma = 12.0                    # pixels at 1080 lines, 0 (off) or 0.1 to 64; default 8.";
+    assert!(printed.lines().any(|printed| printed.starts_with(line)), "{printed}");
 }
 
 #[test]
@@ -199,12 +204,14 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         }
         let mut expected = vec!["light.position"];
         if let Some(Smoke { settings, .. }) = shot.part() {
-            expected.extend(["smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth"]);
+            expected.extend(["smoke.on", "smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth"]);
             expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
             expected.extend(LINES);
         }
-        expected.extend(shot.has("flame").then_some("flame.size_pixels"));
+        if shot.has("flame") {
+            expected.extend(["flame.on", "flame.size_pixels"]);
+        }
         if shot.has("blur") {
             expected.extend(keys::INSTEAD_OF_FILE);
             expected.extend(["blur.animation", "blur.images", "blur.teeth", "camera.animation", "camera.name"]);
@@ -394,7 +401,10 @@ fn keys_can_be_overridden() {
     for (set, message) in [
         ("smoke.sigmaa=4", "--set smoke.sigmaa=4: smoke.sigmaa: unknown key; did you mean smoke.sigma?"),
         ("smoke.sigma", "--set smoke.sigma: expected KEY=VALUE, for example smoke.sigma=4"),
-        ("smoke.sigma=100", "--set smoke.sigma: smoke.sigma = 100: allowed: pixels, 0 (off) or 0.1 to 64"),
+        (
+            "smoke.sigma=100",
+            "--set smoke.sigma: smoke.sigma = 100: allowed: pixels at 1080 lines, 0 (off) or 0.1 to 64",
+        ),
         ("smoke=3", "--set smoke: smoke = 3: allowed: a table"),
         ("size.x=3", "--set size.x=3: size.x: unknown key; did you mean size?"),
     ] {
@@ -560,4 +570,18 @@ fn a_camera_of_a_file_moves_whatever_else_is_played() {
     fs::write(folder.0.join("other.gltf"), only_top).expect("temporary folder");
     let error = load(&["camera.file=other.gltf"]).expect_err("no camera").to_string();
     assert!(error.contains("other.gltf: its camera `Top` is orthographic"), "{error}");
+}
+
+#[test]
+fn drawings_last_as_the_shot_says_or_the_effect() {
+    let on = |text: &str| {
+        let shot = load(text, &[]).expect(text);
+        let of_smoke = shot.part().map_or(0, |smoke: &Smoke| smoke.exposure.on());
+        [of_smoke, shot.part().map_or(0, |flame: &Flame| flame.exposure.on())]
+    };
+    assert_eq!(on("[smoke]\n[flame]"), [1, 1]);
+    assert_eq!(on("on = 2\n[smoke]\n[flame]\non = 1"), [2, 1]);
+    assert_eq!(on("[smoke]\non = 3\n[flame]"), [3, 1]);
+    assert_eq!(refused("on = 4\n[smoke]", &[]), "shot.toml:1: on = 4: allowed: 1, 2 or 3 frames");
+    assert_eq!(refused("[flame]\non = 0", &[]), "shot.toml:2: flame.on = 0: allowed: 1, 2 or 3 frames");
 }

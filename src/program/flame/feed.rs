@@ -56,7 +56,7 @@ impl Feed for FlameFeed {
         Some(Frame {
             view: scene.seen(flame.desc().size),
             particles: self.particles,
-            number: scene.number,
+            number: scene.drawing.unwrap_or(scene.number),
             accumulate: scene.accumulate,
             target: place.target?,
             background: place.background,

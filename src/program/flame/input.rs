@@ -44,6 +44,8 @@ pub(super) struct FlameBrought {
     pub(super) particles: Option<Arc<Particles>>,
     /// How many they are.
     pub(super) count: usize,
+    /// The frame whose drawing it has.
+    pub(super) drawing: u32,
 }
 
 /// Looks at all of the shot's particles where that is what its fire follows from.
@@ -77,18 +79,19 @@ fn spread(particles: &mut ParticleSequence, [first, last]: [u32; 2]) -> Result<f
 
 impl Input for FlameInput {
     fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
-        let Flame { particles, settings, .. } = &self.flame;
-        add(hash, ("flame", builtin(particles), self.fire, settings));
+        let Flame { particles, exposure, settings, .. } = &self.flame;
+        add(hash, ("flame", builtin(particles), self.fire, exposure, settings));
         Ok(())
     }
 
     fn add_frame(&self, hash: &mut Xxh3, files: &mut Files, frame: u32) -> Result<(), ReadError> {
-        add(hash, files.digest_of(&self.particles.sequence, frame)?);
+        add(hash, files.digest_of(&self.particles.sequence, self.flame.exposure.drawing(frame))?);
         Ok(())
     }
 
     fn describe(&mut self, effects: Effects, rendered: &[u32], layers: bool) -> Result<Effects, InputError> {
-        let extent = self.particles.sequence.extent(interrupt::until(rendered.iter().copied()))?;
+        let drawings = rendered.iter().map(|frame| self.flame.exposure.drawing(*frame));
+        let extent = self.particles.sequence.extent(interrupt::until(drawings))?;
         interrupt::check()?;
         let Fire { hottest, spread } = self.fire;
         let extent = ParticleExtent { hottest: hottest.unwrap_or(extent.hottest), ..extent };
@@ -115,15 +118,16 @@ impl Input for FlameInput {
         if !rendered {
             return Ok(None);
         }
-        let extent = self.extent;
-        let particles = self.particles.read(frame, |some, path| extent.map_or(Ok(()), |e| e.check(some, path)))?;
+        let (extent, drawing) = (self.extent, self.flame.exposure.drawing(frame));
+        let particles = self.particles.read(drawing, |some, path| extent.map_or(Ok(()), |e| e.check(some, path)))?;
         let count = self.particles.last().map_or(0, |last| last.position.len());
-        Ok(Some(Box::new(FlameBrought { particles, count })))
+        Ok(Some(Box::new(FlameBrought { particles, count, drawing })))
     }
 }
 
 impl Brought for FlameBrought {
     fn put<'a>(&'a self, scene: &mut Scene<'a>) {
         scene.particles = self.particles.as_deref();
+        scene.drawing = Some(self.drawing);
     }
 }

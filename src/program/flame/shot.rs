@@ -7,7 +7,7 @@ use crate::flame::{Settings, settings::Colour};
 use crate::io::particles::ParticleSequence;
 use crate::io::pattern::PatternError;
 use crate::io::picture::{self, Format};
-use crate::io::shot::{FileKey, Part, Section, Shot, ShotError, Table, pattern_error, setting_error};
+use crate::io::shot::{Exposure, FileKey, Part, Section, Shot, ShotError, Table, pattern_error, setting_error};
 
 /// A shot's settings of fire.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +16,8 @@ pub struct Flame {
     pub particles: String,
     /// A frame without a file keeps the last particles before it; otherwise it is an error.
     pub hold: bool,
+    /// How long its drawings last.
+    pub exposure: Exposure,
     /// Everything else; validated. `spread` is none where the shot does not say it.
     pub settings: Settings,
 }
@@ -27,6 +29,7 @@ const COLOURS: &[&str] = &["physical", "displayable"];
 const INPUTS: &[(&str, &str)] = &[
     ("flame.particles", "\"builtin:random\", or a file or pattern (\"fire.####.npz\")"),
     ("flame.hold", "true or false"),
+    ("flame.on", "1, 2 or 3 frames"),
 ];
 
 pub(super) const TABLE: Table = Table {
@@ -64,7 +67,7 @@ impl Flame {
 
 fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     let Section { tree, folder, fps, .. } = *section;
-    let mut settings: Settings = tree.settings("flame", &["particles", "hold", "colour"])?;
+    let mut settings: Settings = tree.settings("flame", &["particles", "hold", "on", "colour"])?;
     match (tree.get("flame.colour"), tree.word("flame.colour")) {
         (None, _) => {}
         (_, Some("physical")) => settings.colour = Colour::Physical,
@@ -78,5 +81,6 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     let particles = tree.text("flame.particles")?.unwrap_or_else(|| "builtin:random".to_owned());
     let hold = tree.flag("flame.hold")?;
     ParticleSequence::new(&particles, folder, (), hold, fps).map_err(|e| pattern_error(tree, "flame.particles", &e))?;
-    Ok(Arc::new(Flame { particles, hold, settings }))
+    let exposure = section.exposure("flame.on")?;
+    Ok(Arc::new(Flame { particles, hold, exposure, settings }))
 }

@@ -1,5 +1,6 @@
 //! Input of smoke: a volume a frame.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3;
@@ -8,13 +9,13 @@ use super::shot::Smoke;
 use crate::data::Volume;
 use crate::interrupt;
 use crate::io::ReadError;
-use crate::io::shot::Shot;
+use crate::io::shot::{Exposure, Shot};
 use crate::io::volume::Extent;
 use crate::offline::{Effects, Scene, TARGET_FORMAT};
 use crate::program::hash::builtin;
 use crate::program::input::Fresh;
 use crate::program::{Brought, Files, Input, InputError, Opened, add};
-use crate::smoke::Desc;
+use crate::smoke::{Desc, Sequence, Settings};
 use crate::view::LightSource;
 
 /// A shot's volumes.
@@ -26,8 +27,15 @@ struct SmokeInput {
     extent: Option<Extent>,
 }
 
-/// A frame's volume; none where it is that of the frame before.
-pub(super) struct SmokeBrought(Option<Arc<Volume>>);
+/// What a frame brings.
+pub(super) struct SmokeBrought {
+    /// None where it is that of the frame before.
+    volume: Option<Arc<Volume>>,
+    /// Whether the frame has the drawing of the one before.
+    is_held: bool,
+    /// Frames until the next drawing.
+    on: u32,
+}
 
 pub(super) fn open(shot: &Arc<Shot>) -> Opened {
     let Some(smoke) = shot.part::<Smoke>() else { return Ok(None) };
@@ -36,15 +44,26 @@ pub(super) fn open(shot: &Arc<Shot>) -> Opened {
     Ok(Some(Box::new(SmokeInput { shot, smoke, volumes: Fresh::new(volumes), extent: None })))
 }
 
+/// The settings where a step is from a drawing to the next: what counts frames counts drawings.
+fn drawn(settings: &Settings, exposure: Exposure) -> Settings {
+    Settings {
+        lifetime: settings.lifetime.map(|frames| exposure.drawings(frames)),
+        fade: exposure.drawings(settings.fade),
+        still: settings.still * exposure.on() as f32,
+        range_smoothing: settings.range_smoothing.powi(exposure.on() as i32),
+        ..settings.clone()
+    }
+}
+
 impl Input for SmokeInput {
     fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
-        let Smoke { volume, grids, settings, .. } = &self.smoke;
-        add(hash, ("smoke", self.shot.frames[0], grids, builtin(volume), settings));
+        let Smoke { volume, grids, exposure, settings, .. } = &self.smoke;
+        add(hash, ("smoke", self.shot.frames[0], grids, builtin(volume), exposure, settings));
         Ok(())
     }
 
     fn add_frame(&self, hash: &mut Xxh3, files: &mut Files, frame: u32) -> Result<(), ReadError> {
-        add(hash, files.digest_of(&self.volumes.sequence, frame)?);
+        add(hash, files.digest_of(&self.volumes.sequence, self.smoke.exposure.drawing(frame))?);
         Ok(())
     }
 
@@ -56,17 +75,20 @@ impl Input for SmokeInput {
         let shot = &self.shot;
         let [start, end] = shot.frames;
         let last = *rendered.last().unwrap_or(&end);
-        let extent = self.volumes.sequence.extent(interrupt::until(start..=last))?;
+        let exposure = self.smoke.exposure;
+        let drawings = (start..=last).filter(|frame| !exposure.is_held(*frame));
+        let extent = self.volumes.sequence.extent(interrupt::until(drawings))?;
         interrupt::check()?;
         self.extent = Some(extent);
         Ok(effects.with(Desc {
             size: shot.size,
+            lines: None,
             target_format: TARGET_FORMAT,
             dimensions: extent.dimensions,
             velocity: extent.velocity,
             point_light: matches!(shot.light(start).source, LightSource::Position(_)),
             seed: shot.seed,
-            settings: self.smoke.settings.clone(),
+            settings: drawn(&self.smoke.settings, exposure),
             layers,
             depth: None,
             edges: false,
@@ -76,13 +98,33 @@ impl Input for SmokeInput {
 
     fn read(&mut self, frame: u32, _: bool) -> Result<Option<Box<dyn Brought>>, InputError> {
         let extent = self.extent;
-        let volume = self.volumes.read(frame, |volume, path| extent.map_or(Ok(()), |e| e.check(volume, path)))?;
-        Ok(Some(Box::new(SmokeBrought(volume))))
+        let exposure = self.smoke.exposure;
+        let check = |volume: &Volume, path: &Path| extent.map_or(Ok(()), |extent| extent.check(volume, path));
+        let volume = self.volumes.read(exposure.drawing(frame), check)?;
+        Ok(Some(Box::new(SmokeBrought { volume, is_held: exposure.is_held(frame), on: exposure.on() })))
     }
 }
 
 impl Brought for SmokeBrought {
     fn put<'a>(&'a self, scene: &mut Scene<'a>) {
-        scene.volume = self.0.as_deref();
+        scene.volume = self.volume.as_deref();
+        scene.dt *= self.on as f32;
+        if self.is_held {
+            scene.sequence = Sequence::Hold;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_counts_frames_counts_drawings() {
+        let settings =
+            Settings { lifetime: Some(15), fade: 6, still: 0.5, range_smoothing: 0.5, ..Settings::default() };
+        assert_eq!(drawn(&settings, Exposure::new(1, 1)), settings);
+        let twos = drawn(&settings, Exposure::new(1, 2));
+        assert_eq!((twos.lifetime, twos.fade, twos.still, twos.range_smoothing), (Some(8), 3, 1.0, 0.25));
     }
 }

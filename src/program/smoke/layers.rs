@@ -54,22 +54,7 @@ mod tests {
 
     fn desc(sigma: f32) -> Desc {
         let settings = Settings { sigma, ..Settings::default() };
-        let (size, target_format, dimensions) = ([2, 1], TARGET_FORMAT, [1; 3]);
-        let (velocity, point_light, layers) = (false, false, true);
-        let (depth, edges, seed) = (None, false, 0);
-        Desc {
-            size,
-            target_format,
-            depth,
-            edges,
-            dimensions,
-            velocity,
-            point_light,
-            seed,
-            settings,
-            layers,
-            temporal: Default::default(),
-        }
+        Desc { target_format: TARGET_FORMAT, layers: true, ..Desc::new([2, 1], [1; 3], settings) }
     }
 
     #[test]

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use crate::io::pattern::PatternError;
-use crate::io::shot::{FileKey, Part, Section, Shot, ShotError, Table, pattern_error, setting_error, texture};
+use crate::io::shot::{
+    Exposure, FileKey, Part, Section, Shot, ShotError, Table, pattern_error, setting_error, texture,
+};
 use crate::io::volume::{Grids, VolumeSequence};
 use crate::smoke::Settings;
 
@@ -16,6 +18,8 @@ pub struct Smoke {
     pub grids: Grids,
     /// A frame without a file keeps the last volume before it; otherwise it is an error.
     pub hold: bool,
+    /// How long its drawings last.
+    pub exposure: Exposure,
     /// Everything else; validated.
     pub settings: Settings,
 }
@@ -26,6 +30,7 @@ const INPUTS: &[(&str, &str)] = &[
     ("smoke.density_grid", "the name of an array in the file"),
     ("smoke.velocity_grid", "the name of an array in the file"),
     ("smoke.hold", "true or false"),
+    ("smoke.on", "1, 2 or 3 frames"),
 ];
 
 pub(super) const TABLE: Table = Table {
@@ -50,7 +55,7 @@ impl Smoke {
 }
 
 fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
-    const ELSEWHERE: &[&str] = &["volume", "density_grid", "velocity_grid", "hold"];
+    const ELSEWHERE: &[&str] = &["volume", "density_grid", "velocity_grid", "hold", "on"];
     let Section { tree, folder, fps, .. } = *section;
     let tones = tree.word("smoke.tones");
     let elsewhere = [ELSEWHERE, if tones.is_some() { &["tones"] } else { &[] }].concat();
@@ -64,5 +69,6 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     let hold = tree.flag("smoke.hold")?;
     VolumeSequence::new(&volume, folder, grids.clone(), hold, fps)
         .map_err(|e| pattern_error(tree, "smoke.volume", &e))?;
-    Ok(Arc::new(Smoke { volume, grids, hold, settings }))
+    let exposure = section.exposure("smoke.on")?;
+    Ok(Arc::new(Smoke { volume, grids, hold, exposure, settings }))
 }

@@ -6,7 +6,7 @@ use crate::host::TemporalFormats;
 use crate::offline::TARGET_FORMAT;
 use crate::plan::Pass;
 use crate::program::variants::{DEPTH, SIZE, TEMPORAL, passes, switches};
-use crate::smoke::settings::{Integrator, Mask, Operator, Shadow};
+use crate::smoke::settings::{Integrator, LINES, Mask, Operator, Shadow};
 use crate::smoke::{Desc, Settings, SmokeKind};
 
 pub(super) fn variants(traits: &DeviceTraits) -> Result<Vec<Vec<Pass>>> {
@@ -33,6 +33,7 @@ fn variant(
     settings.sigma = if flat { 0.0 } else { settings.sigma };
     let desc = Desc {
         size: SIZE,
+        lines: Some(LINES),
         target_format: TARGET_FORMAT,
         dimensions: [8; 3],
         velocity: true,

@@ -40,6 +40,8 @@ impl Ranges {
 #[derive(Clone, Debug, Default)]
 pub struct Groups {
     range: Option<[f64; 2]>,
+    /// That of the depths themselves.
+    depths: Option<[f64; 2]>,
     groups: Vec<u32>,
 }
 
@@ -48,12 +50,33 @@ impl Groups {
     ///
     /// Under the soft mask no sphere keeps its group. `spheres` are centre and displayed radius in metres, `origins` what each was in the frame before.
     pub fn step(&mut self, settings: &Settings, view: &View, spheres: &[[f64; 4]], origins: &[Origin]) -> Vec<u32> {
+        let depths = ahead(view, spheres);
+        self.range = smoothed(self.range, depths, f64::from(settings.range_smoothing));
+        self.regroup(settings, view, spheres, origins, depths)
+    }
+
+    /// The same in a frame of the same moment: what is smoothed moves as depths do with the camera.
+    pub fn hold(&mut self, settings: &Settings, view: &View, spheres: &[[f64; 4]]) -> Vec<u32> {
+        let depths = ahead(view, spheres);
+        self.range = match (self.range, self.depths, depths) {
+            (Some(range), Some(before), Some(now)) => Some([0, 1].map(|end| range[end] + now[end] - before[end])),
+            _ => depths,
+        };
+        self.regroup(settings, view, spheres, &vec![Origin::Kept; spheres.len()], depths)
+    }
+
+    fn regroup(
+        &mut self,
+        settings: &Settings,
+        view: &View,
+        spheres: &[[f64; 4]],
+        origins: &[Origin],
+        depths: Option<[f64; 2]>,
+    ) -> Vec<u32> {
+        self.depths = depths;
         // Depth is the same whatever the picture's size.
         let projection = Projection::of_valid(view, [1, 1]);
         let depth = |[x, y, z, _]: &[f64; 4]| projection.to_view(DVec3::new(*x, *y, *z)).z;
-        let ahead = spheres.iter().filter(|s| s[3] > 0.0).map(depth).filter(|z| *z >= projection.near);
-        let fresh_range = ahead.map(|z| [z, z]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-        self.range = smoothed(self.range, fresh_range, f64::from(settings.range_smoothing));
         let ranges = self.ranges(settings);
         let previous = std::mem::take(&mut self.groups);
         let group = |(place, (sphere, origin)): (usize, (&[f64; 4], &Origin))| {
@@ -86,6 +109,13 @@ impl Groups {
     pub fn range(&self) -> Option<[f64; 2]> {
         self.range
     }
+}
+
+/// The range of centre depth of what is ahead of the near plane.
+fn ahead(view: &View, spheres: &[[f64; 4]]) -> Option<[f64; 2]> {
+    let projection = Projection::of_valid(view, [1, 1]);
+    let depths = spheres.iter().filter(|s| s[3] > 0.0).map(|s| projection.to_view(DVec3::new(s[0], s[1], s[2])).z);
+    depths.filter(|z| *z >= projection.near).map(|z| [z, z]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
 /// The next smoothed range: the share `kept` of the old one, unless there is none or they do not overlap.
@@ -191,5 +221,17 @@ mod tests {
         assert_eq!(groups.range(), None);
         step(&mut groups, &settings, &[1.0, 8.0], Origin::Kept);
         assert_eq!(groups.range(), Some([1.0, 8.0]));
+    }
+    #[test]
+    fn in_a_held_moment_the_range_goes_with_the_camera() {
+        let settings = Settings { range_smoothing: 0.75, ..Settings::default() };
+        let mut groups = Groups::default();
+        step(&mut groups, &settings, &[2.0, 6.0], Origin::Fresh);
+        step(&mut groups, &settings, &[4.0, 6.0], Origin::Kept);
+        let view = |back| Camera { eye: DVec3::Z * back, ..camera() }.view([1, 1]);
+        for back in [0.0, 0.0, 1.5] {
+            groups.hold(&settings, &view(back), &at_depths(&[4.0, 6.0]));
+            assert_eq!(groups.range(), Some([2.5 + back, 6.0 + back]));
+        }
     }
 }

@@ -2,6 +2,7 @@
 //! benchmark compare the GPU with. Clear before fast.
 
 pub mod birth;
+pub mod coverage;
 pub mod gaussian;
 pub mod grid;
 pub mod groups;
@@ -38,7 +39,7 @@ pub struct Frame {
     pub tone: Vec<[f64; 3]>,
     /// Opacity of inner lines and of silhouettes, 0 to 1.
     pub outline: Vec<[f64; 2]>,
-    /// The effect alone, linear RGBA, premultiplied; alpha is 0 or 1.
+    /// The effect alone, linear RGBA, premultiplied by the share of the pixel that it covers.
     pub image: Vec<[f64; 4]>,
 }
 
@@ -62,19 +63,23 @@ pub fn frame(
     spheres: &[[f64; 4]],
     grouping: &Grouping,
 ) -> Frame {
-    let hits = render::raycast(view, size, spheres);
+    let drawn = render::drawn(view, size, settings.smallest.into(), spheres);
+    let hits = render::raycast(view, size, &drawn);
     let soft = |softness| shadow::shadow(view, size, spheres, &hits, light.source, softness);
     let shadow = match settings.shadow {
         Shadow::Exact => soft(f64::from(settings.softness)),
         Shadow::Map => soft(0.0),
         Shadow::None => vec![1.0; hits.len()],
     };
-    let luminance = render::luminance(view, size, spheres, &hits, light, &shadow);
+    let luminance = render::luminance(view, size, &drawn, &hits, light, &shadow);
     let depth = render::depth(&hits);
     let (id, smooth) = masked(settings, size, &luminance, &depth, render::id(&hits, grouping.groups), &grouping.ranges);
     let tone = tone::tones(size, &smooth, &id, settings.mask, &settings.tones, settings.tone_softness.into());
     let outline = outline::outline(size, &depth, view, voxel, &settings.outline);
-    let image = tone::composite(&tone, &outline, &id, &settings.outline);
+    let mut image = tone::composite(&tone, &outline, &id, &settings.outline);
+    if settings.is_antialiased() {
+        image = coverage::covered(&image, &coverage::coverage(view, size, &drawn, &hits));
+    }
     Frame { hits, shadow, luminance, depth, id, smooth, tone, outline, image }
 }
 
@@ -139,7 +144,8 @@ mod tests {
         assert!(frame.hits.iter().flatten().any(|hit| hit.sphere >= 100), "no ghost is seen");
         for (pixel, hit) in frame.hits.iter().enumerate() {
             assert_eq!(frame.id[pixel] > 0, hit.is_some());
-            assert_eq!(frame.image[pixel][3], if hit.is_some() { 1.0 } else { 0.0 });
+            let alpha = frame.image[pixel][3];
+            assert!(if hit.is_some() { (0.5..=1.0).contains(&alpha) } else { (0.0..=0.5).contains(&alpha) });
             assert_eq!(frame.depth[pixel].is_finite(), hit.is_some());
             assert!(
                 (0.0..=1.0).contains(&frame.smooth[pixel])
@@ -147,7 +153,7 @@ mod tests {
             );
             assert!(frame.image[pixel].iter().all(|c| (0.0..=1.0).contains(c)));
         }
-        let ink = frame.image.iter().filter(|c| **c == [0.0, 0.0, 0.0, 1.0]).count();
+        let ink = frame.image.iter().filter(|c| c[..3] == [0.0; 3] && c[3] > 0.0).count();
         assert!(ink > 50 && ink < seen, "{ink} pixels of ink");
     }
 

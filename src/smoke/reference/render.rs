@@ -35,7 +35,12 @@ impl Scene {
 
     /// The ray through the middle of pixel (x, y), y down: where it begins, and its direction with z = 1.
     fn ray(&self, x: u32, y: u32) -> [DVec3; 2] {
-        self.projection.ray_at(DVec2::new(f64::from(x), f64::from(y)) + 0.5)
+        self.ray_at(f64::from(x) + 0.5, f64::from(y) + 0.5)
+    }
+
+    /// The ray through any place of the picture, in pixels.
+    pub(super) fn ray_at(&self, x: f64, y: f64) -> [DVec3; 2] {
+        self.projection.ray_at(DVec2::new(x, y))
     }
 
     /// Pixels that may see a sphere: columns and rows, never too few. The planes through the eye that touch the sphere
@@ -86,6 +91,19 @@ impl Scene {
             }
         }
     }
+}
+
+/// The spheres as they are drawn where those of a diameter below `smallest` pixels shrink by smoothstep, to nothing at half
+/// of it; 0: all are as they are.
+pub fn drawn(view: &View, size: [u32; 2], smallest: f64, spheres: &[[f64; 4]]) -> Vec<[f64; 4]> {
+    let projection = Projection::of_valid(view, size);
+    let drawn = |[x, y, z, radius]: &[f64; 4]| {
+        let depth = projection.to_view(DVec3::new(*x, *y, *z)).z.max(projection.near);
+        let metres = if projection.is_orthographic { 1.0 } else { depth } / projection.focal.y;
+        let t = if smallest > 0.0 { (4.0 * radius / metres / smallest - 1.0).clamp(0.0, 1.0) } else { 1.0 };
+        [*x, *y, *z, radius * t * t * (3.0 - 2.0 * t)]
+    };
+    spheres.iter().map(drawn).collect()
 }
 
 /// Nearest front hit of every pixel with a depth in near..=far, row by row from the top; of equal ones the first sphere.

@@ -6,6 +6,9 @@ use crate::toon::ink_reach;
 use crate::toon::settings::{BROADEST, STRONGEST};
 use crate::view::BRIGHTEST;
 
+/// The most that a line can be asked to reach over, in pixels at 1080 lines.
+const LONGEST: f32 = 64.0;
+
 words! {
     /// How lines are found in the depth image.
     pub enum Operator {
@@ -26,7 +29,7 @@ settings! {
         /// Of a silhouette: its opacity. Of an inner line: as of all.
         strength: Option<f32> = None, "", 0.0..=STRONGEST, "off";
         /// How broad it is.
-        width: Option<f32> = None, "pixels", 1.0..=BROADEST;
+        width: Option<f32> = None, "pixels at 1080 lines", 1.0..=BROADEST;
         /// What it is drawn with.
         colour: Option<[f32; 3]> = None, "linear [red, green, blue]", 0.0..=BRIGHTEST;
     }
@@ -38,16 +41,16 @@ settings! {
     pub struct Outline {
         /// What steps in depth count: with 1, a step of a voxel is a line. The other operators darken by its square.
         strength: f32 = 1.0, "", 0.0..=STRONGEST, "off";
-        /// How broad the line is; 1 is the thinnest.
-        width: f32 = 1.5, "pixels", 1.0..=BROADEST;
+        /// How broad the line is; at least a pixel of the picture.
+        width: f32 = 3.0, "pixels at 1080 lines", 1.0..=BROADEST;
         /// What it is drawn with.
         colour: [f32; 3] = [0.0; 3], "linear [red, green, blue]", 0.0..=BRIGHTEST;
         /// What makes a line: a "step" in depth is black or nothing; "roberts" and "second" differences fade.
         operator: Operator = Operator::default();
         /// Of steps: how much thinner a line is where the step is low, as towards its ends.
         taper: f32 = 0.5, "share of the width", 0.0..=1.0;
-        /// Of steps: lines that do not reach over so many pixels go.
-        shortest: f32 = 8.0, "pixels", 0.0..=PIECE_REACH as f32, "all stay";
+        /// Of steps: lines that do not reach over so much go. No more counts than 13 pixels of the picture.
+        shortest: f32 = 16.0, "pixels at 1080 lines", 0.0..=LONGEST, "all stay";
         /// The line around the smoke.
         silhouette: Line = Line::default();
         /// Lines within the smoke.
@@ -74,6 +77,20 @@ impl Outline {
     /// Whether lines are steps, black or nothing.
     pub(crate) fn is_hard(&self) -> bool {
         self.operator == Operator::Step
+    }
+
+    /// With sizes in pixels of a picture of so many times 1080 lines. Lines are as broad as a pixel at least, and what is
+    /// looked at along them has an end.
+    pub(super) fn scaled(&self, scale: f32) -> Outline {
+        let width = |width: f32| (width * scale).max(1.0);
+        let line = |line: &Line| Line { width: line.width.map(width), ..*line };
+        Outline {
+            width: width(self.width),
+            shortest: (self.shortest * scale).min(PIECE_REACH as f32),
+            silhouette: line(&self.silhouette),
+            inner: line(&self.inner),
+            ..*self
+        }
     }
 
     /// Silhouettes; strength is their opacity.
