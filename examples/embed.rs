@@ -200,6 +200,9 @@ pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Resu
         dimensions: [48, 72, 48],
         velocity: false,
         point_light: false,
+        rim: false,
+        second_light: false,
+        fire_light: false,
         seed: 1,
         settings: Settings { particles: 1000, ..Settings::default() },
         layers: false,
@@ -223,6 +226,7 @@ pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Resu
             dt: 1.0 / 24.0,
             view: Camera::default().view(SIZE),
             light: Light::default(),
+            fire: None,
             volume: Some(slot.volume(n)),
             // DRAWN and SHOWN: stage, access and layout that the host leaves the target in, and wants it back in.
             target: Some(HostImage::new(slot.target.handle, slot.target.view, FORMAT, SIZE, DRAWN, SHOWN)),

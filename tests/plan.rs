@@ -264,6 +264,9 @@ fn desc(settings: Settings) -> Desc {
         dimensions: [32, 32, 32],
         velocity: true,
         point_light: false,
+        rim: false,
+        second_light: false,
+        fire_light: false,
         seed: 0,
         settings,
         layers: false,
@@ -320,6 +323,7 @@ impl Effect {
             dt: 0.04,
             view: Camera::default().view(self.desc.size),
             light: Light::default(),
+            fire: None,
             volume: None,
             target: Some(target),
             background: Background::Clear([0.0; 4]),
@@ -464,7 +468,8 @@ fn combinations() -> Vec<Desc> {
                     let fade = if flag { 0 } else { 6 };
                     let settings =
                         Settings { shadow, grow, radius, sigma, outline, integrator, fade, ..Settings::default() };
-                    all.push(Desc { layers: flag, velocity: flag, point_light: flag, ..desc(settings) });
+                    let lit = Desc { rim: flag, second_light: flag, fire_light: flag, ..desc(settings) };
+                    all.push(Desc { layers: flag, velocity: flag, point_light: flag, ..lit });
                 }
             }
         }

@@ -176,10 +176,14 @@ settings! {
         cutoff: f32 = 3.0, "multiples of sigma", 1.0..=4.0;
         /// What smoothed luminances become.
         tones: Vec<Tone> = vec![
-            Tone { from: 0.0, colour: [0.30, 0.33, 0.42] },
-            Tone { from: 0.42, colour: [0.62, 0.65, 0.72] },
-            Tone { from: 0.68, colour: [0.95, 0.95, 0.93] },
+            Tone::new(0.0, [0.30, 0.33, 0.42]),
+            Tone::new(0.42, [0.62, 0.65, 0.72]),
+            Tone::new(0.68, [0.95, 0.95, 0.93]),
         ];
+        /// What they become higher up; without it, they are the same everywhere.
+        tones_above: Option<Vec<Tone>> = None;
+        /// Heights in the scene between which the colours of the tones change to those of `tones_above`.
+        gradient: [f32; 2] = [0.0, 2.0], "metres", -FARTHEST..=FARTHEST;
         /// Width of the antialiased border between tones.
         tone_softness: f32 = 0.5, "pixels", 0.0..=16.0, "hard";
         /// The ink line.
@@ -228,6 +232,16 @@ impl Settings {
         if self.is_soft() { (0, self.group_count() + 1) } else { (1, self.group_count()) }
     }
 
+    /// Whether tones have colours of their own in shadow.
+    pub fn has_shaded_tones(&self) -> bool {
+        self.all_tones().any(|tone| tone.shadow.is_some())
+    }
+
+    /// The tones, then those above.
+    pub(super) fn all_tones(&self) -> impl Iterator<Item = &Tone> {
+        self.tones.iter().chain(self.tones_above.iter().flatten())
+    }
+
     /// The keys of `[smoke]`, in order.
     pub fn dials() -> Vec<Dial> {
         Setting::dials(&Settings::default())
@@ -241,6 +255,13 @@ impl Settings {
                 "smoke.grow",
                 "field",
                 "\"chosen\", \"growth\" or \"pyramid\" with radius = \"ball\"",
+            ));
+        }
+        if self.gradient[0] > self.gradient[1] {
+            return Err(Error::setting(
+                "smoke.gradient",
+                format!("{:?}", self.gradient),
+                "[from, to], from not above to",
             ));
         }
         Ok(())

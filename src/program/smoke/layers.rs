@@ -1,9 +1,11 @@
 //! The layers of the smoke effect.
 
+use crate::plan::BufferId;
 use crate::program::layers::{LayerData, LayerEntry, Made};
 use crate::smoke::Desc;
 use crate::smoke::layout::{
-    CONTROL, DEPTH, GROUPS, OUTLINE_LAYER, PICTURE, PIXELS, SHADOW, SMOOTH, SPHERES, TONE_LAYER, VISIBLE,
+    CONTROL, DEPTH, GROUPS, LIGHT_LAYER, MATTE_LAYER, OUTLINE_LAYER, PICTURE, PIXELS, SHADOW, SMOOTH, SPHERES,
+    TONE_LAYER, VISIBLE,
 };
 use crate::smoke::params::{Control, GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
@@ -17,9 +19,23 @@ pub(super) const LAYERS: &[LayerEntry] = &[
     LayerEntry::image("smoke.shadow", &[SHADOW], |made| LayerData::Value(made.image(SHADOW))),
     LayerEntry::image("smoke.smooth", &[SMOOTH, PIXELS], smooth),
     LayerEntry::image("smoke.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
-    LayerEntry::image("smoke.outline", &[OUTLINE_LAYER], |made| LayerData::Value(made.image(OUTLINE_LAYER))),
+    LayerEntry::image("smoke.mattes", &[MATTE_LAYER], |made| LayerData::Colour(made.image(MATTE_LAYER))),
+    LayerEntry::image("smoke.cast_shadow", &[LIGHT_LAYER], |made| value_of(made, LIGHT_LAYER, |[shadow, _]| shadow)),
+    LayerEntry::image("smoke.rim", &[LIGHT_LAYER], |made| value_of(made, LIGHT_LAYER, |[_, rim]| rim)),
+    LayerEntry::image("smoke.outline", &[OUTLINE_LAYER], |made| value_of(made, OUTLINE_LAYER, |[ink, _]| ink)),
+    LayerEntry::image("smoke.outline.silhouette", &[OUTLINE_LAYER], |made| {
+        value_of(made, OUTLINE_LAYER, |[_, silhouette]| silhouette)
+    }),
+    LayerEntry::image("smoke.outline.inner", &[OUTLINE_LAYER], |made| {
+        value_of(made, OUTLINE_LAYER, |[ink, silhouette]| ink - silhouette)
+    }),
     LayerEntry::image("smoke", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
+
+/// One value a pixel of the two that a buffer has.
+fn value_of(made: &Made, buffer: BufferId, value: fn([f32; 2]) -> f32) -> LayerData {
+    LayerData::Value(made.image(buffer).into_iter().map(value).collect())
+}
 
 fn luminance(made: &Made) -> Vec<f32> {
     made.image::<u32>(PIXELS).into_iter().map(|word| (word >> GROUP_BITS) as f32 / LUMINANCE_ONE).collect()
@@ -65,6 +81,9 @@ mod tests {
             dimensions,
             velocity,
             point_light,
+            rim: false,
+            second_light: false,
+            fire_light: false,
             seed,
             settings,
             layers,
@@ -88,7 +107,9 @@ mod tests {
             (SHADOW, bytemuck::cast_slice(&[1.0f32, 0.0])),
             (SMOOTH, bytemuck::cast_slice(&[0.25f32, 0.0])),
             (TONE_LAYER, bytemuck::cast_slice(&zero)),
-            (OUTLINE_LAYER, bytemuck::cast_slice(&[0.5f32, 0.0])),
+            (OUTLINE_LAYER, bytemuck::cast_slice(&[[0.75f32, 0.25], [0.0; 2]])),
+            (LIGHT_LAYER, bytemuck::cast_slice(&[[0.5f32, 0.125], [0.0; 2]])),
+            (MATTE_LAYER, bytemuck::cast_slice(&[[0.0f32, 1.0, 0.0, 0.0], [0.0; 4]])),
             (PICTURE, bytemuck::cast_slice(&zero)),
         ];
         let layers = of(LAYERS, &desc(4.0), &bytes, &zero, None, (true, &[]));
@@ -97,6 +118,16 @@ mod tests {
         assert_eq!(values(&layers, "smoke.id"), [7.0, 0.0]);
         assert_eq!(values(&layers, "smoke.depth"), [2.0, f32::INFINITY]);
         assert_eq!(values(&layers, "smoke.smooth"), [0.25, 0.0]);
+        for (name, expected) in [
+            ("smoke.cast_shadow", 0.5),
+            ("smoke.rim", 0.125),
+            ("smoke.outline", 0.75),
+            ("smoke.outline.silhouette", 0.25),
+            ("smoke.outline.inner", 0.5),
+        ] {
+            assert_eq!(values(&layers, name), [expected, 0.0], "{name}");
+        }
+        assert_eq!(values(&layers, "smoke.mattes"), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(
             values(&of(LAYERS, &desc(0.0), &bytes, &zero, None, (true, &[])), "smoke.smooth"),
             [1.0, 0.0],
