@@ -54,7 +54,8 @@ mod tests {
         let two = [[-1.0, 0.0, 5.0], [3.0, 0.0, 5.0]];
         let light = fire_light(&settings(2.0), 3000.0, &two, &[1500.0; 2]).expect("it glows");
         assert!((light.position - DVec3::new(1.0, 0.0, 5.0)).length() < 1e-12 && (light.reach - 8.0).abs() < 1e-12);
-        assert_eq!(light.colour, [0.0, 2.0, 0.0]);
+        // The table is one of single floats.
+        assert!(light.colour.iter().zip([0.0, 2.0, 0.0]).all(|(found, expected)| (found - expected).abs() < 1e-6));
         // At 500 K, below the glow's least, and not a number: no part of it.
         let more = [[-1.0, 0.0, 5.0], [3.0, 0.0, 5.0], [99.0, 0.0, 0.0], [f32::NAN, 0.0, 0.0]];
         assert_eq!(fire_light(&settings(2.0), 3000.0, &more, &[1500.0, 1500.0, 500.0, 1500.0]), Some(light));

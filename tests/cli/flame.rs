@@ -69,7 +69,7 @@ fn a_frame_of_fire_and_smoke_alone_equals_the_frame_of_the_sequence() {
     if !has_device() {
         return;
     }
-    let folder = assert_alone(&format!("{FIRE}light = 2\n{SMOKE}"), 23);
+    let folder = assert_alone(&format!("{FIRE}light = 2\n{SMOKE}"), 26);
     succeeds(&folder, &["render", "shot.toml", "-o", "a.png", "--frames", "2", "--profile", "p.csv"]);
     let profile = fs::read_to_string(folder.0.join("p.csv")).expect("a profile");
     assert!(["\n2,smoke.", "\n2,flame."].iter().all(|row| profile.contains(row)), "{profile}");
