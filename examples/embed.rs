@@ -212,6 +212,7 @@ pub fn render(device: &mut Headless, slots: &mut [Slot; 2], frames: u32) -> Resu
             dt: 1.0 / 24.0,
             view: Camera::default().view(SIZE),
             light: Light::default(),
+            fire: None,
             volume: Some(slot.volume(n)),
             // DRAWN and SHOWN: stage, access and layout that the host leaves the target in, and wants it back in.
             target: Some(HostImage::new(slot.target.handle, slot.target.view, FORMAT, SIZE, DRAWN, SHOWN)),

@@ -25,7 +25,7 @@ use crate::gpu::transfer::{COPIED_FROM, Copy, Download, Upload, record_readback}
 use crate::host::{Background, HostImage, ImageState};
 use crate::profile::FrameTimes;
 use crate::smoke::Sequence;
-use crate::view::{Camera, Light, View};
+use crate::view::{Camera, FireLight, Light, View};
 use depth::SharedDepth;
 pub use effects::Effects;
 pub use motion::{BlurError, BlurFrame, BlurInput};
@@ -50,6 +50,8 @@ pub struct Scene<'a> {
     pub view: Option<View>,
     /// The light.
     pub light: Light,
+    /// The light of its fire on smoke that was made for one.
+    pub fire: Option<FireLight>,
     /// Its volume; none if it is the last one.
     pub volume: Option<&'a Volume>,
     /// Its particles; none if they are those of the last rendered frame. Those of other frames are not looked at.

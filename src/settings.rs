@@ -205,13 +205,12 @@ impl<S: Setting + Default> Setting for Option<S> {
     }
 }
 
-/// Three numbers in brackets.
-pub(crate) fn three(values: [f32; 3]) -> String {
-    let [a, b, c] = values.map(Number::shown);
-    format!("[{a}, {b}, {c}]")
+/// Numbers in brackets.
+pub(crate) fn listed_in_brackets<const N: usize>(values: [f32; N]) -> String {
+    format!("[{}]", values.map(Number::shown).join(", "))
 }
 
-impl Setting for [f32; 3] {
+impl<const N: usize> Setting for [f32; N] {
     type Rule = Rule<f32>;
     fn check(&self, key: &str, rule: &Self::Rule) -> Result<()> {
         self.iter().try_for_each(|value| rule.check(key, *value))
@@ -220,7 +219,7 @@ impl Setting for [f32; 3] {
         rule.allowed()
     }
     fn shown(&self) -> Option<String> {
-        Some(three(*self))
+        Some(listed_in_brackets(*self))
     }
 }
 

@@ -13,9 +13,9 @@ pub use crate::shaders::common::constants::FARTHEST;
 pub use camera::Camera;
 #[cfg(feature = "cli")]
 pub(crate) use camera::{near, vertical_fov};
-pub use light::{Light, LightSource};
+pub use light::{FireLight, Light, LightSource, SecondLight};
 #[cfg(feature = "cli")]
-pub(crate) use light::{ambient, fill};
+pub(crate) use light::{ambient, fill, rim, strength};
 pub use projection::Projection;
 
 /// Largest component of a linear colour that is taken, of settings as of pixels and vertices: far beyond what half floats

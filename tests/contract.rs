@@ -81,6 +81,7 @@ fn smoke_frame() -> smoke::Frame {
         dt: 0.04,
         view: Camera::default().view(SIZE),
         light: direction(-1.0, -1.5, -1.0),
+        fire: None,
         volume: Some(volume),
         target: Some(image(FORMAT)),
         background: Background::Clear([0.0; 4]),

@@ -73,8 +73,12 @@ fn what_is_switched_off_takes_no_room() {
         layout::ROW_SUMS,
         layout::ROW_ITEMS,
         layout::LINES,
+        layout::CHANNELS,
+        layout::SMOOTH_CHANNELS,
         layout::TONE_LAYER,
         layout::OUTLINE_LAYER,
+        layout::MATTE_LAYER,
+        layout::LIGHT_LAYER,
     ] {
         assert_eq!(layout.size(id), 16, "{id:?}");
     }
@@ -220,7 +224,7 @@ fn searches_have_as_many_dispatches_as_they_may_need() {
 #[test]
 fn settings_out_of_range_are_refused_by_key() {
     let s = Settings::default;
-    let tone = |from: f32| Tone { from, colour: [0.5; 3] };
+    let tone = |from: f32| Tone::new(from, [0.5; 3]);
     let cases = [
         ("smoke.threshold", Settings { threshold: f32::NAN, ..s() }),
         ("smoke.particles", Settings { particles: 1_000_001, ..s() }),
@@ -231,6 +235,10 @@ fn settings_out_of_range_are_refused_by_key() {
         ("smoke.scale", Settings { scale: 0.0, ..s() }),
         ("smoke.grow", Settings { grow: Grow::Field, radius: Radius::Ball, ..s() }),
         ("smoke.softness", Settings { softness: 1.1, ..s() }),
+        ("smoke.gradient", Settings { gradient: [1.0, 0.5], ..s() }),
+        ("smoke.gradient", Settings { gradient: [f32::NAN, 0.5], ..s() }),
+        ("smoke.tones_above", Settings { tones_above: Some(Vec::new()), ..s() }),
+        ("smoke.tones", Settings { tones: vec![Tone { shadow: Some([-1.0; 3]), ..tone(0.0) }], ..s() }),
         ("smoke.shadow_map", Settings { shadow_map: 8, ..s() }),
         ("smoke.shadow_filter", Settings { shadow_filter: 2, ..s() }),
         ("smoke.groups", Settings { groups: 255, ..s() }),

@@ -309,6 +309,7 @@ impl Effect {
             dt: 0.04,
             view: Camera::default().view(self.desc.size),
             light: Light::default(),
+            fire: None,
             volume: None,
             target: Some(target),
             background: Background::Clear([0.0; 4]),
@@ -453,7 +454,8 @@ fn combinations() -> Vec<Desc> {
                     let fade = if flag { 0 } else { 6 };
                     let settings =
                         Settings { shadow, grow, radius, sigma, outline, integrator, fade, ..Settings::default() };
-                    all.push(Desc { layers: flag, velocity: flag, point_light: flag, ..desc(settings) });
+                    let lit = Desc { rim: flag, second_light: flag, fire_light: flag, ..desc(settings) };
+                    all.push(Desc { layers: flag, velocity: flag, point_light: flag, ..lit });
                 }
             }
         }

@@ -20,6 +20,8 @@ mod graph;
 mod groups;
 #[path = "smoke/host.rs"]
 mod host;
+#[path = "smoke/light.rs"]
+mod light;
 #[path = "smoke/motion.rs"]
 mod motion;
 #[path = "smoke/offline.rs"]

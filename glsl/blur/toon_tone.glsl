@@ -2,23 +2,31 @@
 #include "poses.glsl"
 #include "toon/luminance.glsl"
 
-// The way to the light from a place of a triangle in a frame, i - 1 (0) to i + 2 (3).
-vec3 to_light(uint frame, uvec4 triangle, vec3 barycentrics) {
-    if (toon.light.w == 0.0) {
-        return toon.light.xyz;
+// The way to a goal, homogeneous as a light is, from a place of a triangle in a frame, i - 1 (0) to i + 2 (3).
+vec3 way_to(vec4 goal, uint frame, uvec4 triangle, vec3 barycentrics) {
+    if (goal.w == 0.0) {
+        return goal.xyz;
     }
     uint place = params.pose_places[frame];
-    vec3 a = toon.light.xyz - pose(place, triangle.x);
-    vec3 b = toon.light.xyz - pose(place, triangle.y);
-    vec3 c = toon.light.xyz - pose(place, triangle.z);
+    vec3 a = goal.xyz - pose(place, triangle.x);
+    vec3 b = goal.xyz - pose(place, triangle.y);
+    vec3 c = goal.xyz - pose(place, triangle.z);
     vec3 way = barycentrics.x * a + barycentrics.y * b + barycentrics.z * c;
     return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
 }
 
 // The tone of a place of a triangle, whose number is `index`, by its normal, of length 1 or 0.
 vec3 toned(uint frame, uint index, uvec4 triangle, vec3 barycentrics, vec3 normal) {
-    float facing = dot(normal, to_light(frame, triangle, barycentrics));
+    float facing = dot(normal, way_to(toon.light, frame, triangle, barycentrics));
     float luminance = luminance_of(facing, 1.0, dot(normal, toon.fill.xyz), toon.ambient, toon.fill.w);
+    if (toon.second_strength > 0.0) {
+        float second = dot(normal, way_to(toon.second_light, frame, triangle, barycentrics));
+        luminance = with_second(luminance, second, toon.second_strength);
+    }
+    if (toon.rim > 0.0) {
+        float eye = dot(normal, way_to(toon.eye, frame, triangle, barycentrics));
+        luminance = with_rim(luminance, turned_away(facing, eye), toon.rim);
+    }
     vec3 tone = toon.tones[0].rgb;
     for (uint i = 1u; i < toon.tone_count && luminance >= toon.tones[i].w; ++i) {
         tone = toon.tones[i].rgb;

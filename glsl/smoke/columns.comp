@@ -3,8 +3,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "no_channel.glsl"
 #include "gaussian.glsl"
 #include "mask.glsl"
+#include "channels.glsl"
+layout(constant_id = 1) const uint CHANNEL = NO_CHANNEL;  // as in the pass before
 layout(std430, binding = 3) readonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 4) readonly buffer ColumnItems { uint column_items[]; };
 layout(std430, binding = 5) readonly buffer RowSums { vec2 row_sums[]; };
@@ -12,6 +15,7 @@ layout(std430, binding = 6) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 7) writeonly buffer Smooth { float smooth_luminance[]; };
 layout(std430, binding = 8) readonly buffer Depth { float depth[]; };
 layout(std430, binding = 9) readonly buffer ControlBuffer { Control control; };
+layout(std430, binding = 10) writeonly buffer SmoothChannels { float smooth_channels[]; };
 layout(push_constant) uniform GaussianConstants { uint base; } constants;  // first entry of the batch
 #include "coordinate.glsl"
 
@@ -74,7 +78,11 @@ void main() {
                 vec2 shares = plane_shares(depth[index], group);
                 sums = shares.x * before[o] + shares.y * sums;
             }
-            smooth_luminance[index] = sums.x / sums.y;
+            if (CHANNEL != NO_CHANNEL) {
+                smooth_channels[channel_index(CHANNEL, index)] = sums.x / sums.y;
+            } else {
+                smooth_luminance[index] = sums.x / sums.y;
+            }
         }
     }
 }

@@ -1,6 +1,11 @@
 // Luminance, depth and group of the pixels that a sphere was seen at: Y = ambient + (1 - ambient) max(0, n.l) s,
 // with a share of it filled. Works on occupied tiles, so that only pixels that are seen ask for shadows.
-layout(constant_id = 1) const uint KEEP_SHADOW = 0u;  // 1: s is a layer, or several dispatches add to it
+#include "no_channel.glsl"
+layout(constant_id = 1) const uint KEEP_SHADOW = 0u;  // 1: s is smoothed or a layer, or several dispatches add to it
+layout(constant_id = 2) const bool SECOND = false;      // there may be a second light
+layout(constant_id = 3) const uint SHADE = NO_CHANNEL;           // channel of s,
+layout(constant_id = 4) const uint FIRE = NO_CHANNEL;            // of the fire's light,
+layout(constant_id = 5) const uint RIM = NO_CHANNEL;    // of how far surfaces are turned away
 #include "tile.glsl"
 layout(binding = 3, r32ui) uniform readonly uimage2D seen;
 layout(std430, binding = 2) readonly buffer Spheres { vec4 spheres[]; };
@@ -8,8 +13,12 @@ layout(std430, binding = 4) writeonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 5) writeonly buffer Depth { float depth[]; };
 layout(std430, binding = 6) buffer Shadow { float shadow[]; };
 layout(std430, binding = 9) readonly buffer ViewSpheres { vec4 view_spheres[]; };
+layout(std430, binding = 10) writeonly buffer Channels { float channels[]; };
+layout(std430, binding = 11) readonly buffer Occupancy { uint occupancy[]; };
 #include "view.glsl"
 #include "pixel.glsl"
+#include "channels.glsl"
+#include "fire.glsl"
 #include "toon/luminance.glsl"
 
 // What a shadow is asked for.
@@ -25,6 +34,14 @@ struct Surface {
 
 float lit_share(Surface surface, float before);
 
+// Cosine between the normal and the second light.
+float facing_second(Surface surface) {
+    vec4 light = params.second_light;
+    vec3 way = light.w == 0.0 ? light.xyz : (light.xyz - surface.centre) - surface.offset;
+    float squared = dot(way, way);
+    return squared > 0.0 ? dot(surface.normal, way) * inversesqrt(squared) : 0.0;
+}
+
 void work_on(uvec2 at) {
     uint code = imageLoad(seen, ivec2(at)).x;
     if (code == 0u) {
@@ -36,7 +53,8 @@ void work_on(uvec2 at) {
     float view_depth;
     vec3 normal;
     vec4 view_sphere = view_spheres[surface.slot];
-    hit_sphere(pixel_ray(vec2(at) + 0.5), view_sphere, view_depth, normal);
+    Ray ray = pixel_ray(vec2(at) + 0.5);
+    hit_sphere(ray, view_sphere, view_depth, normal);
     surface.centre = centre;
     surface.normal = to_world_direction(normal);
     surface.offset = surface.normal * view_sphere.w;
@@ -58,6 +76,18 @@ void work_on(uvec2 at) {
     }
     float up = dot(surface.normal, params.fill.xyz);
     float luminance = luminance_of(surface.facing, s, up, params.ambient, params.fill.w);
+    if (SECOND) {
+        luminance = with_second(luminance, facing_second(surface), params.second_strength);
+    }
+    if (RIM != NO_CHANNEL) {
+        channels[channel_index(RIM, pixel)] = turned_away(surface.facing, -dot(normal, normalize(ray.way)));
+    }
+    if (SHADE != NO_CHANNEL) {
+        channels[channel_index(SHADE, pixel)] = s;
+    }
+    if (FIRE != NO_CHANNEL) {
+        channels[channel_index(FIRE, pixel)] = fire_light(surface.centre + surface.offset, surface.normal);
+    }
     pixels[pixel] = pack_pixel(luminance, code & GROUP_MASK);
     depth[pixel] = view_depth;
 }

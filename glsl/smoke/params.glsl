@@ -58,6 +58,14 @@ layout(binding = 0) uniform SmokeParams {
     vec4 fill;                 // unit axis of the hemisphere that fills; w: its share of the light
     vec4 light_right;          // axes across a directional light; w: unused
     vec4 light_up;
+    vec4 second_light;         // homogeneous: unit vector to it (w = 0), or where it is (w = 1)
+    vec4 fire;                 // where the fire is; w: 1 / squared distance at which half of its light arrives
+    vec4 fire_colour;          // linear RGB; w: unused
+    vec4 height;               // of a place in view space over where the colours of tones begin to change; w: of the eye
+    float second_strength;     // of the second light
+    float rim;                 // brightness of edges that turn away
+    float gradient_height;     // over which the colours of tones change, metres
+    uint tones_above;          // how many there are higher up
     vec2 light_low;            // low corner of the light-space tiles
     float light_inverse_side;  // 1 / side of what they cover
     float caster_distance;     // largest distance of what casts a penumbra, metres

@@ -2,14 +2,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
+#include "no_channel.glsl"
 #include "gaussian.glsl"
 #include "mask.glsl"
+#include "channels.glsl"
+layout(constant_id = 1) const uint CHANNEL = NO_CHANNEL;  // what is smoothed; none: luminance
 layout(std430, binding = 3) readonly buffer BlockMasks { uint block_masks[]; };
 layout(std430, binding = 4) readonly buffer RowItems { uint row_items[]; };
 layout(std430, binding = 5) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 6) writeonly buffer RowSums { vec2 row_sums[]; };
 layout(std430, binding = 7) readonly buffer Depth { float depth[]; };
 layout(std430, binding = 8) readonly buffer ControlBuffer { Control control; };
+layout(std430, binding = 9) readonly buffer Channels { float channels[]; };
 layout(push_constant) uniform GaussianConstants { uint base; } constants;  // first entry of the batch
 #include "coordinate.glsl"
 
@@ -32,7 +36,12 @@ void add_block(int block, uint row, int first, uint group) {
         uint index = row + min(x, params.size.x - 1u);
         uint pixel = x < params.size.x ? pixels[index] : 0u;
         masks[i] = share_of(pixel, index, group);
-        values[i] = masks[i] * pixel_luminance(pixel);
+        float value = pixel_luminance(pixel);
+        if (CHANNEL != NO_CHANNEL) {
+            // Where nothing is seen, nothing has been written.
+            value = pixel_id(pixel) != 0u ? channels[channel_index(CHANNEL, index)] : 0.0;
+        }
+        values[i] = masks[i] * value;
     }
     add_taps(block, values, masks);
 }

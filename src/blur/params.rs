@@ -12,7 +12,7 @@ use crate::host::{Background, HostImage};
 use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
-use crate::view::{self, Light, LightSource, Projection};
+use crate::view::{self, Light, Projection};
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.
@@ -237,12 +237,15 @@ impl ToonParams {
     pub fn new(desc: &Desc, view: &FrameView, light: &Light) -> ToonParams {
         let toon = &desc.settings.toon;
         let [r, g, b] = toon.outline.colour;
-        let span = 0.5 / Projection::of_valid(&view.view, desc.size).focal.y;
+        let projection = Projection::of_valid(&view.view, desc.size);
+        let span = 0.5 / projection.focal.y;
+        let (second_light, second_strength) = light.second_terms();
         let mut params = ToonParams {
-            light: match light.source {
-                LightSource::Direction(way) => row(-way.normalize(), 0.0),
-                LightSource::Position(place) => row(place, 1.0),
-            },
+            light: light.source.homogeneous(),
+            second_light,
+            second_strength,
+            rim: light.rim as f32,
+            eye: projection.eye_terms(),
             ink_colour: [r, g, b, 0.0],
             ink_strength: toon.outline.strength,
             ink_width: ink_width(toon),

@@ -101,8 +101,8 @@ settings! {
     pub struct Toon {
         /// What luminances become: each tone multiplies the mesh's own colour.
         tones: Vec<Tone> = vec![
-            Tone { from: 0.0, colour: [0.38, 0.36, 0.50] },
-            Tone { from: 0.45, colour: [1.0, 1.0, 1.0] },
+            Tone::new(0.0, [0.38, 0.36, 0.50]),
+            Tone::new(0.45, [1.0, 1.0, 1.0]),
         ];
         /// The ink line; by default from second differences, because meshes have slopes.
         outline: Outline = Outline { operator: Operator::Second, ..Outline::default() };
@@ -227,6 +227,10 @@ impl Settings {
         if count as f32 * step > MOST_LENGTH {
             return Err(Error::setting("blur.ghosts.count", count, "times blur.ghosts.step: 8 frames at most"));
         }
+        if let Some(shadow) = self.toon.tones.iter().find_map(|tone| tone.shadow) {
+            let allowed = "one colour a tone: drawn frames have no shadows";
+            return Err(Error::setting("blur.toon.tones", format!("{shadow:?} in shadow"), allowed));
+        }
         Ok(())
     }
 }
@@ -291,7 +295,7 @@ mod tests {
         assert_eq!((settings.clusters, settings.refine), (Clusters::Ldf, Refine::Length));
         assert_eq!(settings.completion, Completion::Gradient);
         assert_eq!((settings.lines.count, settings.ghosts.step), (5, 0.5));
-        assert_eq!(settings.toon.tones, [Tone { from: 0.0, colour: [0.0, 0.0, 1.0] }]);
+        assert_eq!(settings.toon.tones, [Tone::new(0.0, [0.0, 0.0, 1.0])]);
         assert!(toml::from_str::<Settings>("tooths = 3").is_err());
     }
 }

@@ -9,6 +9,7 @@ mod cie;
 pub(crate) mod colour;
 pub mod desc;
 pub mod frame;
+mod lamp;
 pub(crate) mod layout;
 pub(crate) mod limits;
 mod mask;
@@ -24,6 +25,7 @@ pub use crate::host::{Background, DepthFormat};
 use crate::host::{FormatUse, NamedFormat, depth_format, target_format};
 pub use desc::{Desc, SceneFormat};
 pub use frame::{Frame, ParticleInput, SceneDepth};
+pub use lamp::fire_light;
 pub use settings::Settings;
 pub use spacing::mean_spacing;
 
@@ -85,7 +87,7 @@ impl Kind for FlameKind {
         desc.validate()?;
         traits.tuning.validate()?;
         traits.check_sides(desc.size)?;
-        let table = table(desc);
+        let table = colours(&desc.settings, desc.hottest);
         let layout = Layout::new(desc, &table, traits)?;
         let passes = Passes::new(desc, &layout, &table, &traits.tuning);
         // The largest alpha that the device's mask can have, which is the reference's but for rounding.
@@ -220,11 +222,11 @@ impl FlameKind {
     }
 }
 
-fn table(desc: &Desc) -> Table {
-    let settings = &desc.settings;
+/// Colours of temperatures, of which those above `upper` count as that hot.
+fn colours(settings: &Settings, upper: f32) -> Table {
     let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
     match &settings.colour {
-        Colour::Physical => Table::physical(hottest, adaptation, hottest.max(desc.hottest.into())),
+        Colour::Physical => Table::physical(hottest, adaptation, hottest.max(upper.into())),
         Colour::Displayable => Table::displayable(hottest, falloff, adaptation),
         Colour::Ramp(colours) => Table::ramp(hottest, colours),
     }

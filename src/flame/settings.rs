@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::settings::{Dial, Rule, Setting, settings, words};
 use crate::shaders::flame::constants::{COLDEST, MOST_COUNT};
-use crate::view::BRIGHTEST;
+use crate::view::{BRIGHTEST, FARTHEST};
 
 words! {
     /// What a pixel's colour is made of.
@@ -111,8 +111,11 @@ settings! {
         adaptive: f32 = 0.0, "", 0.0..=1.0, "off";
         /// Share of the offsets that are drawn anew each frame.
         flicker: f32 = 0.0, "", 0.0..=1.0, "they last";
-        /// How strongly the fire tints smoke and mesh of the same shot, or what is in a host's scene.
+        /// How bright the fire lights the smoke of the same shot; or, in a shot with a mesh, how strongly it tints both, as what
+        /// is in a host's scene.
         light: f32 = 0.0, "", 0.0..=1e6, "off";
+        /// Where half of that light arrives on smoke; without it, at four standard deviations from the middle of the fire.
+        reach: Option<f32> = None, "metres", 1e-6..=FARTHEST;
     }
 }
 

@@ -40,7 +40,7 @@ use super::scene::AnimatedMesh;
 use super::{ReadError, file};
 use crate::error::Error;
 use crate::settings::Dial;
-use crate::view::{Camera, Light, LightSource};
+use crate::view::{Camera, Light, LightSource, SecondLight};
 use camera::CameraTrack;
 pub use camera::count_cameras;
 pub use exposure::Exposure;
@@ -118,6 +118,9 @@ impl Section<'_> {
     }
 }
 
+/// Strength of a second light where the shot does not say it.
+const SECOND_STRENGTH: f64 = 0.3;
+
 #[derive(Clone, Debug, PartialEq)]
 enum LightTrack {
     Direction(Track<DVec3>),
@@ -147,6 +150,9 @@ pub struct Shot {
     light: LightTrack,
     ambient: Track<f64>,
     fill: Track<f64>,
+    rim: Track<f64>,
+    /// The second light, and its strength.
+    second: Option<(LightTrack, Track<f64>)>,
     /// Files that its keys name.
     files: Vec<Files>,
 }
@@ -221,9 +227,11 @@ impl Shot {
                 other => other,
             },
             camera: CameraTrack::new(tree, folder, frames, fps)?,
-            light: light_track(tree, light)?,
+            light: light_track(tree, "light")?.unwrap_or(LightTrack::of(light.source)),
             ambient: tree.number("light.ambient", light.ambient)?,
             fill: tree.number("light.fill", light.fill)?,
+            rim: tree.number("light.rim", light.rim)?,
+            second: second(tree)?,
             parts: parts.collect::<Result<_, ShotError>>()?,
             files: files::named(tree, folder, tables)?,
         };
@@ -268,11 +276,15 @@ impl Shot {
 
     /// The light at `frame`.
     pub fn light(&self, frame: u32) -> Light {
-        let source = match &self.light {
-            LightTrack::Direction(direction) => LightSource::Direction(direction.at(frame)),
-            LightTrack::Position(position) => LightSource::Position(position.at(frame)),
-        };
-        Light { source, ambient: self.ambient.at(frame), fill: self.fill.at(frame), ..Light::default() }
+        let second = self.second.as_ref();
+        Light {
+            source: self.light.at(frame),
+            ambient: self.ambient.at(frame),
+            fill: self.fill.at(frame),
+            rim: self.rim.at(frame),
+            second: second.map(|(light, own)| SecondLight { source: light.at(frame), strength: own.at(frame) }),
+            ..Light::default()
+        }
     }
 
     /// Camera and light must hold at every frame: keyframes can pass through what neither end says.
@@ -288,8 +300,12 @@ impl Shot {
     }
 
     fn is_still(&self) -> bool {
-        let (LightTrack::Direction(light) | LightTrack::Position(light)) = &self.light;
-        self.camera.is_constant() && light.is_constant() && self.ambient.is_constant() && self.fill.is_constant()
+        let second = self.second.as_ref();
+        let numbers = [&self.ambient, &self.fill, &self.rim].into_iter().chain(second.map(|(_, own)| own));
+        self.camera.is_constant()
+            && self.light.is_constant()
+            && second.is_none_or(|(light, _)| light.is_constant())
+            && numbers.into_iter().all(Track::is_constant)
     }
 }
 
@@ -317,20 +333,46 @@ pub fn builtin_text(name: &str, tables: &[&'static Table]) -> Result<String, Sho
         })
 }
 
-fn light_track(tree: &Tree, default: Light) -> Result<LightTrack, ShotError> {
-    match (tree.get("light.direction"), tree.get("light.position")) {
-        (Some(_), Some(_)) => {
-            let message = "light.position: a light has a direction or a position, not both".to_owned();
-            Err(tree.wrong("light.position", message))
-        }
-        (None, Some(_)) => Ok(LightTrack::Position(tree.vector("light.position", DVec3::ZERO)?)),
-        _ => {
-            let direction = match default.source {
-                LightSource::Direction(direction) | LightSource::Position(direction) => direction,
-            };
-            Ok(LightTrack::Direction(tree.vector("light.direction", direction)?))
+impl LightTrack {
+    /// The same at every frame.
+    fn of(source: LightSource) -> LightTrack {
+        match source {
+            LightSource::Direction(direction) => LightTrack::Direction(Track::constant(direction)),
+            LightSource::Position(position) => LightTrack::Position(Track::constant(position)),
         }
     }
+
+    fn at(&self, frame: u32) -> LightSource {
+        match self {
+            LightTrack::Direction(direction) => LightSource::Direction(direction.at(frame)),
+            LightTrack::Position(position) => LightSource::Position(position.at(frame)),
+        }
+    }
+
+    fn is_constant(&self) -> bool {
+        let (LightTrack::Direction(track) | LightTrack::Position(track)) = self;
+        track.is_constant()
+    }
+}
+
+/// The light of a table; none where the shot says neither direction nor position.
+fn light_track(tree: &Tree, table: &str) -> Result<Option<LightTrack>, ShotError> {
+    let [direction, position] = ["direction", "position"].map(|key| format!("{table}.{key}"));
+    match (tree.get(&direction), tree.get(&position)) {
+        (Some(_), Some(_)) => {
+            let message = format!("{position}: a light has a direction or a position, not both");
+            Err(tree.wrong(&position, message))
+        }
+        (None, Some(_)) => Ok(Some(LightTrack::Position(tree.vector(&position, DVec3::ZERO)?))),
+        (Some(_), None) => Ok(Some(LightTrack::Direction(tree.vector(&direction, DVec3::ZERO)?))),
+        (None, None) => Ok(None),
+    }
+}
+
+/// The second light, if there is one, and its strength.
+fn second(tree: &Tree) -> Result<Option<(LightTrack, Track<f64>)>, ShotError> {
+    let strength = tree.number("light.second.strength", SECOND_STRENGTH)?;
+    Ok(light_track(tree, "light.second")?.map(|light| (light, strength)))
 }
 
 /// Words as a choice: `a, b or c`.

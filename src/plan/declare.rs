@@ -56,11 +56,11 @@ impl Declared for Option<Pass> {
     }
 }
 
-impl Declared for Vec<Pass> {
-    type Ids = Vec<PassId>;
+impl<D: Declared> Declared for Vec<D> {
+    type Ids = Vec<D::Ids>;
 
-    fn add_to(self, declare: &mut Declare) -> Vec<PassId> {
-        self.into_iter().map(|pass| pass.add_to(declare)).collect()
+    fn add_to(self, declare: &mut Declare) -> Vec<D::Ids> {
+        self.into_iter().map(|some| some.add_to(declare)).collect()
     }
 }
 

@@ -29,6 +29,12 @@ pub struct Desc {
     pub velocity: bool,
     /// Whether the light is a point light.
     pub point_light: bool,
+    /// Whether lights may have a rim.
+    pub rim: bool,
+    /// Whether there may be a second light.
+    pub second_light: bool,
+    /// Whether frames may have a fire that lights the smoke.
+    pub fire_light: bool,
     /// Same seed, same particles.
     pub seed: u32,
     /// The look.
@@ -53,6 +59,9 @@ impl Desc {
             dimensions,
             velocity: false,
             point_light: false,
+            rim: false,
+            second_light: false,
+            fire_light: false,
             seed: 0,
             settings,
             layers: false,

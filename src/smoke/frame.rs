@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::host::{Background, HostBuffer, HostImage, TemporalImages};
 use crate::host::{check_background, check_beside, check_buffer, check_depth, check_target};
 use crate::smoke::desc::Desc;
-use crate::view::{FARTHEST, Light, View};
+use crate::view::{FARTHEST, FireLight, Light, View};
 
 /// How a frame follows the one recorded before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,6 +47,9 @@ pub struct Frame {
     pub view: View,
     /// The light.
     pub light: Light,
+    /// A fire that lights the smoke, too: with the smoke's own form, cut into as many steps as there are tones, and with coarse
+    /// shadows, 16 samples of the way to it. [`crate::flame::fire_light`] makes one of a fire's particles.
+    pub fire: Option<FireLight>,
     /// This frame's volume; none if it is the last one recorded. The first frame needs one.
     pub volume: Option<VolumeInput>,
     /// Where it goes; none only moves the particles on. Usage: `COLOR_ATTACHMENT`, and `TRANSFER_DST` for a background that is an image.
@@ -126,6 +129,7 @@ impl Frame {
             dt: 1.0 / 24.0,
             view,
             light: Light::default(),
+            fire: None,
             volume: Some(volume),
             target: Some(target),
             background: Background::Keep,
@@ -143,6 +147,21 @@ impl Frame {
             let is = if point { "a point light" } else { "a direction" };
             let why = format!("{is}; the effect was made with point_light = {}", desc.point_light);
             return Err(Error::HostResource { name: "light", why });
+        }
+        for (is_there, may_be, name) in
+            [(self.light.rim > 0.0, desc.rim, "rim"), (self.light.second.is_some(), desc.second_light, "second_light")]
+        {
+            if is_there && !may_be {
+                let why = format!("has one more; the effect was made with {name} = false");
+                return Err(Error::HostResource { name: "light", why });
+            }
+        }
+        if let Some(fire) = &self.fire {
+            fire.validate()?;
+            if !desc.fire_light {
+                let why = "given; the effect was made with fire_light = false".to_owned();
+                return Err(Error::HostResource { name: "fire", why });
+            }
         }
         if !(self.dt > 0.0 && self.dt <= 1e6) {
             return Err(Error::setting("frame.dt", self.dt, "seconds, above 0, at most 1e6"));

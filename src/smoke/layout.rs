@@ -16,6 +16,7 @@ use crate::shaders::smoke::constants::{
     BIRTH_BLOCK, BLOCK, BUCKETS, FIELD_VOXELS, GROUP_WORDS, INK_WORDS, LIST_RUN, MAX_LEVELS, SLOT_PIXELS, TILE,
     TILE_BLOCKS,
 };
+use crate::smoke::channels::Channels;
 use crate::smoke::desc::Desc;
 use crate::smoke::frame::Shape;
 use crate::smoke::limits::{MOST_INK_REACH, ROW_SUM_BYTES, luminance_entries};
@@ -57,6 +58,7 @@ buffers! {
     OCCUPIED_TILES = "OccupiedTiles",
     LUMINANCE_PARTS = "LuminanceParts",
     PIXELS = "Pixels": Layer,
+    CHANNELS = "Channels",
     DEPTH = "Depth": Kept,
     SHADOW = "Shadow": Layer,
     REACHED = "Reached",
@@ -66,12 +68,15 @@ buffers! {
     WEIGHTS = "Weights": Kept,
     ROW_SUMS = "RowSums",
     SMOOTH = "Smooth": Layer,
+    SMOOTH_CHANNELS = "SmoothChannels",
     LINES = "Lines",
     INK_BITS = "InkBits",
     TONES = "Tones": Kept,
     PICTURE = "Picture": Layer,
     TONE_LAYER = "ToneLayer": Layer,
     OUTLINE_LAYER = "OutlineLayer": Layer,
+    MATTE_LAYER = "MatteLayer": Layer,
+    LIGHT_LAYER = "LightLayer": Layer,
     EDGES = "Edges",
     MOVED = "Moved": Kept,
 }
@@ -93,6 +98,8 @@ pub const HOST_DENSITY: BufferId = BufferId(BUFFERS);
 pub const HOST_VELOCITY: BufferId = BufferId(BUFFERS + 1);
 /// The host's partial coverage of pixels.
 pub const HOST_EDGES: BufferId = BufferId(BUFFERS + 2);
+/// Layers that the kernel of tones writes beside the picture.
+pub(super) const COLOUR_LAYERS: [BufferId; 4] = [TONE_LAYER, OUTLINE_LAYER, MATTE_LAYER, LIGHT_LAYER];
 /// Buffers of the host's.
 pub const HOST_BUFFERS: usize = 3;
 /// Sphere and group seen at each pixel.
@@ -149,6 +156,8 @@ pub struct Layout {
     pub luminance_parts: u32,
     /// Dispatches of the longest radius search.
     pub search_parts: u32,
+    /// What is smoothed beside luminance.
+    pub channels: Channels,
     sizes: Sizes<{ BUFFERS as usize }>,
 }
 
@@ -191,6 +200,7 @@ impl Layout {
             cells_across: cells_across as u32,
             luminance_parts: if exact { (spheres as u32).div_ceil(luminance_entries(traits)).max(1) } else { 1 },
             search_parts: 0,
+            channels: Channels::new(desc),
             sizes: Sizes::LEAST,
         };
         layout.size_particles(desc);
@@ -290,7 +300,10 @@ impl Layout {
         self.set(PIXELS, pixels * 4);
         self.set(DEPTH, pixels * 4);
         self.set(EDGES, kept(desc.edges, pixels * size_of::<Edge>() as u64));
-        self.set(SHADOW, kept(desc.layers || self.luminance_parts > 1, pixels * 4));
+        self.set(SHADOW, kept(self.keeps_shadow(desc), pixels * 4));
+        let channels = pixels * 4 * u64::from(self.channels.count());
+        self.set(CHANNELS, channels);
+        self.set(SMOOTH_CHANNELS, kept(filtered, channels));
         self.set(REACHED, kept(filtered, blocks * size_of::<Reach>() as u64));
         self.set(ROW_ITEMS, kept(filtered, items * 4));
         self.set(COLUMN_ITEMS, kept(filtered, items * 4));
@@ -303,10 +316,17 @@ impl Layout {
         self.set(SMOOTH, kept(filtered, pixels * 4));
         self.set(LINES, kept(inked, pixels * 4));
         self.set(INK_BITS, kept(inked && settings.outline.is_hard(), tiles * u64::from(INK_WORDS) * 4));
-        self.set(TONES, (settings.tones.len() * size_of::<Tone>()) as u64);
+        self.set(TONES, (settings.all_tones().count() * size_of::<Tone>()) as u64);
         self.set(PICTURE, pixels * 16);
         self.set(TONE_LAYER, kept(desc.layers, pixels * 16));
-        self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 4));
+        self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 8));
+        self.set(MATTE_LAYER, kept(desc.layers, pixels * 16));
+        self.set(LIGHT_LAYER, kept(desc.layers, pixels * 8));
+    }
+
+    /// Whether shares of the light that arrives outlive the kernel that finds them.
+    pub fn keeps_shadow(&self, desc: &Desc) -> bool {
+        desc.layers || self.luminance_parts > 1 || self.channels.shade.is_some()
     }
 
     fn check(&self, limit: u64) -> Result<()> {

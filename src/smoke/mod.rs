@@ -4,6 +4,7 @@
 //! depth (3.3), cut into tones (3.4) and outlined from depth (3.5). [`Effect::record`] records it all into the host's
 //! command buffer.
 
+pub(crate) mod channels;
 pub mod desc;
 pub mod frame;
 pub(crate) mod layout;

@@ -10,7 +10,7 @@ use crate::smoke::frame::{Frame, Shape};
 use crate::smoke::layout::Layout;
 use crate::smoke::search::Pyramid;
 use crate::smoke::settings::{Emitter, Settings};
-use crate::view::{Light, LightSource, Projection};
+use crate::view::{FireLight, Light, LightSource, Projection};
 
 impl Control {
     /// The state at the start of a frame.
@@ -40,8 +40,10 @@ impl SmokeParams {
         params.corner = frame.target.map_or([0; 2], |target| target.offset);
         params.set_volume(&desc.settings, shape);
         params.set_light(desc, layout, &frame.light, shape);
+        params.set_more_light(frame);
         params.set_particles(desc, layout, frame.dt, frames);
         params.set_look(&desc.settings, layout);
+        params.set_height(&desc.settings, &frame.light, &Projection::of_valid(&frame.view, desc.size));
         params
     }
 
@@ -137,6 +139,26 @@ impl SmokeParams {
             shadow_filter: desc.settings.shadow_filter,
             ..*self
         };
+    }
+
+    fn set_more_light(&mut self, frame: &Frame) {
+        (self.second_light, self.second_strength) = frame.light.second_terms();
+        self.rim = frame.light.rim as f32;
+        // Without a fire there is none of its light.
+        if let Some(FireLight { position, colour: [r, g, b], reach }) = frame.fire {
+            self.fire = position.extend(reach.powi(-2)).as_vec4().to_array();
+            self.fire_colour = [r, g, b, 0.0];
+        }
+    }
+
+    /// Heights are along the light's way up.
+    fn set_height(&mut self, settings: &Settings, light: &Light, projection: &Projection) {
+        let [from, to] = settings.gradient;
+        let up = light.up.normalize();
+        let eye = projection.eye.dot(up) - f64::from(from);
+        self.height = (projection.axes * up).extend(eye).as_vec4().to_array();
+        self.gradient_height = to - from;
+        self.tones_above = settings.tones_above.as_ref().map_or(0, |tones| tones.len() as u32);
     }
 
     /// After [`Self::set_volume`].

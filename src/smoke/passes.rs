@@ -8,7 +8,7 @@ use crate::scan;
 use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
 use crate::smoke::layout::*;
-use crate::smoke::params::{Control, MAX_LEVELS, SmokeParams, Tone};
+use crate::smoke::params::{Control, MAX_LEVELS, NO_CHANNEL, SmokeParams, Tone};
 use crate::smoke::settings::{Integrator, Operator, Outline, Shadow};
 use crate::smoke::tables::Tables;
 
@@ -21,8 +21,9 @@ passes! {
     volume = Pass::transfer("smoke.volume").copies(HOST_DENSITY, DENSITY).copies(HOST_VELOCITY, VELOCITY);
     background = Pass::transfer("smoke.background").copies(BACKGROUND, TARGET);
     restart = Pass::transfer("smoke.restart").fills(DYING).fills(SPHERES).fills(GROUPS);
-    clear = [PIXELS, DEPTH, LINES, INK_BITS, SHADOW, SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER]
+    clear = [PIXELS, DEPTH, LINES, INK_BITS, SHADOW, SMOOTH, PICTURE]
         .into_iter()
+        .chain(COLOUR_LAYERS)
         .fold(Pass::transfer("smoke.clear"), Pass::fills);
     occupancy = Pass::compute("smoke.occupancy", &glsl::occupancy::SHADER);
     /// Where each block of births begins.
@@ -58,10 +59,10 @@ passes! {
     /// As `occupied`.
     items: [PassId; 2] = [&glsl::items_sum::SHADER, &glsl::items::SHADER]
         .map(|shader| Pass::compute("smoke.tiles", shader).specialise([soft(desc)]).times(layout.batches as usize));
-    rows = Pass::compute("smoke.rows", &glsl::rows::SHADER).specialise([soft(desc)]).times(layout.batches as usize);
-    columns = Pass::compute("smoke.columns", &glsl::columns::SHADER)
-        .specialise([soft(desc)])
-        .times(layout.batches as usize);
+    gaussian: [PassId; 2] = gaussian(desc, layout, None);
+    /// The same of each channel.
+    channels: Vec<[PassId; 2]> =
+        (0..layout.channels.count()).map(|channel| gaussian(desc, layout, Some(channel))).collect::<Vec<_>>();
     outline: Vec<PassId> = outline(&layout.pixels.outline);
     tone = tone(desc, layout);
     edges = Pass::transfer("smoke.edges").copies(HOST_EDGES, EDGES);
@@ -119,9 +120,19 @@ fn luminance(desc: &Desc, layout: &Layout) -> Pass {
         Shadow::Exact => &glsl::luminance_exact::SHADER,
         Shadow::Map => &glsl::luminance_map::SHADER,
     };
-    let keep_shadow = desc.layers || layout.luminance_parts > 1;
-    let pass = Pass::compute("smoke.luminance", shader).specialise([across(layout), u32::from(keep_shadow)]);
+    let [shade, fire, rim] = layout.channels.words();
+    let switches = [layout.keeps_shadow(desc), desc.second_light].map(u32::from);
+    let pass = Pass::compute("smoke.luminance", shader);
+    let pass = pass.specialise([across(layout), switches[0], switches[1], shade, fire, rim]);
     pass.times(layout.luminance_parts as usize)
+}
+
+/// Rows and columns of the Gaussian: of luminance, or of a channel.
+fn gaussian(desc: &Desc, layout: &Layout, channel: Option<u32>) -> [Pass; 2] {
+    [("smoke.rows", &glsl::rows::SHADER), ("smoke.columns", &glsl::columns::SHADER)].map(|(name, shader)| {
+        let pass = Pass::compute(name, shader).specialise([soft(desc), channel.unwrap_or(NO_CHANNEL)]);
+        pass.times(layout.batches as usize)
+    })
 }
 
 /// One pass, or two for steps.
@@ -140,6 +151,7 @@ fn outline(outline: &Outline) -> Vec<Pass> {
 
 fn tone(desc: &Desc, layout: &Layout) -> Pass {
     let (settings, outline) = (&desc.settings, &layout.pixels.outline);
+    let [shade, fire, rim] = layout.channels.words();
     Pass::compute("smoke.tone", &glsl::tone::SHADER).specialise([
         u32::from(settings.is_filtered()),
         u32::from(outline.is_on()),
@@ -147,6 +159,11 @@ fn tone(desc: &Desc, layout: &Layout) -> Pass {
         outline.reach(),
         u32::from(outline.is_hard()),
         soft(desc),
+        u32::from(settings.has_shaded_tones() && settings.casts_shadows()),
+        u32::from(settings.tones_above.is_some()),
+        shade,
+        fire,
+        rim,
         u32::from(settings.is_antialiased()),
     ])
 }

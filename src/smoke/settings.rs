@@ -194,10 +194,14 @@ settings! {
         /// What smoothed luminances become. Two: a woodcut; three: the usual cel; more: soft modelling. A tone that begins
         /// higher is a smaller patch of light.
         tones: Vec<Tone> = vec![
-            Tone { from: 0.0, colour: [0.30, 0.33, 0.42] },
-            Tone { from: 0.42, colour: [0.62, 0.65, 0.72] },
-            Tone { from: 0.68, colour: [0.95, 0.95, 0.93] },
+            Tone::new(0.0, [0.30, 0.33, 0.42]),
+            Tone::new(0.42, [0.62, 0.65, 0.72]),
+            Tone::new(0.68, [0.95, 0.95, 0.93]),
         ];
+        /// What they become higher up; without it, they are the same everywhere.
+        tones_above: Option<Vec<Tone>> = None;
+        /// Heights in the scene between which the colours of the tones change to those of `tones_above`.
+        gradient: [f32; 2] = [0.0, 2.0], "metres", -FARTHEST..=FARTHEST;
         /// Half the width of the border between tones; at least half a pixel of the picture, so that it is antialiased.
         tone_softness: f32 = 0.5, "pixels at 1080 lines", 0.0..=16.0, "hard";
         /// How silhouettes are antialiased: by the share of a pixel that smoke covers, "coverage", or not at all.
@@ -248,6 +252,16 @@ impl Settings {
         if self.is_soft() { (0, self.group_count() + 1) } else { (1, self.group_count()) }
     }
 
+    /// Whether tones have colours of their own in shadow.
+    pub fn has_shaded_tones(&self) -> bool {
+        self.all_tones().any(|tone| tone.shadow.is_some())
+    }
+
+    /// The tones, then those above.
+    pub(super) fn all_tones(&self) -> impl Iterator<Item = &Tone> {
+        self.tones.iter().chain(self.tones_above.iter().flatten())
+    }
+
     /// The keys of `[smoke]`, in order.
     pub fn dials() -> Vec<Dial> {
         Setting::dials(&Settings::default())
@@ -261,6 +275,13 @@ impl Settings {
                 "smoke.grow",
                 "field",
                 "\"chosen\", \"growth\" or \"pyramid\" with radius = \"ball\"",
+            ));
+        }
+        if self.gradient[0] > self.gradient[1] {
+            return Err(Error::setting(
+                "smoke.gradient",
+                format!("{:?}", self.gradient),
+                "[from, to], from not above to",
             ));
         }
         Ok(())

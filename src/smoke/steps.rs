@@ -119,7 +119,7 @@ impl Steps<'_> {
 
     fn skip_picture(&mut self, reason: &'static str) {
         let Passes { shadow_reset, occluders, spheres, tiles, luminance, .. } = self.passes;
-        let Passes { rows, columns, outline, tone, composite, .. } = self.passes;
+        let Passes { gaussian: [rows, columns], outline, tone, composite, .. } = self.passes;
         for pass in [shadow_reset, occluders, spheres, tiles, luminance, rows, columns, &outline[0], tone] {
             self.plan.skip(*pass, reason);
         }
@@ -297,7 +297,7 @@ impl Steps<'_> {
         }
         if self.desc.layers {
             self.plan.step(self.passes.clear, Command::Fill { buffer: SHADOW, word: 1.0_f32.to_bits() });
-            for buffer in [SMOOTH, PICTURE, TONE_LAYER, OUTLINE_LAYER] {
+            for buffer in [SMOOTH, PICTURE].into_iter().chain(COLOUR_LAYERS) {
                 self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
             }
         }
@@ -385,15 +385,29 @@ impl Steps<'_> {
 
     /// Lines and smoothed luminance, step by step beside each other: neither waits for the other.
     fn outline_and_gaussian(&mut self) {
+        let [rows, columns] = self.passes.gaussian;
         self.outline(0);
-        self.gaussian(self.passes.rows, 0, 0);
+        self.gaussian(rows, 0, 0);
         self.outline(1);
-        self.gaussian(self.passes.columns, 0, 1);
+        self.gaussian(columns, 0, 1);
         for batch in 1..self.layout.batches {
             self.items(batch, 0);
             self.items(batch, 1);
-            self.gaussian(self.passes.rows, batch, 0);
-            self.gaussian(self.passes.columns, batch, 1);
+            self.gaussian(rows, batch, 0);
+            self.gaussian(columns, batch, 1);
+        }
+        if self.desc.settings.is_filtered() {
+            self.channels();
+        }
+    }
+
+    /// The Gaussian of what is smoothed beside luminance: of the same pixels, as listed for it.
+    fn channels(&mut self) {
+        for [rows, columns] in &self.passes.channels {
+            for batch in 0..self.layout.batches {
+                self.gaussian(*rows, batch, 0);
+                self.gaussian(*columns, batch, 1);
+            }
         }
     }
 

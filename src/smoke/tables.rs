@@ -24,7 +24,10 @@ impl Tables {
             true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
             false => vec![1.0],
         };
-        let tones = settings.tones.iter().map(|tone| Tone { colour: tone.colour, from: tone.from });
+        let tones = settings.all_tones().map(|tone| {
+            let shadow = tone.shadow.unwrap_or(tone.colour);
+            Tone { colour: tone.colour, from: tone.from, shadow, unused: 0.0 }
+        });
         Tables { weights, tones: tones.collect() }
     }
 }

@@ -1,7 +1,7 @@
 //! The settings of tones and ink.
 
 use crate::error::{Error, Result};
-use crate::settings::{Number, Rule, Setting, settings, three, words};
+use crate::settings::{Number, Rule, Setting, listed_in_brackets, settings, words};
 use crate::shaders::toon::constants::MOST_TONES;
 use crate::view::BRIGHTEST;
 
@@ -52,17 +52,39 @@ impl Outline {
 
 /// One tone: from luminance `from` upwards the colour is `colour`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(from = "(f32, [f32; 3])"))]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(from = "Given"))]
 pub struct Tone {
     /// Luminance where the tone begins, 0 to 1, ascending; the first reads as 0.
     pub from: f32,
     /// Linear RGB, 0 to [`BRIGHTEST`].
     pub colour: [f32; 3],
+    /// Where a shadow falls, of effects that cast shadows: linear RGB, 0 to [`BRIGHTEST`]. None: `colour` there, too.
+    pub shadow: Option<[f32; 3]>,
 }
 
-impl From<(f32, [f32; 3])> for Tone {
-    fn from((from, colour): (f32, [f32; 3])) -> Self {
-        Tone { from, colour }
+impl Tone {
+    /// The same colour in shadow.
+    pub fn new(from: f32, colour: [f32; 3]) -> Tone {
+        Tone { from, colour, shadow: None }
+    }
+}
+
+/// A tone as shots say it.
+#[cfg(feature = "cli")]
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum Given {
+    Plain(f32, [f32; 3]),
+    Shadowed(f32, [f32; 3], [f32; 3]),
+}
+
+#[cfg(feature = "cli")]
+impl From<Given> for Tone {
+    fn from(given: Given) -> Self {
+        match given {
+            Given::Plain(from, colour) => Tone::new(from, colour),
+            Given::Shadowed(from, colour, shadow) => Tone { shadow: Some(shadow), ..Tone::new(from, colour) },
+        }
     }
 }
 
@@ -78,21 +100,25 @@ impl Setting for Vec<Tone> {
             if !(0.0..=1.0).contains(&tone.from) || (i > 0 && tone.from <= self[i - 1].from) {
                 return refuse(tone.from.to_string(), "luminances in 0 to 1, ascending");
             }
-            tone.colour.check(key, &Rule::new("linear RGB", 0.0..=BRIGHTEST))?;
+            let colours = [Some(tone.colour), tone.shadow];
+            colours.into_iter().flatten().try_for_each(|c| c.check(key, &Rule::new("linear RGB", 0.0..=BRIGHTEST)))?;
         }
         Ok(())
     }
 
     fn allowed((): &()) -> String {
         format!(
-            "[[from, [red, green, blue]], ...], 1 to {MOST_TONES} tones, from 0 to 1 ascending (the first reads as 0), linear \
+            "[[from, [red, green, blue]], ...], each with another colour behind it for what is in shadow or without, 1 to {MOST_TONES} tones, from 0 to 1 ascending (the first reads as 0), linear \
              colours 0 to {}, or an image file (.png, .exr), whose first row they are",
             Number::shown(BRIGHTEST)
         )
     }
 
     fn shown(&self) -> Option<String> {
-        let one = |tone: &Tone| format!("[{}, {}]", Number::shown(tone.from), three(tone.colour));
+        let one = |tone: &Tone| {
+            let shadow = tone.shadow.map_or(String::new(), |colour| format!(", {}", listed_in_brackets(colour)));
+            format!("[{}, {}{shadow}]", Number::shown(tone.from), listed_in_brackets(tone.colour))
+        };
         Some(format!("[{}]", self.iter().map(one).collect::<Vec<_>>().join(", ")))
     }
 }

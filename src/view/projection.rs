@@ -127,6 +127,12 @@ impl Projection {
         self.axes * (position - self.eye)
     }
 
+    /// The eye, homogeneous: where it is and 1; orthographic: the unit vector to it and 0.
+    pub fn eye_terms(&self) -> [f32; 4] {
+        let (way, w) = if self.is_orthographic { (-self.axes.row(2), 0.0) } else { (self.eye, 1.0) };
+        way.extend(w).as_vec4().to_array()
+    }
+
     /// What a slope of 1 has in metres, at a depth.
     pub fn widening(&self, depth: f64) -> f64 {
         if self.is_orthographic { 1.0 } else { depth }

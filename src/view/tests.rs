@@ -240,3 +240,30 @@ fn filled_light_keeps_white_and_gives_form_to_what_is_dark() {
         assert!((luminance(1e-9, 0.0, 0.4) - luminance(-1e-9, 1.0, 0.4)).abs() < 1e-9);
     }
 }
+
+#[test]
+fn more_light_takes_its_share_of_what_is_missing_to_white() {
+    let second = |strength| Some(SecondLight { source: LightSource::Direction(DVec3::X), strength });
+    let light = Light { rim: 0.5, second: second(0.4), ..Light::default() };
+    assert!((light.with_second(0.5, 0.5) - 0.6).abs() < 1e-15);
+    assert_eq!([light.with_second(0.5, -0.5), light.with_second(1.0, 1.0)], [0.5, 1.0]);
+    // Seen from ahead, from beside towards the light, and away from it.
+    assert_eq!([(-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0)].map(|(d, v)| Light::turned_away(d, v)), [0.0, 0.0, 1.0]);
+    assert!((Light::turned_away(0.0, 0.5) - 0.0625).abs() < 1e-15);
+    for (away, expected) in [(0.0, 0.5), (0.06, 0.5), (0.11, 0.625), (0.16, 0.75), (1.0, 0.75)] {
+        // The borders are single floats.
+        assert!((light.with_rim(0.5, away) - expected).abs() < 1e-6);
+    }
+    let none = Light::default();
+    assert_eq!((none.with_second(0.3, 1.0), none.with_rim(0.3, 1.0)), (0.3, 0.3));
+    let why = |light: Light| light.validate().expect_err("wrong").to_string();
+    assert!(why(Light { rim: 1.5, ..none }).starts_with("light.rim"));
+    assert!(why(Light { second: second(-0.1), ..none }).starts_with("light.second.strength"));
+    let nowhere = SecondLight { source: LightSource::Direction(DVec3::ZERO), strength: 0.5 };
+    assert!(why(Light { second: Some(nowhere), ..none }).starts_with("light.second.direction"));
+    let fire = FireLight { position: DVec3::ZERO, colour: [1.0; 3], reach: 2.0 };
+    assert!(fire.validate().is_ok() && fire.falloff(2.0) == 0.5 && fire.falloff(0.0) == 1.0);
+    assert!(FireLight { reach: 0.0, ..fire }.validate().is_err());
+    assert!(FireLight { colour: [f32::NAN; 3], ..fire }.validate().is_err());
+    assert!(FireLight { position: DVec3::splat(1e13), ..fire }.validate().is_err());
+}

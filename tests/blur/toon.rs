@@ -10,7 +10,7 @@ use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::BASE_MASK;
 use celfx::simulate::mesh::Builtin;
 use celfx::toon::{Operator, Outline, Tone};
-use celfx::view::{Light, LightSource};
+use celfx::view::{Light, LightSource, Projection, SecondLight};
 use glam::{DVec2, DVec3, Quat, Vec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};
@@ -228,11 +228,17 @@ impl Film {
         let point = |i: usize| {
             DVec3::from_array(self.animation.poses[frame][self.mesh.triangles()[index][i] as usize].map(f64::from))
         };
-        let to_light = match self.light.source {
+        let towards = |source| match source {
             LightSource::Direction(way) => -way.normalize(),
             LightSource::Position(place) => (place - mix(&point)).normalize(),
         };
-        let luminance = self.light.luminance(normal.dot(to_light), 1.0, normal.dot(self.light.up.normalize()));
+        let projection = Projection::of_valid(&self.animation.seen(frame), self.animation.size);
+        let eye = if projection.is_orthographic { -projection.axes.row(2) } else { projection.eye - mix(&point) };
+        let facing = normal.dot(towards(self.light.source));
+        let second = self.light.second.map_or(0.0, |second| normal.dot(towards(second.source)));
+        let luminance = self.light.luminance(facing, 1.0, normal.dot(self.light.up.normalize()));
+        let away = Light::turned_away(facing, normal.dot(eye.normalize()));
+        let luminance = self.light.with_rim(self.light.with_second(luminance, second), away);
         let tones = &self.settings.toon.tones;
         let tone = tones.iter().skip(1).rfind(|tone| luminance >= f64::from(tone.from)).unwrap_or(&tones[0]);
         let near_a_tone = tones.iter().skip(1).any(|tone| (luminance - f64::from(tone.from)).abs() < 1e-4);
@@ -294,9 +300,14 @@ struct Seen {
 }
 
 fn toon(strength: f32, width: f32) -> Toon {
-    let tone = |from, colour| Tone { from, colour };
+    let tone = |from, colour| Tone::new(from, colour);
     let tones = vec![tone(0.0, [0.2, 0.25, 0.5]), tone(0.4, [0.6, 0.5, 0.5]), tone(0.8, [1.0, 1.0, 0.9])];
     Toon { tones, outline: Outline { strength, width, colour: [0.02, 0.0, 0.1], operator: Operator::Roberts } }
+}
+
+/// A rim, and a second light.
+fn more_light(source: LightSource) -> Light {
+    Light { rim: 0.8, second: Some(SecondLight { source, strength: 0.4 }), ..Light::default() }
 }
 
 #[test]
@@ -305,6 +316,7 @@ fn tones_and_ink_are_those_of_f64() {
     for (which, vertices, strength, width, light) in [
         (Builtin::Crossing, 1500, 0.0, 1.5, Light::default()),
         (Builtin::Run, 1500, 0.0, 1.5, Light { source: place, ambient: 0.1, fill: 0.0, ..Light::default() }),
+        (Builtin::Run, 1500, 0.0, 1.5, more_light(place)),
         // So weak that depth alone makes no line; and few triangles, because what is near an edge is not looked at.
         (Builtin::Crossing, 100, 1e-9, 1.0, Light::default()),
         (Builtin::Run, 200, 1e-9, 1.75, Light::default()),
@@ -330,6 +342,8 @@ fn tones_and_ink_are_those_of_f64_through_other_views() {
             let Some(mut film) = film else { return };
             film.animation.change = change;
             compare_with_f64(&format!("{name}, strength {strength}"), &mut film);
+            film.set_light(more_light(LightSource::Direction(DVec3::new(1.0, 0.5, 1.0))), Background::Clear(GREY));
+            compare_with_f64(&format!("{name}, strength {strength}, more light"), &mut film);
         }
     }
 }
@@ -465,7 +479,7 @@ fn what_is_hidden_is_that_of_the_frames_around() {
 /// its centre, and whether that is of this bar.
 fn turning_bar(completion: Completion, is_hidden: bool) -> Option<Vec<([f32; 4], u32, bool)>> {
     // So many tones that each turn shows, and no ink.
-    let tone = |i: u8| Tone { from: f32::from(i) / 64.0, colour: [f32::from(i) / 64.0; 3] };
+    let tone = |i: u8| Tone::new(f32::from(i) / 64.0, [f32::from(i) / 64.0; 3]);
     let outline = Outline { strength: 0.0, ..Outline::default() };
     let toon = Toon { outline, tones: (0..64).map(tone).collect() };
     let settings = Settings { completion, toon, skirt: 0.0, ..Settings::default() };

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use celfx::io::image;
+use celfx::io::{image, picture};
 use npyz::NpyFile;
 
 use super::run::{self, Folder, celfx, has_device};
@@ -69,7 +69,7 @@ fn a_frame_of_fire_and_smoke_alone_equals_the_frame_of_the_sequence() {
     if !has_device() {
         return;
     }
-    let folder = assert_alone(&format!("{FIRE}{SMOKE}"), 18);
+    let folder = assert_alone(&format!("{FIRE}light = 2\n{SMOKE}"), 26);
     succeeds(&folder, &["render", "shot.toml", "-o", "a.png", "--frames", "2", "--profile", "p.csv"]);
     let profile = fs::read_to_string(folder.0.join("p.csv")).expect("a profile");
     assert!(["\n2,smoke.", "\n2,flame."].iter().all(|row| profile.contains(row)), "{profile}");
@@ -89,6 +89,37 @@ fn a_spread_is_found_and_said() {
         text.lines().find(|line| line.contains("flame.spread = ")).expect("it is said").to_owned()
     };
     assert_eq!(said("1"), said("4"), "that of the shot");
+}
+
+/// The fire's light has the smoke's form: steps, below and not above. It is no tint: what is not smoke stays.
+#[test]
+fn fire_lights_smoke_from_below_and_in_steps() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    let smoke = "particles = 300\nsigma = 2\ntone_softness = 0\nemitter = { min = [-1, 1, -1], max = [1, 2, 1] }\n\
+        tones = [[0, [0.1, 0.1, 0.1]], [0.4, [0.25, 0.25, 0.25]], [0.7, [0.5, 0.5, 0.5]]]\noutline = { strength = 0 }\n";
+    let shot = |light: u32| format!("{FIRE}light = {light}\nreach = 2\n[smoke]\n{smoke}");
+    let tones = [0, 4].map(|light| {
+        folder.write("shot.toml", &shot(light));
+        let name = format!("{light}");
+        let arguments = ["-q", "-o", "a.exr", "--frames", "5", "--layers", &name, run::validate()];
+        succeeds(&folder, &[&["render", "shot.toml"][..], &arguments].concat());
+        picture::read(&folder.0.join(name).join("smoke.tone.0005.exr")).expect("a layer").pixels
+    });
+    let added: Vec<f32> = tones[0].iter().zip(&tones[1]).map(|(dark, lit)| lit[0] - dark[0]).collect();
+    assert!(tones[0].iter().zip(&added).all(|(tone, added)| tone[3] > 0.0 || *added == 0.0));
+    // The red of a fire is the brightest of it: 4, half of it and none, times the lightest tone.
+    let step = |added: f32| [0.0, 1.0, 2.0].iter().position(|step| (added - step).abs() < 1e-5);
+    let steps: Option<Vec<usize>> = added.iter().map(|added| step(*added)).collect();
+    let steps = steps.expect("light comes in steps");
+    let lit = |rows: std::ops::Range<usize>| steps[64 * rows.start..64 * rows.end].iter().sum::<usize>();
+    let seen: Vec<usize> = (0..48).filter(|y| (0..64).any(|x| tones[0][64 * y + x][3] > 0.0)).collect();
+    let (top, bottom) = (seen[0], seen[seen.len() - 1] + 1);
+    let middle = (top + bottom) / 2;
+    let [above, below] = [lit(top..middle), lit(middle..bottom)];
+    assert!(below > 20 && below > 2 * above, "{above} above, {below} below");
 }
 
 #[test]

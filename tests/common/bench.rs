@@ -149,6 +149,7 @@ impl Bench {
             dt: 1.0 / 24.0,
             view: given.camera.view(self.desc.size),
             light: given.light,
+            fire: None,
             volume: Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: None }),
             target,
             background: Background::Clear([0.0; 4]),

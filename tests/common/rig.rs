@@ -8,6 +8,7 @@ use celfx::low_level::smoke::params::{Control, Particle};
 use celfx::offline::{EffectBuffer, Offline, Scene};
 use celfx::smoke::SmokeKind;
 use celfx::smoke::reference;
+use celfx::smoke::reference::Lights;
 use celfx::smoke::reference::groups::Ranges;
 use celfx::smoke::settings::LINES;
 use celfx::smoke::{Desc, Sequence};
@@ -119,14 +120,20 @@ impl Rig {
         Ranges::of_device(group_start, groups_per_metre, self.desc.settings.group_count())
     }
 
-    /// A layer of one value a pixel: `DEPTH`, `SHADOW`, `SMOOTH`, `OUTLINE_LAYER`.
+    /// A layer of one value a pixel: `DEPTH`, `SHADOW`, `SMOOTH`.
     pub fn layer(&mut self, id: BufferId) -> Vec<f32> {
         let count = self.pixel_count();
         self.read(id, count)
     }
 
-    /// A layer of four values a pixel: `PICTURE`, `TONE_LAYER`.
+    /// A layer of four values a pixel: `PICTURE`, `TONE_LAYER`, `MATTE_LAYER`.
     pub fn colours(&mut self, id: BufferId) -> Vec<[f32; 4]> {
+        let count = self.pixel_count();
+        self.read(id, count)
+    }
+
+    /// A layer of two values a pixel: `OUTLINE_LAYER`, `LIGHT_LAYER`.
+    pub fn pairs(&mut self, id: BufferId) -> Vec<[f32; 2]> {
         let count = self.pixel_count();
         self.read(id, count)
     }
@@ -156,6 +163,9 @@ impl Rig {
             ("shadow", layout::SHADOW, count),
             ("effect", layout::PICTURE, 4 * count),
             ("tone", layout::TONE_LAYER, 4 * count),
+            ("mattes", layout::MATTE_LAYER, 4 * count),
+            ("light", layout::LIGHT_LAYER, 2 * count),
+            ("lines", layout::OUTLINE_LAYER, 2 * count),
         ] {
             bits.push(name, &self.read::<u32>(id, words));
         }
@@ -166,13 +176,13 @@ impl Rig {
     }
 
     /// The reference's frame of the spheres and groups that the device has.
-    pub fn expected(&mut self, view: &View, light: &Light, voxel: f32) -> reference::Frame {
+    pub fn expected<'a>(&mut self, view: &View, lights: impl Into<Lights<'a>>, voxel: f32) -> reference::Frame {
         let spheres: Vec<[f64; 4]> = self.spheres().iter().map(|s| s.map(f64::from)).collect();
         let (groups, ranges) = (self.groups(), self.ranges());
         let Desc { settings, size, .. } = &self.desc;
         let grouping = reference::Grouping { groups: &groups, ranges };
         let settings = settings.in_pixels(LINES);
-        reference::frame(&settings, view, light, *size, voxel.into(), &spheres, &grouping)
+        reference::frame(&settings, view, lights, *size, voxel.into(), &spheres, &grouping)
     }
 }
 

@@ -340,6 +340,7 @@ fn with_smoke(in_flight: usize) -> Option<Vec<Vec<[u8; 4]>>> {
             dt: 1.0 / 24.0,
             view: fire.view,
             light: scenes::direction(-1.0, -1.5, -1.0),
+            fire: None,
             volume: Some(smoke::VolumeInput {
                 dimensions: volume.dimensions,
                 voxel_size: volume.voxel_size,

@@ -51,6 +51,7 @@ fn a_frame_of_smoke() {
         dt: 0.04,
         view: Camera::default().view(SIZE),
         light: Light::default(),
+        fire: None,
         volume: Some(volume),
         target: Some(image(FORMAT)),
         background: Background::Clear([1.0; 4]),

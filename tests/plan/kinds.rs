@@ -266,6 +266,7 @@ fn smoke_with_everything_that_a_frame_may_bring() {
                 dt: 0.04,
                 view: Camera::default().view(SIZE),
                 light,
+                fire: None,
                 volume: Some(volume),
                 target: Some(image(FORMAT)),
                 background: Background::Keep,

@@ -21,12 +21,14 @@ fn assert_finite(name: &str, rig: &mut Rig) {
         assert!(empty || depth[pixel].is_finite() && depth[pixel] > 0.0, "{name}: depth {}", depth[pixel]);
         assert!(luminance[pixel] <= 1.0 && (!empty || luminance[pixel] == 0.0), "{name}: {}", luminance[pixel]);
     }
-    let mut layers = vec![layout::SHADOW, layout::OUTLINE_LAYER];
+    let mut layers = vec![layout::SHADOW];
     layers.extend((rig.desc().settings.sigma > 0.0).then_some(layout::SMOOTH));
     for id in layers {
         let worst = rig.layer(id).into_iter().find(|v| !(0.0..=1.0).contains(v));
         assert_eq!(worst, None, "{name}: {id:?}");
     }
+    let pairs = [rig.pairs(layout::OUTLINE_LAYER), rig.pairs(layout::LIGHT_LAYER)].concat();
+    assert!(pairs.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)), "{name}: a line, a shadow or a rim");
     let colours = [rig.colours(layout::PICTURE), rig.colours(layout::TONE_LAYER), rig.picture()].concat();
     assert!(colours.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)), "{name}: a colour");
     assert!(rig.spheres().as_flattened().iter().all(|v| v.is_finite()), "{name}: a sphere");
@@ -215,7 +217,7 @@ fn lights_anywhere() {
     for way in [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::splat(1e-9), DVec3::new(1e9, -1e9, 3.0)] {
         for (ambient, fill, up) in [(0.0, 0.0, DVec3::Y), (1.0, 0.5, DVec3::Y), (0.0, 1.0, DVec3::new(1e-3, 0.0, -1e9))]
         {
-            let light = Light { source: LightSource::Direction(way), ambient, fill, up };
+            let light = Light { source: LightSource::Direction(way), ambient, fill, up, ..Light::default() };
             assert!(check(&format!("{light:?}"), &mut rig, camera(0.0), light, &volume) > 500);
         }
     }

@@ -12,6 +12,7 @@ use celfx::low_level::gpu::transfer::COPIED_FROM;
 use celfx::offline::TARGET_FORMAT;
 use celfx::smoke::settings::{Grow, Outline, Shadow};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
+use celfx::view::{FireLight, Light};
 
 use crate::common::allocations::allocated;
 use crate::common::host::{self, DISCARDED};
@@ -57,6 +58,7 @@ impl Slot {
             dt: 1.0 / 24.0,
             view: camera(2.0 * f64::from(i)).view(self.size),
             light: direction(-1.0, -1.5, -1.0),
+            fire: None,
             volume: Some(VolumeInput { dimensions, voxel_size, origin, density, velocity: Some(velocity) }),
             target: Some(target),
             background: Background::Clear([0.0; 4]),
@@ -451,6 +453,7 @@ fn frames_that_do_not_fit_are_refused_by_name() {
     let volume = good.volume.expect("a volume");
     let target = good.target.expect("a target");
     let with_volume = |volume| Frame { volume: Some(volume), ..good };
+    let fire = FireLight { position: glam::DVec3::ZERO, colour: [1.0; 3], reach: 1.0 };
     let cases = [
         ("volume", Frame { volume: None, ..good }),
         ("volume", with_volume(VolumeInput { dimensions: [21, 20, 20], ..volume })),
@@ -462,6 +465,9 @@ fn frames_that_do_not_fit_are_refused_by_name() {
         ("frame.dt", Frame { dt: 0.0, ..good }),
         ("frame.sequence", Frame { sequence: Sequence::Advance, ..good }),
         ("light", Frame { light: crate::common::scenes::point(0.0, 1.0, 0.0), ..good }),
+        ("light", Frame { light: Light { rim: 0.5, ..good.light }, ..good }),
+        ("fire", Frame { fire: Some(fire), ..good }),
+        ("fire.reach", Frame { fire: Some(FireLight { reach: 0.0, ..fire }), ..good }),
         ("view.jitter", Frame { view: celfx::view::View { jitter: [20.0, 0.0], ..good.view }, ..good }),
         ("target", Frame { target: Some(HostImage { extent: [79, 60], ..target }), ..good }),
         ("target", Frame { target: Some(HostImage { format: vk::Format::R8G8B8A8_UNORM, ..target }), ..good }),

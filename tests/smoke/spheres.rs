@@ -5,7 +5,7 @@ use celfx::low_level::smoke::layout;
 use celfx::smoke::Settings;
 use celfx::smoke::reference::render::{self, Hit};
 use celfx::smoke::settings::{Mask, Shadow};
-use celfx::view::{Camera, Light, LightSource};
+use celfx::view::{Camera, Light, LightSource, SecondLight};
 use glam::DVec3;
 
 use crate::common::apart;
@@ -62,23 +62,34 @@ fn one_sphere(camera: &Camera, light: &Light, size: [u32; 2], sphere: [f32; 4], 
     let root = (b * b - a * c).sqrt();
     let depth = (b - root) / a;
     let normal = (ray * depth - centre) / r;
-    let towards = match light.source {
+    let towards = |source| match source {
         LightSource::Direction(d) => -d.normalize(),
         LightSource::Position(p) => (p - camera.eye - ray * depth).normalize(),
     };
-    let luminance = light.luminance(normal.dot(towards), 1.0, normal.dot(light.up.normalize()));
     // Cosine between the normal and the way to the eye.
     let facing = -normal.dot(ray) / a.sqrt();
+    let first = normal.dot(towards(light.source));
+    let luminance = light.luminance(first, 1.0, normal.dot(light.up.normalize()));
+    let second = light.second.map_or(0.0, |second| normal.dot(towards(second.source)));
+    let luminance = light.with_second(luminance, second);
     (root > 0.0 && depth >= camera.near).then_some([depth, luminance, facing])
 }
 
 #[test]
 fn one_sphere_has_its_closed_form() {
     let size = [101, 80];
-    for (point_light, light) in [(false, direction(-0.4, -0.7, -1.0)), (true, point(1.5, 2.0, 1.0))] {
+    let at = |source| Some(SecondLight { source, strength: 0.4 });
+    let above = at(LightSource::Direction(DVec3::new(0.5, -2.0, -0.1)));
+    for (point_light, light) in [
+        (false, direction(-0.4, -0.7, -1.0)),
+        (true, point(1.5, 2.0, 1.0)),
+        (false, Light { second: above, ..direction(-0.4, -0.7, -1.0) }),
+        (true, Light { second: at(LightSource::Position(DVec3::ONE)), ..point(1.5, 2.0, 1.0) }),
+    ] {
         let settings = Settings { particles: 1, fade: 0, sigma: 0.0, shadow: Shadow::None, ..Settings::default() };
         let mut desc = desc(size, [4; 3], settings);
         desc.point_light = point_light;
+        desc.second_light = light.second.is_some();
         let Some(mut bench) = Bench::new(desc) else { return };
         let (mut worst, mut seen, mut borders) = ([0.0_f64; 2], 0, 0);
         let far_away = Camera { eye: DVec3::new(1e4, 0.0, 1e4), target: DVec3::new(1e4, 0.0, 0.0), ..camera(0.0) };

@@ -4,7 +4,7 @@ use celfx::low_level::smoke::layout;
 use celfx::low_level::smoke::params::{GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 use celfx::smoke::Settings;
 use celfx::smoke::reference::outline::{self, Mark};
-use celfx::smoke::reference::tone;
+use celfx::smoke::reference::tone::{self, Canvas};
 use celfx::smoke::settings::{LINES, Line, Mask, Operator, Outline};
 use celfx::toon::Tone;
 use celfx::view::{Camera, Light};
@@ -68,13 +68,24 @@ fn assert_drawn(name: &str, settings: Settings) {
     assert!(!is_hard || !marks.iter().any(is_unsure), "{name}: what is compared is not decided by rounding");
     let lines = outline::outline(SIZE, &depth, &camera.view(SIZE), voxel, &settings.outline);
     let picture = tone::composite(&tones, &lines, &id, &settings.outline);
-    let lines: Vec<f64> = lines.iter().map(|[inner, silhouette]| inner.max(*silhouette)).collect();
+    let both = lines;
+    let lines: Vec<f64> = both.iter().map(|[inner, silhouette]| inner.max(*silhouette)).collect();
     let drawn: Vec<[f32; 4]> = bench.read(layout::PICTURE, COUNT);
     let tone_layer: Vec<[f32; 4]> = bench.read(layout::TONE_LAYER, COUNT);
-    let line_layer: Vec<f32> = bench.read(layout::OUTLINE_LAYER, COUNT);
+    let line_layer: Vec<[f32; 2]> = bench.read(layout::OUTLINE_LAYER, COUNT);
+    let mattes: Vec<[f32; 4]> = bench.read(layout::MATTE_LAYER, COUNT);
+    let canvas = Canvas { size: SIZE, id: &id, mask: settings.mask, softness: settings.tone_softness.into() };
+    let expected_mattes = canvas.mattes(&smooth, &settings.tones);
     let mut worst = [0.0_f64; 3];
     for pixel in 0..COUNT {
-        worst[0] = worst[0].max(apart(line_layer[pixel], lines[pixel]));
+        let [inner, silhouette] = both[pixel];
+        worst[0] = worst[0].max(apart(line_layer[pixel][0], inner.max(silhouette)));
+        worst[0] = worst[0].max(apart(line_layer[pixel][1], silhouette));
+        for c in 0..4 {
+            worst[1] = worst[1].max(apart(mattes[pixel][c], expected_mattes[pixel][c]));
+        }
+        let whole: f32 = mattes[pixel].iter().sum();
+        assert!((whole - if id[pixel] == 0 { 0.0 } else { 1.0 }).abs() < 1e-6, "{name}: {whole} of a pixel");
         for c in 0..3 {
             worst[1] = worst[1].max(apart(tone_layer[pixel][c], tones[pixel][c]));
         }
@@ -98,9 +109,7 @@ fn is_unsure(mark: &Mark) -> bool {
 }
 
 fn tones(count: usize) -> Vec<Tone> {
-    (0..count)
-        .map(|i| Tone { from: i as f32 / count as f32, colour: [i as f32 * 0.2, 1.0 - i as f32 * 0.1, 0.5] })
-        .collect()
+    (0..count).map(|i| Tone::new(i as f32 / count as f32, [i as f32 * 0.2, 1.0 - i as f32 * 0.1, 0.5])).collect()
 }
 
 #[test]
@@ -117,7 +126,7 @@ fn tones_are_those_of_the_reference() {
     }
     // Without a Gaussian the luminance itself is cut.
     assert_drawn("no Gaussian", Settings { sigma: 0.0, ..Settings::default() });
-    let late = vec![Tone { from: 0.3, colour: [1.0; 3] }, Tone { from: 1.0, colour: [0.0; 3] }];
+    let late = vec![Tone::new(0.3, [1.0; 3]), Tone::new(1.0, [0.0; 3])];
     assert_drawn("the first from reads as 0", Settings { tones: late, tone_softness: 0.0, ..Settings::default() });
 }
 

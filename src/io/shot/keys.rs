@@ -31,6 +31,15 @@ const SHOT: &[(&str, &str)] = &[
     ("light", "a table"),
     ("light.direction", "[x, y, z], none beyond 1e12, not all 0, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("light.position", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
+    ("light.second", "a table"),
+    (
+        "light.second.direction",
+        "[x, y, z], none beyond 1e12, not all 0, or keyframes [[frame, [x, y, z]], ...], ascending",
+    ),
+    (
+        "light.second.position",
+        "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending",
+    ),
 ];
 
 /// Keys that `camera.file` takes the place of.
@@ -52,6 +61,8 @@ impl Keys {
         keys.push(keyframes("camera.near", view::near().allowed(), "metres"));
         keys.push(keyframes("light.ambient", view::ambient().allowed(), "ambient"));
         keys.push(keyframes("light.fill", view::fill().allowed(), "fill"));
+        keys.push(keyframes("light.rim", view::rim().allowed(), "rim"));
+        keys.push(keyframes("light.second.strength", view::strength().allowed(), "strength"));
         for Table { name, inputs, dials, .. } in tables {
             keys.push(given(name, "a table".to_owned()));
             keys.extend(inputs.iter().map(own));

@@ -147,8 +147,9 @@ fn built_in_shots_say_the_defaults() {
             assert_eq!(*settings, expected, "{name}");
         }
         if let Some(Flame { settings, .. }) = shot.part() {
-            let crate::flame::Settings { spread, size, threshold, falloff, adaptation, intensity, light, .. } =
-                *settings;
+            let crate::flame::Settings {
+                spread, size, threshold, falloff, adaptation, intensity, light, reach, ..
+            } = *settings;
             let expected = crate::flame::Settings {
                 spread,
                 size,
@@ -157,10 +158,11 @@ fn built_in_shots_say_the_defaults() {
                 adaptation,
                 intensity,
                 light,
+                reach,
                 ..flame_of(&defaults).settings.clone()
             };
             assert_eq!(*settings, expected, "{name}");
-            assert_eq!(settings.light > 0.0, shot.has("smoke"), "{name}: fire tints smoke where there is some");
+            assert_eq!(settings.light > 0.0, shot.has("smoke"), "{name}: fire lights smoke where there is some");
         }
         if let Some(Blur { scene, animations, images, settings }) = shot.part() {
             assert_eq!(*scene, scene::Source::Builtin(crate::simulate::mesh::Builtin::Run));
@@ -202,15 +204,16 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             }
             tried.push(key);
         }
-        let mut expected = vec!["light.position"];
+        let mut expected = vec!["light.position", "light.second.direction", "light.second.position"];
         if let Some(Smoke { settings, .. }) = shot.part() {
-            expected.extend(["smoke.on", "smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth"]);
+            expected.extend(["smoke.on", "smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth", "smoke.tones_above"]);
             expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
             expected.extend(LINES);
         }
-        if shot.has("flame") {
+        if let Some(Flame { settings, .. }) = shot.part() {
             expected.extend(["flame.on", "flame.size_pixels"]);
+            expected.extend(settings.reach.is_none().then_some("flame.reach"));
         }
         if shot.has("blur") {
             expected.extend(keys::INSTEAD_OF_FILE);
@@ -422,6 +425,16 @@ fn keyframes_move_camera_and_light() {
     assert_eq!([1, 2, 5, 9].map(|f| shot.camera(f).eye.x), [0.0, 1.0, 4.0, 4.0]);
     assert_eq!([1, 3].map(|f| shot.camera(f).far), [10.0, f64::INFINITY]);
     assert_eq!(shot.light(2), Light { source: LightSource::Position(DVec3::new(0.0, 2.0, 0.0)), ..Light::default() });
+    let second = "[smoke]\n[light]\nrim = [[1, 0], [5, 1]]\n[light.second]\nposition = [[1, [0, 0, 0]], [5, [0, 8, 0]]]\n\
+                  strength = [[1, 0], [5, 1]]";
+    let light = load(second, &[]).expect("a shot").light(2);
+    let expected = SecondLight { source: LightSource::Position(DVec3::new(0.0, 2.0, 0.0)), strength: 0.25 };
+    assert_eq!((light.rim, light.second), (0.25, Some(expected)));
+    let direction = load(second, &["light.second.direction=[0, -1, 0]"]).expect("instead").light(1).second;
+    assert_eq!(direction.map(|light| light.source), Some(LightSource::Direction(DVec3::NEG_Y)));
+    assert_eq!(load("[smoke]\n[light.second]\nstrength = 1", &[]).expect("a shot").light(1).second, None);
+    assert!(refused(second, &["light.second.strength=2"]).contains("light.second.strength = 2"));
+    assert!(refused("[smoke]\n[light.second]\ndirection=[0,-1,0]\nposition=[0,1,0]", &[]).contains("not both"));
     let through = "[smoke]\n[camera]\ntarget = [0, 1, 0]\neye = [[1, [0, 1, 4]], [9, [0, 1, -4]]]";
     assert!(refused(through, &[]).contains("(at frame 5)"), "{}", refused(through, &[]));
 }

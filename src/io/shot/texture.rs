@@ -14,7 +14,7 @@ pub(crate) fn tones(path: &Path) -> Result<Vec<Tone>, ReadError> {
     let mut tones: Vec<Tone> = Vec::new();
     for (i, colour) in row.into_iter().enumerate() {
         if tones.last().is_none_or(|last| last.colour != colour) {
-            tones.push(Tone { from: i as f32 / width as f32, colour });
+            tones.push(Tone::new(i as f32 / width as f32, colour));
         }
     }
     if tones.is_empty() || tones.len() > 256 {

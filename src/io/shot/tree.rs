@@ -74,6 +74,8 @@ impl Tree {
         match key {
             "light.direction" => self.remove("light.position"),
             "light.position" => self.remove("light.direction"),
+            "light.second.direction" => self.remove("light.second.position"),
+            "light.second.position" => self.remove("light.second.direction"),
             "camera.file" => INSTEAD_OF_FILE.into_iter().for_each(|key| self.remove(key)),
             _ if INSTEAD_OF_FILE.contains(&key) => self.remove("camera.file"),
             _ => {

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::fire_lights_smoke;
 use super::shot::Flame;
 use crate::data::{ParticleExtent, Particles};
 use crate::flame::settings::Colour;
-use crate::flame::{Desc, Settings, mean_spacing};
+use crate::flame::{Desc, Settings, fire_light, mean_spacing};
 use crate::interrupt;
 use crate::io::ReadError;
 use crate::io::particles::ParticleSequence;
@@ -16,6 +17,7 @@ use crate::offline::{Effects, Scene, TARGET_FORMAT};
 use crate::program::hash::builtin;
 use crate::program::input::Fresh;
 use crate::program::{Brought, Files, Input, InputError, Opened, add};
+use crate::view::FireLight;
 
 /// Spread of a flame without one in a shot none of whose frames has two particles, in metres.
 const DEFAULT_SPREAD: f32 = 0.1;
@@ -45,7 +47,9 @@ pub(super) struct FlameBrought {
     /// How many they are.
     pub(super) count: usize,
     /// The frame whose drawing it has.
-    pub(super) drawing: u32,
+    drawing: u32,
+    /// Their light on the shot's smoke.
+    fire: Option<FireLight>,
 }
 
 /// Looks at all of the shot's particles where that is what its fire follows from.
@@ -96,6 +100,7 @@ impl Input for FlameInput {
         let Fire { hottest, spread } = self.fire;
         let extent = ParticleExtent { hottest: hottest.unwrap_or(extent.hottest), ..extent };
         self.extent = Some(extent);
+        let light = if fire_lights_smoke(&self.shot) { 0.0 } else { self.flame.settings.light };
         Ok(effects.with(Desc {
             size: self.shot.size,
             target_format: TARGET_FORMAT,
@@ -104,7 +109,7 @@ impl Input for FlameInput {
             particles: extent.most,
             hottest: extent.hottest,
             seed: self.shot.seed,
-            settings: Settings { spread: Some(spread), ..self.flame.settings.clone() },
+            settings: Settings { spread: Some(spread), light, ..self.flame.settings.clone() },
             layers,
             temporal: Default::default(),
         }))
@@ -121,7 +126,25 @@ impl Input for FlameInput {
         let (extent, drawing) = (self.extent, self.flame.exposure.drawing(frame));
         let particles = self.particles.read(drawing, |some, path| extent.map_or(Ok(()), |e| e.check(some, path)))?;
         let count = self.particles.last().map_or(0, |last| last.position.len());
-        Ok(Some(Box::new(FlameBrought { particles, count, drawing })))
+        Ok(Some(Box::new(FlameBrought { particles, count, drawing, fire: self.light() })))
+    }
+}
+
+impl FlameInput {
+    /// Of the particles that were read last, on the shot's smoke.
+    fn light(&self) -> Option<FireLight> {
+        let Particles { position, temperature, .. } = self.particles.last()?;
+        let hottest = self.extent.map_or(f32::MAX, |extent| extent.hottest);
+        let is_lit = fire_lights_smoke(&self.shot);
+        is_lit.then(|| fire_light(&self.flame.settings, hottest, position, temperature)).flatten()
+    }
+}
+
+#[cfg(test)]
+impl FlameBrought {
+    /// So many, which are those of the frame before.
+    pub(super) fn of(count: usize) -> FlameBrought {
+        FlameBrought { particles: None, count, drawing: 1, fire: None }
     }
 }
 
@@ -129,5 +152,6 @@ impl Brought for FlameBrought {
     fn put<'a>(&'a self, scene: &mut Scene<'a>) {
         scene.particles = self.particles.as_deref();
         scene.drawing = Some(self.drawing);
+        scene.fire = self.fire;
     }
 }

@@ -8,6 +8,7 @@ mod variants;
 
 pub use feed::FlameFeed;
 pub use shot::Flame;
+pub(super) use shot::fire_lights_smoke;
 
 use super::EffectEntry;
 use crate::bench::{self, Benchmark};

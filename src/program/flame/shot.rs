@@ -41,6 +41,12 @@ pub(super) const TABLE: Table = Table {
     read,
 };
 
+/// Whether the fire of a shot lights its smoke as a lamp, and so tints nothing. With a mesh, it tints both.
+pub(in crate::program) fn fire_lights_smoke(shot: &Shot) -> bool {
+    let lights = shot.part().is_some_and(|flame: &Flame| flame.settings.lights());
+    lights && shot.has("smoke") && !shot.has("blur")
+}
+
 impl Part for Flame {
     /// Fire lights what else is in the shot.
     fn check(&self, is_alone: bool) -> Result<(), String> {

@@ -51,6 +51,7 @@ impl Feed for SmokeFeed {
             dt: scene.dt,
             view: scene.seen(smoke.desc().size),
             light: scene.light,
+            fire: scene.fire.filter(|_| smoke.desc().fire_light),
             volume: self.volume,
             target: place.target,
             depth: place.target.and(place.depth),

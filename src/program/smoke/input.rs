@@ -12,6 +12,7 @@ use crate::io::ReadError;
 use crate::io::shot::{Exposure, Shot};
 use crate::io::volume::Extent;
 use crate::offline::{Effects, Scene, TARGET_FORMAT};
+use crate::program::flame::fire_lights_smoke;
 use crate::program::hash::builtin;
 use crate::program::input::Fresh;
 use crate::program::{Brought, Files, Input, InputError, Opened, add};
@@ -80,6 +81,7 @@ impl Input for SmokeInput {
         let extent = self.volumes.sequence.extent(interrupt::until(drawings))?;
         interrupt::check()?;
         self.extent = Some(extent);
+        let lights = || (start..=end).map(|frame| shot.light(frame));
         Ok(effects.with(Desc {
             size: shot.size,
             lines: None,
@@ -87,6 +89,9 @@ impl Input for SmokeInput {
             dimensions: extent.dimensions,
             velocity: extent.velocity,
             point_light: matches!(shot.light(start).source, LightSource::Position(_)),
+            rim: lights().any(|light| light.rim > 0.0),
+            second_light: lights().any(|light| light.second.is_some()),
+            fire_light: fire_lights_smoke(shot),
             seed: shot.seed,
             settings: drawn(&self.smoke.settings, exposure),
             layers,

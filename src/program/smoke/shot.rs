@@ -37,7 +37,7 @@ pub(super) const TABLE: Table = Table {
     name: "smoke",
     inputs: INPUTS,
     dials: Settings::dials,
-    files: &[FileKey::sequence("smoke.volume"), FileKey::one("smoke.tones")],
+    files: &[FileKey::sequence("smoke.volume"), FileKey::one("smoke.tones"), FileKey::one("smoke.tones_above")],
     excluding: &[],
     read,
 };
@@ -57,11 +57,15 @@ impl Smoke {
 fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     const ELSEWHERE: &[&str] = &["volume", "density_grid", "velocity_grid", "hold", "on"];
     let Section { tree, folder, fps, .. } = *section;
-    let tones = tree.word("smoke.tones");
-    let elsewhere = [ELSEWHERE, if tones.is_some() { &["tones"] } else { &[] }].concat();
+    let [tones, above] = ["smoke.tones", "smoke.tones_above"].map(|key| tree.word(key));
+    let of_files = [("tones", tones), ("tones_above", above)].into_iter().filter(|(_, file)| file.is_some());
+    let elsewhere: Vec<&str> = ELSEWHERE.iter().copied().chain(of_files.map(|(key, _)| key)).collect();
     let mut settings: Settings = tree.settings("smoke", &elsewhere)?;
     if let Some(file) = tones {
         settings.tones = texture::tones(&folder.join(file))?;
+    }
+    if let Some(file) = above {
+        settings.tones_above = Some(texture::tones(&folder.join(file))?);
     }
     settings.validate().map_err(|e| setting_error(tree, &e, ""))?;
     let volume = tree.text("smoke.volume")?.unwrap_or_else(|| "builtin:plume".to_owned());

@@ -30,6 +30,9 @@ fn variant(
     settings.outline.width = if operator == Operator::Roberts { 1.0 } else { 16.0 };
     settings.outline.shortest = if rk2 { 0.0 } else { settings.outline.shortest };
     settings.outline.strength = if plain { 0.0 } else { 1.0 };
+    // More light and more colours, all together.
+    settings.tones_above = rk2.then(|| settings.tones.clone());
+    settings.tones[0].shadow = rk2.then_some([0.0; 3]);
     settings.sigma = if flat { 0.0 } else { settings.sigma };
     let desc = Desc {
         size: SIZE,
@@ -38,6 +41,9 @@ fn variant(
         dimensions: [8; 3],
         velocity: true,
         point_light: false,
+        rim: rk2,
+        second_light: rk2,
+        fire_light: rk2,
         seed: 1,
         settings,
         layers,

@@ -15,10 +15,13 @@ pub mod tone;
 
 pub use grid::Grid;
 
+use glam::DVec3;
+
 use super::settings::{Mask, Settings, Shadow};
-use crate::view::{Light, View};
+use crate::view::{FireLight, Light, View};
 use groups::Ranges;
 use render::Hit;
+use tone::{Canvas, Lit};
 
 /// One rendered frame, every layer row by row from the top.
 #[derive(Clone, Debug)]
@@ -35,12 +38,49 @@ pub struct Frame {
     pub id: Vec<u32>,
     /// Smoothed luminance; 0 where nothing is seen.
     pub smooth: Vec<f64>,
+    /// What is smoothed beside luminance.
+    pub channels: Channels,
     /// Tone colour before the line, linear RGB; black where nothing is seen.
     pub tone: Vec<[f64; 3]>,
     /// Opacity of inner lines and of silhouettes, 0 to 1.
     pub outline: Vec<[f64; 2]>,
     /// The effect alone, linear RGBA, premultiplied by the share of the pixel that it covers.
     pub image: Vec<[f64; 4]>,
+}
+
+/// What is smoothed as luminance is.
+#[derive(Clone, Debug)]
+pub struct Channels {
+    /// Share of the light that arrives.
+    pub shade: Vec<f64>,
+    /// How far surfaces are turned away from the light and from the eye.
+    pub away: Vec<f64>,
+    /// The fire's light, if there is one.
+    pub fire: Option<Vec<f64>>,
+}
+
+/// A fire, and the smoke between it and what it lights.
+#[derive(Clone, Copy)]
+pub struct Fire<'a> {
+    /// The fire.
+    pub light: FireLight,
+    /// Whether a place in the world is in smoke.
+    pub is_smoke: &'a dyn Fn(DVec3) -> bool,
+}
+
+/// What lights a frame.
+#[derive(Clone, Copy)]
+pub struct Lights<'a> {
+    /// The lights.
+    pub light: &'a Light,
+    /// The fire, if there is one.
+    pub fire: Option<Fire<'a>>,
+}
+
+impl<'a> From<&'a Light> for Lights<'a> {
+    fn from(light: &'a Light) -> Lights<'a> {
+        Lights { light, fire: None }
+    }
 }
 
 /// What the mask of a frame is made from.
@@ -54,15 +94,16 @@ pub struct Grouping<'a> {
 
 /// Renders one frame of `size` pixels from spheres (centre and displayed radius in metres) and their depth groups.
 /// `voxel` is the smallest side of a voxel in metres. A shadow map is an approximation of hard exact shadows.
-pub fn frame(
+pub fn frame<'a>(
     settings: &Settings,
     view: &View,
-    light: &Light,
+    lights: impl Into<Lights<'a>>,
     size: [u32; 2],
     voxel: f64,
     spheres: &[[f64; 4]],
     grouping: &Grouping,
 ) -> Frame {
+    let Lights { light, fire } = lights.into();
     let drawn = render::drawn(view, size, settings.smallest.into(), spheres);
     let hits = render::raycast(view, size, &drawn);
     let soft = |softness| shadow::shadow(view, size, spheres, &hits, light.source, softness);
@@ -73,14 +114,27 @@ pub fn frame(
     };
     let luminance = render::luminance(view, size, &drawn, &hits, light, &shadow);
     let depth = render::depth(&hits);
-    let (id, smooth) = masked(settings, size, &luminance, &depth, render::id(&hits, grouping.groups), &grouping.ranges);
-    let tone = tone::tones(size, &smooth, &id, settings.mask, &settings.tones, settings.tone_softness.into());
+    let smoothed =
+        |values: &[f64]| masked(settings, size, values, &depth, render::id(&hits, grouping.groups), &grouping.ranges);
+    let (id, smooth) = smoothed(&luminance);
+    let away = smoothed(&render::turned_away(view, size, &drawn, &hits, light)).1;
+    let lit = fire.map(|Fire { light, is_smoke }| render::fire(view, size, &drawn, &hits, &light, is_smoke));
+    let channels = Channels { shade: smoothed(&shadow).1, away, fire: lit.map(|light| smoothed(&light).1) };
+    let canvas = Canvas { size, id: &id, mask: settings.mask, softness: settings.tone_softness.into() };
+    let rimmed = tone::rimmed(light, &smooth, &channels.away);
+    let lit = Lit {
+        luminance: &rimmed,
+        shade: Some(&channels.shade[..]),
+        fire: fire.and_then(|fire| Some((fire.light.colour, channels.fire.as_deref()?))),
+    };
+    let above = tone::gradient_share(&render::height(view, size, &hits, light.up), settings.gradient);
+    let tone = canvas.painted(settings, &lit, &above);
     let outline = outline::outline(size, &depth, view, voxel, &settings.outline);
     let mut image = tone::composite(&tone, &outline, &id, &settings.outline);
     if settings.is_antialiased() {
         image = coverage::covered(&image, &coverage::coverage(view, size, &drawn, &hits));
     }
-    Frame { hits, shadow, luminance, depth, id, smooth, tone, outline, image }
+    Frame { hits, shadow, luminance, depth, id, smooth, channels, tone, outline, image }
 }
 
 /// The group of each pixel and its smoothed luminance, from the groups of the spheres.
@@ -110,8 +164,6 @@ pub fn masked(
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::view::Camera;
 

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::view::{Light, LightSource, Projection, View};
+use crate::shaders::smoke::constants::WAY_SAMPLES;
+use crate::view::{FireLight, Light, LightSource, Projection, View};
 
 /// The surface that a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,8 +143,8 @@ fn front([from, way]: [DVec3; 2], centre: DVec3, radius: f64) -> Option<f64> {
     (chord >= 0.0).then(|| closest - (chord / squared).sqrt())
 }
 
-/// Luminance of every pixel, 0 to 1: `ambient + (1 - ambient) max(0, n.l) s`, with a share of it filled; 0 where nothing
-/// is seen.
+/// Luminance of every pixel without a rim, 0 to 1: `ambient + (1 - ambient) max(0, n.l) s`, with a share of it filled, and the
+/// second light over that; 0 where nothing is seen.
 ///
 /// `hits` are [`raycast`]'s, `shadow` is s of every pixel: 1 lit, 0 in shadow.
 pub fn luminance(
@@ -159,9 +160,60 @@ pub fn luminance(
     for (pixel, sphere, point) in scene.seen(hits) {
         let Some(Some((centre, radius))) = scene.spheres.get(sphere) else { continue };
         let normal = (point - centre) / *radius;
-        let up = scene.projection.axes * light.up.normalize();
-        let (facing, up) = (normal.dot(scene.towards(light.source, point).0), normal.dot(up));
-        image[pixel] = light.luminance(facing, shadow[pixel], up).clamp(0.0, 1.0);
+        let facing = normal.dot(scene.towards(light.source, point).0);
+        let second = light.second.map_or(0.0, |second| normal.dot(scene.towards(second.source, point).0));
+        let up = normal.dot(scene.projection.axes * light.up.normalize());
+        image[pixel] = light.with_second(light.luminance(facing, shadow[pixel], up), second).clamp(0.0, 1.0);
+    }
+    image
+}
+
+/// How far what every pixel sees turns away from the light and from the eye, 0 to 1; 0 where nothing is seen.
+pub fn turned_away(view: &View, size: [u32; 2], spheres: &[[f64; 4]], hits: &[Option<Hit>], light: &Light) -> Vec<f64> {
+    let scene = Scene::new(view, size, spheres);
+    let mut image = vec![0.0; hits.len()];
+    for (pixel, sphere, point) in scene.seen(hits) {
+        let Some(Some((centre, radius))) = scene.spheres.get(sphere) else { continue };
+        let normal = (point - centre) / *radius;
+        let eye = if scene.projection.is_orthographic { -DVec3::Z } else { -point.normalize() };
+        let facing = normal.dot(scene.towards(light.source, point).0);
+        image[pixel] = Light::turned_away(facing, normal.dot(eye));
+    }
+    image
+}
+
+/// The fire's light on every pixel, 0 to 1: `(1/2 + n.l/2) / (1 + (d/reach)^2)` by what of the way is free of smoke; 0 where
+/// nothing is seen. `is_smoke` says whether a place in the world is in it.
+pub fn fire(
+    view: &View,
+    size: [u32; 2],
+    spheres: &[[f64; 4]],
+    hits: &[Option<Hit>],
+    fire: &FireLight,
+    is_smoke: impl Fn(DVec3) -> bool,
+) -> Vec<f64> {
+    let scene = Scene::new(view, size, spheres);
+    let Projection { axes, eye, .. } = scene.projection;
+    let mut image = vec![0.0; hits.len()];
+    for (pixel, sphere, point) in scene.seen(hits) {
+        let Some(Some((centre, radius))) = scene.spheres.get(sphere) else { continue };
+        let (towards, distance) = scene.towards(LightSource::Position(fire.position), point);
+        let wrapped = 0.5 + 0.5 * ((point - centre) / *radius).dot(towards);
+        let place = axes.transpose() * point + eye;
+        let at = |i| place.lerp(fire.position, (f64::from(i) + 0.5) / f64::from(WAY_SAMPLES));
+        let free = (0..WAY_SAMPLES).filter(|i| !is_smoke(at(*i))).count();
+        image[pixel] = wrapped * fire.falloff(distance) * free as f64 / f64::from(WAY_SAMPLES);
+    }
+    image
+}
+
+/// Height of what every pixel sees above the world's origin in metres, along `up`; 0 where nothing is seen.
+pub fn height(view: &View, size: [u32; 2], hits: &[Option<Hit>], up: DVec3) -> Vec<f64> {
+    let scene = Scene::new(view, size, &[]);
+    let Projection { axes, eye, .. } = scene.projection;
+    let mut image = vec![0.0; hits.len()];
+    for (pixel, _, point) in scene.seen(hits) {
+        image[pixel] = (axes.transpose() * point + eye).dot(up.normalize());
     }
     image
 }

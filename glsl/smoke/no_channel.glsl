@@ -1,0 +1,1 @@
+const uint NO_CHANNEL = 0xffffffffu;  // what a kernel is told where something has no channel
