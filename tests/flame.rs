@@ -8,6 +8,8 @@ mod common;
 mod accumulation;
 #[path = "flame/adaptive.rs"]
 mod adaptive;
+#[path = "flame/cel.rs"]
+mod cel;
 #[path = "flame/determinism.rs"]
 mod determinism;
 #[path = "flame/extremes.rs"]

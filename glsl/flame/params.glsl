@@ -94,6 +94,11 @@ layout(binding = 0) uniform FlameParams {
     float table_scale;        // colour table: places a unit of T or 1 / T
     float table_offset;       // place of 0
     float table_last;         // last place
+    float tone_softness;      // of the look "cel": half the width of borders between tones, in pixels
+    uint tone_count;
+    int window;               // of the Gaussian, in pixels to each side
+    float ink_width;          // of the line, in pixels
+    vec4 ink;                 // its linear RGB; w: its opacity
     vec4 table_shift;         // what its logarithms are of more than the colour; w: unused
     CellLevel cell_levels[MAX_CELL_LEVELS];
 } params;

@@ -12,12 +12,7 @@ layout(constant_id = 5) const bool SOFT = false;   // the mask
 #include "tile.glsl"
 #include "lines.glsl"
 #include "toon/ink_width.glsl"
-
-// From luminance `from` upwards the smoke has this colour.
-struct Tone {
-    float colour[3];  // linear RGB
-    float from;
-};
+#include "toon/tone.glsl"
 
 layout(std430, binding = 2) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 3) readonly buffer Smooth { float smooth_luminance[]; };
@@ -67,9 +62,7 @@ vec3 tone_of(ivec2 at, uint pixel) {
     }
     vec3 colour = colour_of(0u);
     for (uint i = 1u; i < params.tone_count; ++i) {
-        float above = s - tones[i].from;
-        float share = width > 0.0 ? clamp(0.5 + above / width, 0.0, 1.0) : above >= 0.0 ? 1.0 : 0.0;
-        colour = mix(colour, colour_of(i), share);
+        colour = mix(colour, colour_of(i), tone_share(s, tones[i].from, width));
     }
     return colour;
 }

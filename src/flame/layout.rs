@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
-use crate::flame::colour::Table;
+use crate::flame::tables::Tables;
 use crate::flame::desc::{Desc, SceneFormat};
 use crate::flame::limits::{Stage, buckets, is_raster, kernels, most_count, stages};
 use crate::flame::settings::Mode;
@@ -59,6 +59,15 @@ buffers! {
     VARIANCE = "Variance": Layer,
     NEAREST = "Nearest": Layer,
     PREVIOUS = "Previous",
+    TILE_FIRE = "TileFire",
+    TILE_SHOWN = "TileShown",
+    WEIGHTS = "Weights": Kept,
+    HALF_SUMS = "HalfSums": Kept,
+    TONES = "Tones": Kept,
+    ROW_SUMS = "RowSums",
+    HEAT_LAYER = "HeatLayer": Layer,
+    TONE_LAYER = "ToneLayer": Layer,
+    OUTLINE_LAYER = "OutlineLayer": Layer,
 }
 
 /// The host's particles: positions and temperatures.
@@ -125,7 +134,7 @@ pub struct Layout {
 
 impl Layout {
     /// Computes it; fails where a buffer is larger than a shader can bind.
-    pub fn new(desc: &Desc, table: &Table, traits: &DeviceTraits) -> Result<Layout> {
+    pub fn new(desc: &Desc, tables: &Tables, traits: &DeviceTraits) -> Result<Layout> {
         let settings = &desc.settings;
         let tiles = desc.size.map(|side| side.div_ceil(TILE));
         let (levels, cells) = levels(tiles);
@@ -137,7 +146,7 @@ impl Layout {
             stages: stages(desc, traits)?,
             sizes: Sizes::LEAST,
         };
-        layout.size_particles(desc, table);
+        layout.size_particles(desc, tables);
         let parts: u32 = layout.stages.iter().map(|stage| stage.parts).sum();
         layout.set(PART_ARGUMENTS, u64::from(parts * kernels(desc, traits)) * VECTOR);
         layout.size_pictures(desc);
@@ -160,14 +169,17 @@ impl Layout {
         self.sizes.get(id)
     }
 
-    fn size_particles(&mut self, desc: &Desc, table: &Table) {
+    fn size_particles(&mut self, desc: &Desc, tables: &Tables) {
         let particles = u64::from(desc.particles);
         let texels = u64::from(MASK_SIDE * MASK_SIDE * desc.settings.variants);
         self.set(PARAMS, size_of::<FlameParams>() as u64);
         self.set(CONTROL, size_of::<Control>() as u64);
         self.set(POSITIONS, particles * VECTOR);
         self.set(IDS, particles * 4);
-        self.set(COLOURS, table.entries.len() as u64 * VECTOR);
+        self.set(COLOURS, tables.colours.entries.len() as u64 * VECTOR);
+        self.set(WEIGHTS, tables.weights.len() as u64 * 4);
+        self.set(HALF_SUMS, tables.half_sums.len() as u64 * 4);
+        self.set(TONES, size_of_val(&tables.tones[..]) as u64);
         self.set(PARTICLES, particles * size_of::<Particle>() as u64);
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
         self.set(CELL_SUMS, scan::sums_bytes(self.size(CELLS)));
@@ -211,6 +223,12 @@ impl Layout {
         self.set(MEAN, kept(desc.layers, pixels * VECTOR));
         self.set(VARIANCE, kept(desc.layers, pixels * VECTOR));
         self.set(NEAREST, kept(desc.keeps_depth(), pixels * 4));
+        self.set(TILE_FIRE, tiles * 4);
+        self.set(TILE_SHOWN, kept(desc.settings.is_cel(), tiles * 4));
+        self.set(ROW_SUMS, kept(desc.settings.is_cel(), pixels * 8));
+        self.set(HEAT_LAYER, kept(desc.layers, pixels * 4));
+        self.set(TONE_LAYER, kept(desc.layers, pixels * VECTOR));
+        self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 4));
     }
 
     fn check(&self, limit: u64) -> Result<()> {

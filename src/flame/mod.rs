@@ -19,6 +19,7 @@ pub mod reference;
 pub mod settings;
 mod spacing;
 pub(crate) mod steps;
+pub(crate) mod tables;
 
 pub use crate::host::{Background, DepthFormat};
 use crate::host::{FormatUse, NamedFormat, depth_format, target_format};
@@ -34,13 +35,13 @@ use crate::error::{Error, Result};
 use crate::gpu::resources::{Kept, Resources};
 use crate::plan::{Pass, Plan};
 use crate::view::View;
-use colour::Table;
 use layout::Layout;
 use mask::Mask;
 use params::{FlameParams, Given};
 use passes::Passes;
-use settings::{Colour, MOST_REPETITIONS};
+use settings::MOST_REPETITIONS;
 use steps::{FrameDelta, Steps};
+use tables::Tables;
 
 /// The flame effect. A frame depends on no other, unless it takes the last one's particles or adds to its repetitions.
 pub type Flame = Effect<FlameKind>;
@@ -51,7 +52,7 @@ pub struct FlameKind {
     traits: DeviceTraits,
     layout: Layout,
     passes: Passes,
-    table: Table,
+    tables: Tables,
     effort: Effort,
     /// The largest alpha of the mask.
     max_alpha: f32,
@@ -85,12 +86,12 @@ impl Kind for FlameKind {
         desc.validate()?;
         traits.tuning.validate()?;
         traits.check_sides(desc.size)?;
-        let table = table(desc);
-        let layout = Layout::new(desc, &table, traits)?;
-        let passes = Passes::new(desc, &layout, &table, &traits.tuning);
+        let tables = Tables::new(desc);
+        let layout = Layout::new(desc, &tables, traits)?;
+        let passes = Passes::new(desc, &layout, &tables, &traits.tuning);
         // The largest alpha that the device's mask can have, which is the reference's but for rounding.
         let max_alpha = (Mask::new(desc.seed, desc.settings.variants).largest() * 1.000001) as f32;
-        Ok(FlameKind { traits: *traits, layout, passes, table, effort, max_alpha, state: State::default() })
+        Ok(FlameKind { traits: *traits, layout, passes, tables, effort, max_alpha, state: State::default() })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -108,10 +109,10 @@ impl Kind for FlameKind {
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, self.state.view.is_none())?;
         let (delta, state) = self.delta(desc, frame)?;
-        let FlameKind { traits, layout, passes, table, effort, max_alpha, .. } = self;
-        let mut params = FlameParams::new(desc, layout, frame, &delta.given, table, *max_alpha);
+        let FlameKind { traits, layout, passes, tables, effort, max_alpha, .. } = self;
+        let mut params = FlameParams::new(desc, layout, frame, &delta.given, &tables.colours, *max_alpha);
         params.is_skipping = effort.skips().into();
-        Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, table);
+        Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, tables);
         Ok(state)
     }
 
@@ -144,9 +145,12 @@ impl Kind for FlameKind {
         if !kept.sequence() {
             return;
         }
-        let has_room = kept.buffer(layout::COLOURS) && kept.buffer(layout::MASK) && kept.image(layout::LEVELS);
+        let [colours, weights, half_sums, tones] =
+            [layout::COLOURS, layout::WEIGHTS, layout::HALF_SUMS, layout::TONES].map(|table| kept.buffer(table));
+        let has_room =
+            colours && weights && half_sums && tones && kept.buffer(layout::MASK) && kept.image(layout::LEVELS);
         let same_mask = (before.seed, before.settings.variants) == (desc.seed, desc.settings.variants);
-        let has_tables = old.state.has_tables && has_room && same_mask && old.table.entries == self.table.entries;
+        let has_tables = old.state.has_tables && has_room && same_mask && old.tables == self.tables;
         // The sums are of another fire, and the expected image's table may be.
         self.state = State { has_tables, repetitions: 0, lit: None, ..old.state };
     }
@@ -217,15 +221,5 @@ impl FlameKind {
             }
             _ => None,
         }
-    }
-}
-
-fn table(desc: &Desc) -> Table {
-    let settings = &desc.settings;
-    let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
-    match &settings.colour {
-        Colour::Physical => Table::physical(hottest, adaptation, hottest.max(desc.hottest.into())),
-        Colour::Displayable => Table::displayable(hottest, falloff, adaptation),
-        Colour::Ramp(colours) => Table::ramp(hottest, colours),
     }
 }

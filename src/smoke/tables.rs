@@ -4,6 +4,7 @@ use crate::shaders::smoke::blocks::Tone;
 use crate::shaders::smoke::constants::BLOCK;
 use crate::smoke::layout::Layout;
 use crate::smoke::settings::Settings;
+use crate::toon::weights;
 
 /// The Gaussian's weights by distance, and the tones.
 #[derive(Clone, Debug)]
@@ -15,15 +16,8 @@ pub struct Tables {
 impl Tables {
     /// From settings.
     pub fn new(settings: &Settings, layout: &Layout) -> Tables {
-        let sigma = f64::from(settings.sigma);
-        let weight = |distance: u32| match distance <= settings.window() {
-            true => (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp() as f32,
-            false => 0.0,
-        };
-        let weights = match settings.is_filtered() {
-            true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
-            false => vec![1.0],
-        };
+        let count = if settings.is_filtered() { (layout.window_blocks + 1) * BLOCK } else { 1 };
+        let weights = weights(settings.sigma, settings.window(), count);
         let tones = settings.tones.iter().map(|tone| Tone { colour: tone.colour, from: tone.from });
         Tables { weights, tones: tones.collect() }
     }

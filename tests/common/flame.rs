@@ -168,6 +168,21 @@ impl FlameRig {
         self.pixels(layout::PICTURE)
     }
 
+    /// Smoothed heat.
+    pub fn heat(&mut self) -> Vec<f32> {
+        self.pixels(layout::HEAT_LAYER)
+    }
+
+    /// Linear RGBA of tones alone, premultiplied.
+    pub fn tone(&mut self) -> Vec<[f32; 4]> {
+        self.pixels(layout::TONE_LAYER)
+    }
+
+    /// Opacity of the line.
+    pub fn outline(&mut self) -> Vec<f32> {
+        self.pixels(layout::OUTLINE_LAYER)
+    }
+
     /// Every layer of a frame, bit for bit; what is in the rows of dropped particles does not matter.
     pub fn bits(&mut self) -> Bits {
         let mut bits = Bits::default();
@@ -179,6 +194,9 @@ impl FlameRig {
         bits.push("variance", &self.variance());
         bits.push("nearest", &self.nearest());
         bits.push("effect", &self.effect());
+        bits.push("heat", &self.heat());
+        bits.push("tone", &self.tone());
+        bits.push("outline", &self.outline());
         bits
     }
 }

@@ -1,6 +1,7 @@
 //! The flame effect in f64 on the CPU, written from its definition and not from the shaders: what tests and the
 //! benchmark compare the GPU with. Clear before fast.
 
+pub mod cel;
 pub mod draws;
 pub mod expected;
 pub mod kernel;

@@ -4,6 +4,7 @@ use super::mask;
 use crate::flame::colour;
 use crate::flame::params::{COUNT_KEY, LIGHT_STEPS, MOST_COUNT};
 use crate::flame::settings::{Colour, Settings};
+use crate::flame::tables::GREYS;
 use crate::random::{hash, unit};
 use crate::view::{FARTHEST, Projection, View};
 
@@ -89,9 +90,12 @@ pub fn count(mean_count: f64, seed: u32, id: u32) -> u32 {
     mean_count.floor() as u32 + u32::from(one_more)
 }
 
-/// Linear RGB at a temperature.
+/// Linear RGB at a temperature; of the look "cel", heat.
 pub fn colour(settings: &Settings, kelvin: f64) -> [f64; 3] {
     let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
+    if settings.is_cel() {
+        return colour::ramp(kelvin, hottest, &GREYS);
+    }
     match &settings.colour {
         Colour::Physical => colour::physical(kelvin, hottest, adaptation),
         Colour::Displayable => colour::displayable(kelvin, hottest, falloff, adaptation),

@@ -2,7 +2,9 @@
 
 use super::input::FlameBrought;
 use crate::flame::Desc;
-use crate::flame::layout::{MASK, MEAN, NEAREST, PARTICLES, PICTURE, POSITIONS, VARIANCE};
+use crate::flame::layout::{
+    HEAT_LAYER, MASK, MEAN, NEAREST, OUTLINE_LAYER, PARTICLES, PICTURE, POSITIONS, TONE_LAYER, VARIANCE,
+};
 use crate::flame::params::{MASK_SIDE, Particle};
 use crate::program::layers::{LayerData, LayerEntry, Made};
 
@@ -18,6 +20,9 @@ pub(super) const LAYERS: &[LayerEntry] = &[
     LayerEntry::image("flame.repetitions", &[VARIANCE], |made| {
         LayerData::Value(made.image(VARIANCE).iter().map(last).collect())
     }),
+    LayerEntry::image("flame.heat", &[HEAT_LAYER], |made| LayerData::Value(made.image(HEAT_LAYER))),
+    LayerEntry::image("flame.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
+    LayerEntry::image("flame.outline", &[OUTLINE_LAYER], |made| LayerData::Value(made.image(OUTLINE_LAYER))),
     LayerEntry::image("flame", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
@@ -85,6 +90,9 @@ mod tests {
             (MEAN, bytemuck::cast_slice(&mean)),
             (VARIANCE, bytemuck::cast_slice(&variance)),
             (NEAREST, bytemuck::cast_slice(&nearest)),
+            (HEAT_LAYER, bytemuck::cast_slice(&nearest)),
+            (TONE_LAYER, bytemuck::cast_slice(&mean)),
+            (OUTLINE_LAYER, bytemuck::cast_slice(&[0.25_f32, 0.75])),
             (PICTURE, bytemuck::cast_slice(&picture)),
         ];
         let settings = Settings { variants: 2, ..Settings::default() };
@@ -112,6 +120,9 @@ mod tests {
         assert_eq!(values(&layers, "flame.coverage"), [0.4, 0.0]);
         assert_eq!(values(&layers, "flame.depth"), [2.0, f32::INFINITY]);
         assert_eq!(values(&layers, "flame.repetitions"), [20.0, 16.0]);
+        assert_eq!(values(&layers, "flame.heat"), [2.0, f32::INFINITY]);
+        assert_eq!(values(&layers, "flame.tone"), mean.as_flattened());
+        assert_eq!(values(&layers, "flame.outline"), [0.25, 0.75]);
         assert_eq!(values(&layers, "flame"), picture.as_flattened());
         let shapes = layers.iter().filter_map(|layer| match &layer.data {
             LayerData::Array { shape, values } => Some((layer.name, shape.clone(), values.len())),

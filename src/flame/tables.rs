@@ -1,0 +1,50 @@
+//! Constant tables on the device.
+
+use crate::flame::colour::Table;
+use crate::flame::desc::Desc;
+use crate::flame::settings::{Colour, Settings};
+use crate::shaders::flame::blocks::Tone;
+use crate::toon;
+
+/// Colours over T / hottest of the look "cel": heat itself.
+pub(crate) const GREYS: [[f32; 3]; 2] = [[0.0; 3], [1.0; 3]];
+/// Results that a thread of the Gaussian makes: `TAPS` of its kernels.
+const TAPS: u32 = 4;
+
+/// Colours of temperatures; the Gaussian's weights by distance, and their sums from 1 on; tones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tables {
+    pub(super) colours: Table,
+    pub(super) weights: Vec<f32>,
+    pub(super) half_sums: Vec<f32>,
+    pub(super) tones: Vec<Tone>,
+}
+
+impl Tables {
+    /// From what the effect is made for.
+    pub fn new(desc: &Desc) -> Tables {
+        let settings = &desc.settings;
+        let window = settings.window();
+        // Blocks of taps that reach over the window, and the one in its middle.
+        let blocks = (window + 2 * (TAPS - 1)) / TAPS + 1;
+        let weights = toon::weights(settings.sigma, window, blocks * TAPS);
+        let sums = weights.iter().skip(1).scan(0.0, |sum, weight| {
+            *sum += f64::from(*weight);
+            Some(*sum as f32)
+        });
+        let half_sums = [0.0].into_iter().chain(sums).take(window as usize + 1).collect();
+        let tones = settings.tones.shares(settings.hottest).map(|tone| Tone { colour: tone.colour, from: tone.from });
+        Tables { colours: colours(desc.hottest, settings), half_sums, weights, tones: tones.collect() }
+    }
+}
+
+/// `hottest_particle`: the highest temperature of a frame in kelvin.
+fn colours(hottest_particle: f32, settings: &Settings) -> Table {
+    let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
+    match &settings.colour {
+        _ if settings.is_cel() => Table::ramp(hottest, &GREYS),
+        Colour::Physical => Table::physical(hottest, adaptation, hottest.max(hottest_particle.into())),
+        Colour::Displayable => Table::displayable(hottest, falloff, adaptation),
+        Colour::Ramp(colours) => Table::ramp(hottest, colours),
+    }
+}
