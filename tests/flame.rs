@@ -28,3 +28,5 @@ mod shapes;
 mod skipping;
 #[path = "flame/stochastic.rs"]
 mod stochastic;
+#[path = "flame/stretch.rs"]
+mod stretch;

@@ -90,6 +90,8 @@ layout(binding = 0) uniform FlameParams {
     float intensity;
     float adaptive;           // widest 95 % interval of a pixel that is good enough
     float light;
+    float stretch;            // sprites are drawn out along their way of so many seconds
+    uint has_velocities;
     float falloff;
     float table_scale;        // colour table: places a unit of T or 1 / T
     float table_offset;       // place of 0

@@ -4,10 +4,10 @@ use ash::vk;
 
 use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
-use crate::flame::tables::Tables;
 use crate::flame::desc::{Desc, SceneFormat};
 use crate::flame::limits::{Stage, buckets, is_raster, kernels, most_count, stages};
 use crate::flame::settings::Mode;
+use crate::flame::tables::Tables;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::gpu::scratch::Lifetime;
@@ -59,6 +59,8 @@ buffers! {
     VARIANCE = "Variance": Layer,
     NEAREST = "Nearest": Layer,
     PREVIOUS = "Previous",
+    VELOCITIES = "Velocities": Sequence,
+    STRETCHES = "Stretches": Layer,
     TILE_FIRE = "TileFire",
     TILE_SHOWN = "TileShown",
     WEIGHTS = "Weights": Kept,
@@ -78,6 +80,8 @@ pub const HOST_IDS: BufferId = BufferId(BUFFERS + 1);
 pub const HOST_SCENE: BufferId = BufferId(BUFFERS + 2);
 /// Where the host's particles were in the frame before.
 pub const HOST_PREVIOUS: BufferId = BufferId(BUFFERS + 3);
+/// The host's velocities.
+pub const HOST_VELOCITIES: BufferId = BufferId(BUFFERS + 4);
 /// The mask, level beside level, variant below variant.
 pub const LEVELS: ImageId = ImageId(0);
 /// The table of the expected image.
@@ -89,7 +93,7 @@ pub const DRAWN_DEPTH: ImageId = ImageId(3);
 /// Displacements of the particles at each pixel, by weight, and the weights.
 pub const DISPLACEMENTS: ImageId = ImageId(4);
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 4;
+pub const HOST_BUFFERS: usize = 5;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(5);
 /// The host's background.
@@ -186,6 +190,8 @@ impl Layout {
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
         self.set(MASK, texels * 4);
         self.set(PREVIOUS, if desc.temporal.motion.is_some() { particles * VECTOR } else { 0 });
+        self.set(VELOCITIES, if desc.settings.stretches() { particles * VECTOR } else { 0 });
+        self.set(STRETCHES, particles * 4);
         if desc.settings.is_expected() {
             self.set(KERNEL_STATE, size_of::<KernelTable>() as u64);
             self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
@@ -233,7 +239,9 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            POSITIONS | PREVIOUS | IDS | PARTICLES | ENTRIES | SPRITE_LIST => "use fewer particles",
+            POSITIONS | PREVIOUS | VELOCITIES | STRETCHES | IDS | PARTICLES | ENTRIES | SPRITE_LIST => {
+                "use fewer particles"
+            }
             CELLS => "use fewer flame.bins or a smaller picture",
             MASK => "use fewer flame.variants",
             PART_ARGUMENTS => "use fewer particles or fewer flame.repetitions",

@@ -129,6 +129,7 @@ impl Kind for FlameKind {
         resources.set_host_image(layout::BACKGROUND, frame.background.image());
         resources.set_host_image(layout::HOST_DEPTH, frame.scene.and_then(SceneDepth::image));
         resources.set_host_buffer(layout::HOST_PREVIOUS, particles.and_then(|p| p.previous));
+        resources.set_host_buffer(layout::HOST_VELOCITIES, particles.and_then(|p| p.velocity));
         resources.set_host_image(layout::MOTION, frame.temporal.motion);
         resources.set_host_image(layout::REACTIVE, frame.temporal.reactive);
     }
@@ -175,7 +176,8 @@ impl FlameKind {
     fn delta(&self, desc: &Desc, frame: &Frame) -> Result<(FrameDelta, State)> {
         let mut state = self.state;
         if let Some(particles) = &frame.particles {
-            state.given = Given { count: particles.count, ids: particles.ids.is_some(), before: 0 };
+            let ParticleInput { count, ids, velocity, .. } = particles;
+            state.given = Given { count: *count, ids: ids.is_some(), velocities: velocity.is_some(), before: 0 };
             state.hottest = particles.hottest.min(desc.hottest);
         }
         let repetitions = desc.settings.repetitions;

@@ -40,6 +40,8 @@ pub struct Given {
     pub count: u32,
     /// Whether they have ids.
     pub ids: bool,
+    /// Whether they have velocities.
+    pub velocities: bool,
     /// Repetitions that earlier frames have added.
     pub before: u32,
 }
@@ -100,12 +102,19 @@ impl FlameParams {
             intensity: settings.intensity,
             adaptive: settings.adaptive,
             light: settings.light,
+            stretch: settings.stretch,
+            has_velocities: given.velocities.into(),
             falloff: table.falloff,
             tone_softness: settings.tone_softness,
             tone_count: settings.tones.0.len() as u32,
             window: settings.window() as i32,
             ink_width: settings.outline.width,
-            ink: [settings.outline.colour[0], settings.outline.colour[1], settings.outline.colour[2], settings.outline.strength],
+            ink: [
+                settings.outline.colour[0],
+                settings.outline.colour[1],
+                settings.outline.colour[2],
+                settings.outline.strength,
+            ],
             table_scale: table.scale,
             table_offset: table.offset,
             table_last: table.entries.len() as f32 - 1.0,

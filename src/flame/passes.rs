@@ -9,8 +9,8 @@ use crate::flame::limits::is_raster;
 use crate::flame::params::{
     CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP, TILE, Tone,
 };
-use crate::flame::tables::Tables;
 use crate::flame::settings::{Mode, Sampling, Shape};
+use crate::flame::tables::Tables;
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Shader, Topology, passes};
 use crate::scan;
 use crate::shaders::flame as glsl;
@@ -27,6 +27,10 @@ passes! {
     particles = Pass::transfer("flame.particles").copies(HOST_POSITIONS, POSITIONS).copies(HOST_IDS, IDS);
     previous: Option<PassId> =
         desc.temporal.motion.map(|_| Pass::transfer("flame.particles").copies(HOST_PREVIOUS, PREVIOUS));
+    velocities: Option<PassId> = desc
+        .settings
+        .stretches()
+        .then(|| Pass::transfer("flame.particles").copies(HOST_VELOCITIES, VELOCITIES));
     background = Pass::transfer("flame.background").copies(BACKGROUND, TARGET);
     scene_copy = Pass::transfer("flame.scene").copies(HOST_DEPTH, SCENE_WORDS).copies(HOST_SCENE, SCENE);
     scene = Pass::compute("flame.scene", &glsl::scene::SHADER);
@@ -99,7 +103,7 @@ fn reach(desc: &Desc) -> u32 {
 }
 
 /// Specialisation constants of kernels that make sprites; a workgroup has so many invocations.
-fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 6] {
+fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 7] {
     let settings = &desc.settings;
     [
         invocations,
@@ -108,6 +112,7 @@ fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 6] {
         u32::from(settings.flickers()),
         look_up,
         u32::from(desc.scene.is_some()),
+        u32::from(settings.stretches()),
     ]
 }
 
@@ -173,6 +178,7 @@ fn expected(desc: &Desc, invocations: u32) -> Pass {
         invocations,
         u32::from(desc.scene.is_some()),
         u32::from(desc.layers),
+        u32::from(desc.settings.stretches()),
     ])
 }
 

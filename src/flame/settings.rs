@@ -100,6 +100,9 @@ settings! {
         shape: Shape = Shape::default();
         /// Side of a sprite; without it, `spread`. Small: sparks and fine threads; large: round, cloudy billows.
         size: Option<f32> = None, "metres", 0.0..=1e6;
+        /// Sprites are drawn out along their motion on screen, by as far as they move in that time, where particles have
+        /// velocities; eight times as long at most.
+        stretch: f32 = 0.0, "seconds", 0.0..=10.0, "off";
         /// Side of a sprite however near the camera is, instead of `size`, and not with the mode "expected".
         size_pixels: Option<f32> = None, "pixels", 0.0..=16384.0;
         /// Alpha of the hottest sprites where they are densest. Low: little passes, thin wisps in the hot core only; high:
@@ -133,7 +136,7 @@ settings! {
         light: f32 = 0.0, "", 0.0..=1e6, "off";
         /// Of the look "cel": standard deviation of the Gaussian that heat is smoothed by. Heat is the temperature that a
         /// pixel sees, averaged over repetitions, 0 where there is no fire.
-        sigma: f32 = 3.0, "pixels", 0.1..=64.0, "off";
+        sigma: f32 = 2.0, "pixels", 0.1..=64.0, "off";
         /// Of the look "cel": what smoothed heat becomes. Below the first tone is no fire.
         tones: Tones = Tones::default();
         /// Of the look "cel": width of the antialiased border between tones, and around the fire.
@@ -162,6 +165,11 @@ impl Settings {
     /// Whether it is drawn in tones.
     pub fn is_cel(&self) -> bool {
         self.look == Look::Cel
+    }
+
+    /// Whether sprites are drawn out along their motion.
+    pub fn stretches(&self) -> bool {
+        self.stretch > 0.0
     }
 
     /// Window of the Gaussian to each side in pixels, three times `sigma`; 0 if it is off.

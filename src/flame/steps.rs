@@ -128,6 +128,10 @@ impl Steps<'_> {
             let (from, to) = (HOST_PREVIOUS, PREVIOUS);
             self.plan.step(pass, Command::CopyBuffer { from, to, bytes: 16 * count });
         }
+        if let (Some(pass), Some(_)) = (self.passes.velocities, particles.velocity) {
+            let (from, to) = (HOST_VELOCITIES, VELOCITIES);
+            self.plan.step(pass, Command::CopyBuffer { from, to, bytes: 16 * count });
+        }
     }
 
     /// Layers are whole images; the picture is one of them. Where no particle is prepared, none of an earlier frame, or of

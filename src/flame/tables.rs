@@ -6,8 +6,6 @@ use crate::flame::settings::{Colour, Settings};
 use crate::shaders::flame::blocks::Tone;
 use crate::toon;
 
-/// Colours over T / hottest of the look "cel": heat itself.
-pub(crate) const GREYS: [[f32; 3]; 2] = [[0.0; 3], [1.0; 3]];
 /// Results that a thread of the Gaussian makes: `TAPS` of its kernels.
 const TAPS: u32 = 4;
 
@@ -42,7 +40,7 @@ impl Tables {
 fn colours(hottest_particle: f32, settings: &Settings) -> Table {
     let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
     match &settings.colour {
-        _ if settings.is_cel() => Table::ramp(hottest, &GREYS),
+        _ if settings.is_cel() => Table::heat(hottest),
         Colour::Physical => Table::physical(hottest, adaptation, hottest.max(hottest_particle.into())),
         Colour::Displayable => Table::displayable(hottest, falloff, adaptation),
         Colour::Ramp(colours) => Table::ramp(hottest, colours),

@@ -51,6 +51,7 @@ pub fn particles(rows: &[[f32; 4]]) -> Particles {
         position: rows.iter().map(|[x, y, z, _]| [*x, *y, *z]).collect(),
         temperature: rows.iter().map(|row| row[3]).collect(),
         id: None,
+        velocity: None,
     }
 }
 
@@ -64,6 +65,13 @@ pub fn ball(count: u32, key: u32) -> Particles {
         [x, y, z, 300.0 + 2700.0 * random(i, 3)]
     };
     particles(&(0..count).map(row).collect::<Vec<_>>())
+}
+
+/// The particles, each with a velocity of up to 2 m/s a direction.
+pub fn moving(particles: Particles, key: u32) -> Particles {
+    let component = |index, dimension| 4.0 * super::scenes::random(key, index, dimension) - 2.0;
+    let velocity = (0..particles.position.len() as u32).map(|i| [0, 1, 2].map(|c| component(i, c)));
+    Particles { velocity: Some(velocity.collect()), ..particles }
 }
 
 /// The same of three temperatures: for what does not depend on them, and renders many expected images, which take longest
@@ -140,6 +148,13 @@ impl FlameRig {
     /// What became of each particle; dropped ones have a `count` of 0.
     pub fn prepared(&mut self) -> Vec<Particle> {
         self.read(layout::PARTICLES, self.particles)
+    }
+
+    /// How each particle's sprites are drawn out: w, as two halves.
+    pub fn stretches(&mut self) -> Vec<[f64; 2]> {
+        let halves: Vec<u32> = self.read(layout::STRETCHES, self.particles);
+        let half = |bits: u32| exr::prelude::f16::from_bits(bits as u16).to_f64();
+        halves.iter().map(|word| [half(word & 0xFFFF), half(word >> 16)]).collect()
     }
 
     /// The masks, one after the other, rows from the top.

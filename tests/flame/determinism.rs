@@ -124,6 +124,7 @@ fn rows_may_come_in_any_order() {
                 position: order.iter().map(|i| sorted.position[*i]).collect(),
                 temperature: order.iter().map(|i| sorted.temperature[*i]).collect(),
                 id: Some(order.iter().map(|i| 1000 + *i as u32).collect()),
+                velocity: None,
             };
             let mut seen = order.clone();
             seen.sort_unstable();

@@ -69,6 +69,7 @@ impl Rig {
             position_temperature: host::fill(&mut self.rows, &rows),
             ids: None,
             previous,
+            velocity: None,
         };
         let target = self.outputs.place.given(&self.target, TARGET_FORMAT, DISCARDED, COPIED_FROM);
         let background = Background::Clear([0.0; 4]);

@@ -20,7 +20,7 @@ fn base() -> Settings {
 }
 
 /// Samples, those with a winner, and pixels whose sums differ.
-fn compared(desc: &Desc, shots: &[Scene]) -> Option<(u64, u64, u64)> {
+pub fn compared(desc: &Desc, shots: &[Scene]) -> Option<(u64, u64, u64)> {
     let repetitions = desc.settings.repetitions;
     let frame = |method| {
         let mut rig = FlameRig::new(Desc { settings: Settings { method, ..desc.settings.clone() }, ..desc.clone() })?;

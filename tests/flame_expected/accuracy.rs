@@ -7,7 +7,7 @@ use celfx::view::Camera;
 use glam::DVec3;
 
 use crate::cases::{self, Case, apart, near, parallel, plain, rgb, settings, usual, wide};
-use crate::common::flame::FlameRig;
+use crate::common::flame::{FlameRig, moving};
 use crate::common::views;
 use crate::table::{Weighed, both};
 
@@ -32,7 +32,15 @@ fn ways() -> Vec<Case> {
         Case::new("cube", [33, 41], 40, cube, tall),
         plain().with(|s| s.spread = Some(0.02)),
         plain().with(|s| s.size = Some(0.03)),
+        drawn_out(plain()),
+        drawn_out(wide()),
     ]
+}
+
+/// The same, drawn out along its motion.
+fn drawn_out(case: Case) -> Case {
+    let case = Case { name: "drawn out", particles: moving(case.particles.clone(), 5), ..case };
+    case.with(|s| s.stretch = 0.2)
 }
 
 /// A wall through the middle of the fire, in the left half of the picture.

@@ -86,6 +86,7 @@ fn a_frame_of_fire() {
             position_temperature: buffer(),
             ids: Some(buffer()),
             previous: None,
+            velocity: None,
         };
         let first = flame::Frame {
             view: Camera::default().view(SIZE),

@@ -328,6 +328,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     position_temperature: buffer(),
                     ids: Some(buffer()),
                     previous: layers.then(buffer),
+                    velocity: None,
                 };
                 let first = flame::Frame {
                     view: Camera::default().view(SIZE),

@@ -29,6 +29,16 @@ fn half_sides(settings: &Settings, projection: &Projection, z: f64) -> DVec2 {
     }
 }
 
+/// A place in the plane of the picture, from a particle's centre, as it is drawn out: by the matrix 1 + w w^T.
+fn drawn_out(place: DVec2, w: DVec2) -> DVec2 {
+    place + w * w.dot(place)
+}
+
+/// Where a place has been drawn out from.
+fn drawn_back(place: DVec2, w: DVec2) -> DVec2 {
+    place - w * (w.dot(place) / (1.0 + w.length_squared()))
+}
+
 /// By what a sprite is enlarged that has less than a pixel across or down.
 fn enlarged(half_sides: DVec2) -> f64 {
     (0.5 / half_sides.min_element()).max(1.0)

@@ -16,10 +16,10 @@ impl Default for Tones {
     fn default() -> Self {
         let tone = |from, colour| Tone { from, colour };
         Tones(vec![
-            tone(0.14, [0.19, 0.010, 0.012]),
-            tone(0.33, [0.72, 0.045, 0.020]),
-            tone(0.56, [1.00, 0.300, 0.020]),
-            tone(0.78, [1.00, 0.860, 0.330]),
+            tone(0.22, [0.19, 0.010, 0.012]),
+            tone(0.40, [0.72, 0.045, 0.020]),
+            tone(0.52, [1.00, 0.300, 0.020]),
+            tone(0.66, [1.00, 0.860, 0.330]),
         ])
     }
 }
@@ -27,7 +27,9 @@ impl Default for Tones {
 impl Tones {
     /// With each `from` as a share of the hottest, in kelvin.
     pub(crate) fn shares(&self, hottest: f32) -> impl Iterator<Item = Tone> {
-        self.0.iter().map(move |tone| Tone { from: if tone.from > 1.0 { tone.from / hottest } else { tone.from }, ..*tone })
+        self.0
+            .iter()
+            .map(move |tone| Tone { from: if tone.from > 1.0 { tone.from / hottest } else { tone.from }, ..*tone })
     }
 
     /// Refuses tones that do not ascend as shares of the hottest.
