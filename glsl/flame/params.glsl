@@ -100,6 +100,8 @@ layout(binding = 0) uniform FlameParams {
     uint tone_count;
     int window;               // of the Gaussian, in pixels to each side
     float ink_width;          // of the line, in pixels
+    int glow_window;          // of the glow's Gaussian, in pixels to each side
+    float glow;               // its strength, over the sum of all weights
     vec4 ink;                 // its linear RGB; w: its opacity
     vec4 table_shift;         // what its logarithms are of more than the colour; w: unused
     CellLevel cell_levels[MAX_CELL_LEVELS];

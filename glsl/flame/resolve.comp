@@ -4,7 +4,8 @@
 layout(constant_id = 0) const uint KEEP_LAYERS = 0;
 layout(constant_id = 1) const uint EXPECTED = 0;  // 1: sums hold the integral, in shares of the brightest colour
 layout(constant_id = 2) const uint KEEP_DEPTH = 0;  // 1: motion vectors, or layers, are made of it
-layout(constant_id = 3) const uint CEL = 0;  // 1: the picture is made of tones, also in tiles without fire
+layout(constant_id = 3) const uint CEL = 0;      // 1: the picture is made of tones
+layout(constant_id = 4) const uint SPREADS = 0;  // 1: tiles without fire are shown, too
 #include "params.glsl"
 #include "../common/exact.glsl"
 layout(local_size_x = 64) in;
@@ -74,7 +75,7 @@ Pixel of_integral(uint at) {
 void main() {
     uint tile = occupied_tiles[gl_WorkGroupID.x];
     uvec2 corner = TILE * tile_at(tile);
-    bool has_fire = CEL == 0u || tile_fire[tile] != 0u;
+    bool has_fire = SPREADS == 0u || tile_fire[tile] != 0u;
     float n = EXPECTED == 1u ? 0.0 : float(tile_repetitions[tile]);
     float brightest = uintBitsToFloat(control.brightest);
     for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += gl_WorkGroupSize.x) {

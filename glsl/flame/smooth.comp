@@ -1,5 +1,5 @@
-// Row sums of heat under a Gaussian, and of the weights of what the scene hides. Tiles without fire add nothing to the
-// first, so they are left out.
+// Row sums of heat under a Gaussian, and, before a scene, of the weights of what that does not hide. Tiles without fire add
+// nothing to the first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
@@ -17,7 +17,7 @@ layout(std430, binding = 8) writeonly buffer RowSums { vec2 row_sums[]; };
 #include "toon/gaussian.glsl"
 
 float heat[TAPS];
-float hidden[TAPS];
+float seen[TAPS];
 
 // Adds the taps from column `first` on, which are all of one tile.
 void add_block(int block, uint row, uint first, bool has_fire, float n, float brightest) {
@@ -32,7 +32,7 @@ void add_block(int block, uint row, uint first, bool has_fire, float n, float br
             values[t] = heat_at(at, n, brightest);
         }
         if (HAS_SCENE == 1u) {
-            if (is_inside && is_hidden(at, has_fire)) {
+            if (is_inside && !is_hidden(at, has_fire)) {
                 masks[t] = 1.0;
             }
         }
@@ -40,7 +40,7 @@ void add_block(int block, uint row, uint first, bool has_fire, float n, float br
     float w[2 * TAPS - 1] = tap_weights(block);
     add_values(heat, w, values);
     if (HAS_SCENE == 1u) {
-        add_values(hidden, w, masks);
+        add_values(seen, w, masks);
     }
 }
 
@@ -56,7 +56,7 @@ void main() {
     int end = int(params.tiles.x * BLOCKS_ACROSS);
     for (int o = 0; o < TAPS; ++o) {
         heat[o] = 0.0;
-        hidden[o] = 0.0;
+        seen[o] = 0.0;
     }
     for (int distance = (params.window + TAPS - 1 + TAPS - 1) / TAPS; distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
@@ -74,7 +74,7 @@ void main() {
     for (uint o = 0u; o < uint(TAPS); ++o) {
         uint x = own * uint(TAPS) + o;
         if (x < params.size.x) {
-            row_sums[y * params.size.x + x] = vec2(heat[o], hidden[o]);
+            row_sums[y * params.size.x + x] = vec2(heat[o], seen[o]);
         }
     }
 }

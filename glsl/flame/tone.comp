@@ -41,10 +41,10 @@ float weight_of(int at, int count) {
 // Smoothed heat of TAPS pixels of a column, from row `first` on.
 float[TAPS] smooth_run(int x, int first) {
     float heat[TAPS];
-    float hidden[TAPS];
+    float seen[TAPS];
     for (int o = 0; o < TAPS; ++o) {
         heat[o] = 0.0;
-        hidden[o] = 0.0;
+        seen[o] = 0.0;
     }
     for (int distance = (params.window + TAPS - 1 + TAPS - 1) / TAPS; distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
@@ -67,7 +67,7 @@ float[TAPS] smooth_run(int x, int first) {
                 float w[2 * TAPS - 1] = tap_weights(side * distance);
                 add_values(heat, w, values);
                 if (HAS_SCENE == 1u) {
-                    add_values(hidden, w, masks);
+                    add_values(seen, w, masks);
                 }
             }
         }
@@ -76,7 +76,7 @@ float[TAPS] smooth_run(int x, int first) {
         ivec2 at = ivec2(x, first + o);
         if (is_inside(at)) {
             float all_weights = weight_of(at.x, int(params.size.x)) * weight_of(at.y, int(params.size.y));
-            heat[o] /= max(all_weights - hidden[o], 1e-30);
+            heat[o] /= HAS_SCENE == 1u ? max(seen[o], 1e-30) : all_weights;
         }
     }
     return heat;

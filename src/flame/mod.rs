@@ -110,7 +110,7 @@ impl Kind for FlameKind {
         frame.validate(desc, self.state.view.is_none())?;
         let (delta, state) = self.delta(desc, frame)?;
         let FlameKind { traits, layout, passes, tables, effort, max_alpha, .. } = self;
-        let mut params = FlameParams::new(desc, layout, frame, &delta.given, &tables.colours, *max_alpha);
+        let mut params = FlameParams::new(desc, layout, frame, &delta.given, tables, *max_alpha);
         params.is_skipping = effort.skips().into();
         Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, tables);
         Ok(state)
@@ -146,10 +146,9 @@ impl Kind for FlameKind {
         if !kept.sequence() {
             return;
         }
-        let [colours, weights, half_sums, tones] =
-            [layout::COLOURS, layout::WEIGHTS, layout::HALF_SUMS, layout::TONES].map(|table| kept.buffer(table));
-        let has_room =
-            colours && weights && half_sums && tones && kept.buffer(layout::MASK) && kept.image(layout::LEVELS);
+        let tables =
+            [layout::COLOURS, layout::WEIGHTS, layout::HALF_SUMS, layout::GLOW_WEIGHTS, layout::TONES, layout::MASK];
+        let has_room = tables.into_iter().all(|table| kept.buffer(table)) && kept.image(layout::LEVELS);
         let same_mask = (before.seed, before.settings.variants) == (desc.seed, desc.settings.variants);
         let has_tables = old.state.has_tables && has_room && same_mask && old.tables == self.tables;
         // The sums are of another fire, and the expected image's table may be.

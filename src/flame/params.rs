@@ -2,11 +2,11 @@
 
 use bytemuck::Zeroable;
 
-use crate::flame::colour::Table;
 use crate::flame::desc::Desc;
 use crate::flame::frame::Frame;
 use crate::flame::layout::Layout;
 use crate::flame::settings::{MOST_REPETITIONS, Mode, Shape};
+use crate::flame::tables::Tables;
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
 use crate::view::Projection;
@@ -48,7 +48,8 @@ pub struct Given {
 
 impl FlameParams {
     /// Parameters of a frame, as the kernels read them.
-    pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, table: &Table, max_alpha: f32) -> Self {
+    pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, tables: &Tables, max_alpha: f32) -> Self {
+        let table = &tables.colours;
         let settings = &desc.settings;
         let projection = &Projection::of_valid(&frame.view, desc.size);
         // Draws are renewed as a whole, and the fraction is those particles' whose phases make one more of it.
@@ -109,6 +110,8 @@ impl FlameParams {
             tone_count: settings.tones.0.len() as u32,
             window: settings.window() as i32,
             ink_width: settings.outline.width,
+            glow_window: settings.glow.window() as i32,
+            glow: settings.glow.strength * tables.glow_scale,
             ink: [
                 settings.outline.colour[0],
                 settings.outline.colour[1],

@@ -23,6 +23,7 @@ passes! {
         .updates::<[f32; 4]>(COLOURS, tables.colours.entries.len())
         .updates::<f32>(WEIGHTS, tables.weights.len())
         .updates::<f32>(HALF_SUMS, tables.half_sums.len())
+        .updates::<f32>(GLOW_WEIGHTS, tables.glow_weights.len())
         .updates::<Tone>(TONES, tables.tones.len());
     particles = Pass::transfer("flame.particles").copies(HOST_POSITIONS, POSITIONS).copies(HOST_IDS, IDS);
     previous: Option<PassId> =
@@ -69,13 +70,13 @@ passes! {
     lamp = Pass::compute("flame.light", &glsl::light::SHADER).specialise([u32::from(desc.settings.is_cel())]);
     light = light(desc);
     resolve = Pass::compute("flame.resolve", &glsl::resolve::SHADER)
-        .specialise(
-            [desc.layers, desc.settings.is_expected(), desc.keeps_depth(), desc.settings.is_cel()].map(u32::from),
-        );
+        .specialise(resolved(desc).map(u32::from));
     smooth = Pass::compute("flame.smooth", &glsl::smooth::SHADER)
         .specialise([desc.settings.is_expected(), desc.scene.is_some()].map(u32::from));
     tone = Pass::compute("flame.tone", &glsl::tone::SHADER)
         .specialise([desc.settings.is_expected(), desc.scene.is_some(), desc.layers].map(u32::from));
+    /// Rows and columns; none without a glow.
+    glow: Vec<PassId> = glow(desc);
     displacement: Option<PassId> = desc.temporal.motion.map(|_| displacement(desc));
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
     reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
@@ -91,15 +92,31 @@ fn form(table: &Table) -> u32 {
     }
 }
 
-/// Tiles around one with fire that it is smoothed into. Differences between pixels reach one farther; and where a scene
-/// hides pixels, their weights are asked for as far again.
+/// Tiles around one with fire that it is smoothed into, and glows into. Differences between pixels reach one farther; and
+/// where a scene hides pixels, their weights are asked for as far again.
 fn reach(desc: &Desc) -> u32 {
     let window = desc.settings.window();
-    match (desc.settings.is_cel(), desc.scene) {
+    let smoothed = match (desc.settings.is_cel(), desc.scene) {
         (false, _) => 0,
-        (true, None) => (window + 1).div_ceil(TILE),
-        (true, Some(_)) => (2 * window + 1).div_ceil(TILE),
-    }
+        (true, None) => window + 1,
+        (true, Some(_)) => 2 * window + 1,
+    };
+    (smoothed + desc.settings.glow.window()).div_ceil(TILE)
+}
+
+fn glow(desc: &Desc) -> Vec<Pass> {
+    let shaders = [&glsl::glow_rows::SHADER, &glsl::glow_columns::SHADER];
+    shaders
+        .into_iter()
+        .filter(|_| desc.settings.glow.is_on())
+        .map(|shader| Pass::compute("flame.glow", shader))
+        .collect()
+}
+
+/// What is made of sums.
+fn resolved(desc: &Desc) -> [bool; 5] {
+    let settings = &desc.settings;
+    [desc.layers, settings.is_expected(), desc.keeps_depth(), settings.is_cel(), settings.spreads()]
 }
 
 /// Specialisation constants of kernels that make sprites; a workgroup has so many invocations.

@@ -143,6 +143,31 @@ settings! {
         tone_softness: f32 = 0.5, "pixels", 0.0..=16.0, "hard";
         /// Of the look "cel": the ink line around the fire.
         outline: Line = Line::default();
+        /// Light around what is brighter than 1.
+        glow: Glow = Glow::default();
+    }
+}
+
+settings! {
+    /// Light around what is brighter than 1: a wide Gaussian of as much as that is above 1, added in linear light.
+    #[derive(Copy)]
+    pub struct Glow {
+        /// How strong it is; 1 gives back all of the light.
+        strength: f32 = 0.0, "", 0.0..=100.0, "off";
+        /// Standard deviation of the Gaussian.
+        sigma: f32 = 24.0, "pixels", 1.0..=64.0;
+    }
+}
+
+impl Glow {
+    /// Whether there is one.
+    pub fn is_on(&self) -> bool {
+        self.strength > 0.0
+    }
+
+    /// Window of the Gaussian to each side in pixels, three times `sigma`; 0 if it is off.
+    pub fn window(&self) -> u32 {
+        if self.is_on() { (3.0 * self.sigma).ceil() as u32 } else { 0 }
     }
 }
 
@@ -165,6 +190,11 @@ impl Settings {
     /// Whether it is drawn in tones.
     pub fn is_cel(&self) -> bool {
         self.look == Look::Cel
+    }
+
+    /// Whether fire is seen in pixels that have none.
+    pub(super) fn spreads(&self) -> bool {
+        self.is_cel() || self.glow.is_on()
     }
 
     /// Whether sprites are drawn out along their motion.

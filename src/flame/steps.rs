@@ -59,6 +59,7 @@ impl Steps<'_> {
             self.plan.update_slice(self.passes.tables, COLOURS, &tables.colours.entries);
             self.plan.update_slice(self.passes.tables, WEIGHTS, &tables.weights);
             self.plan.update_slice(self.passes.tables, HALF_SUMS, &tables.half_sums);
+            self.plan.update_slice(self.passes.tables, GLOW_WEIGHTS, &tables.glow_weights);
             self.plan.update_slice(self.passes.tables, TONES, &tables.tones);
             self.mask();
         } else {
@@ -76,6 +77,8 @@ impl Steps<'_> {
         self.repetitions();
         self.light();
         self.picture();
+        let tiles = dispatch(offset_of!(Control, tile_groups));
+        self.passes.glow.iter().for_each(|pass| self.plan.step(*pass, tiles));
         self.temporal(frame);
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }

@@ -15,6 +15,9 @@ pub struct Tables {
     pub(super) colours: Table,
     pub(super) weights: Vec<f32>,
     pub(super) half_sums: Vec<f32>,
+    pub(super) glow_weights: Vec<f32>,
+    /// 1 / the sum of all of the glow's weights.
+    pub(super) glow_scale: f32,
     pub(super) tones: Vec<Tone>,
 }
 
@@ -23,17 +26,31 @@ impl Tables {
     pub fn new(desc: &Desc) -> Tables {
         let settings = &desc.settings;
         let window = settings.window();
-        // Blocks of taps that reach over the window, and the one in its middle.
-        let blocks = (window + 2 * (TAPS - 1)) / TAPS + 1;
-        let weights = toon::weights(settings.sigma, window, blocks * TAPS);
+        let weights = weights(settings.sigma, window);
+        let glow_weights = self::weights(settings.glow.sigma, settings.glow.window());
+        let along: f64 = glow_weights.iter().skip(1).map(|weight| 2.0 * f64::from(*weight)).sum::<f64>() + 1.0;
         let sums = weights.iter().skip(1).scan(0.0, |sum, weight| {
             *sum += f64::from(*weight);
             Some(*sum as f32)
         });
         let half_sums = [0.0].into_iter().chain(sums).take(window as usize + 1).collect();
         let tones = settings.tones.shares(settings.hottest).map(|tone| Tone { colour: tone.colour, from: tone.from });
-        Tables { colours: colours(desc.hottest, settings), half_sums, weights, tones: tones.collect() }
+        let glow_scale = along.powi(-2) as f32;
+        Tables {
+            glow_weights,
+            glow_scale,
+            colours: colours(desc.hottest, settings),
+            half_sums,
+            weights,
+            tones: tones.collect(),
+        }
     }
+}
+
+/// Of blocks of taps that reach over the window, and the one in its middle.
+fn weights(sigma: f32, window: u32) -> Vec<f32> {
+    let blocks = (window + 2 * (TAPS - 1)) / TAPS + 1;
+    toon::weights(sigma, window, blocks * TAPS)
 }
 
 /// `hottest_particle`: the highest temperature of a frame in kelvin.

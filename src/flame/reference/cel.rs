@@ -2,7 +2,7 @@
 //!
 //! Images have `size` = [width, height] pixels, row by row from the top.
 
-use crate::flame::settings::Settings;
+use crate::flame::settings::{Glow, Settings};
 
 /// What a fire's heat looks like.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,6 +72,32 @@ pub fn draw(size: [u32; 2], smooth: &[f64], hidden: &[bool], settings: &Settings
     drawn
 }
 
+/// Adds light to a picture around what is brighter than 1: a Gaussian of as much as that is above 1, of which what lies
+/// beyond the picture is lost.
+pub fn glow(size: [u32; 2], picture: &[[f64; 4]], glow: &Glow) -> Vec<[f64; 4]> {
+    let window = i64::from(glow.window());
+    let sigma = f64::from(glow.sigma);
+    let weight = |d: i64| (-((d * d) as f64) / (2.0 * sigma * sigma)).exp();
+    let all = (-window..=window).map(weight).sum::<f64>().powi(2);
+    let mut sum = picture.to_vec();
+    for (place, pixel) in picture.iter().enumerate() {
+        let light: [f64; 3] = std::array::from_fn(|c| (pixel[c] - 1.0).max(0.0));
+        if light == [0.0; 3] {
+            continue;
+        }
+        let [x, y] = at(size, place);
+        for dy in -window..=window {
+            for dx in -window..=window {
+                if let Some(other) = inside(size, x + dx, y + dy) {
+                    let share = f64::from(glow.strength) * weight(dx) * weight(dy) / all;
+                    (0..3).for_each(|c| sum[other][c] += share * light[c]);
+                }
+            }
+        }
+    }
+    sum
+}
+
 /// Length of the gradient a pixel: central differences, one-sided at the border of the picture.
 fn gradient(size: [u32; 2], smooth: &[f64], place: usize) -> f64 {
     let [x, y] = at(size, place);
@@ -120,6 +146,16 @@ mod tests {
         let smooth = smooth(SIZE, &heat, &hidden, &Settings { sigma: 2.0, ..settings() });
         assert!(smooth.iter().all(|heat| (heat - 0.75).abs() < 1e-14), "{smooth:?}");
         assert_eq!(super::smooth(SIZE, &heat, &[false; 55], &Settings { sigma: 0.0, ..settings() }), heat);
+    }
+
+    #[test]
+    fn all_light_that_glows_is_given_back() {
+        let mut picture = vec![[0.5, 1.0, 0.0, 1.0]; 21 * 21];
+        picture[10 * 21 + 10] = [3.0, 1.5, 0.0, 1.0];
+        let glowing = glow([21, 21], &picture, &Glow { strength: 2.0, sigma: 2.0 });
+        let sums = [0, 1, 2].map(|c| glowing.iter().zip(&picture).map(|(a, b)| a[c] - b[c]).sum::<f64>());
+        assert!((sums[0] - 4.0).abs() < 1e-12 && (sums[1] - 1.0).abs() < 1e-12 && sums[2] == 0.0, "{sums:?}");
+        assert!(glowing[10 * 21 + 11][0] > glowing[10 * 21 + 12][0] && glowing[0] == picture[0]);
     }
 
     #[test]
