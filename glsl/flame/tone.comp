@@ -38,6 +38,12 @@ float weight_of(int at, int count) {
     return weights[0] + half_sums[min(params.window, at)] + half_sums[min(params.window, count - 1 - at)];
 }
 
+// Whether a run of TAPS pixels, all of one tile, has row sums.
+bool is_shown(ivec2 first) {
+    uvec2 tile = uvec2(first) / TILE;
+    return is_inside(first) && tile_shown[tile.y * params.tiles.x + tile.x] != 0u;
+}
+
 // Smoothed heat of TAPS pixels of a column, from row `first` on.
 float[TAPS] smooth_run(int x, int first) {
     float heat[TAPS];
@@ -48,18 +54,16 @@ float[TAPS] smooth_run(int x, int first) {
     }
     for (int distance = (params.window + TAPS - 1 + TAPS - 1) / TAPS; distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
-            if (distance > 0 || side > 0) {
+            int begin = first + side * distance * TAPS;
+            // Rows of other tiles have no heat; and all rows that count where there is some are shown.
+            if ((distance > 0 || side > 0) && is_shown(ivec2(x, begin))) {
                 float values[TAPS];
                 float masks[TAPS];
                 for (int t = 0; t < TAPS; ++t) {
-                    ivec2 at = ivec2(x, first + side * distance * TAPS + t);
+                    ivec2 at = ivec2(x, begin + t);
                     vec2 row = vec2(0.0);
                     if (is_inside(at)) {
-                        uvec2 tile = uvec2(at) / TILE;
-                        // Rows beyond have no heat; and all rows that count where there is some are shown.
-                        if (tile_shown[tile.y * params.tiles.x + tile.x] != 0u) {
-                            row = row_sums[pixel_index(uvec2(at))];
-                        }
+                        row = row_sums[pixel_index(uvec2(at))];
                     }
                     values[t] = row.x;
                     masks[t] = row.y;

@@ -152,6 +152,7 @@ fn built_in_shots_say_the_defaults() {
                 light,
                 look,
                 stretch,
+                repetitions,
                 ..
             } = *settings;
             let expected = crate::flame::Settings {
@@ -164,6 +165,7 @@ fn built_in_shots_say_the_defaults() {
                 light,
                 look,
                 stretch,
+                repetitions,
                 ..flame_of(&defaults).settings.clone()
             };
             assert_eq!(*settings, expected, "{name}");
