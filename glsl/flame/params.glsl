@@ -39,6 +39,9 @@ const uint SUM_VECTORS = 4u;         // of a pixel's sums: vectors of four words
 const uint UNFINISHED_VECTORS = 2u;  // of a bin of the expected image that is not finished
 const uint UNLAID_VECTORS = 3u;      // of its last two bins, between dispatches; one more with layers
 
+const uint SHOWN = 1u;    // of a tile: heat or light may reach it,
+const uint BURNING = 2u;  // it has fire
+
 const uint QUAD_VERTICES = 4u;
 const uint DISPLACEMENT_VERTICES = 6u;  // of a particle: of two triangles
 
@@ -99,6 +102,7 @@ layout(binding = 0) uniform FlameParams {
     float tone_softness;      // of the look "cel": half the width of borders between tones, in pixels
     uint tone_count;
     int window;               // of the Gaussian, in pixels to each side
+    uint half_sums;           // place of the sums of its weights, from distance 1 on, behind those
     float ink_width;          // of the line, in pixels
     int glow_window;          // of the glow's Gaussian, in pixels to each side
     float glow;               // its strength, over the sum of all weights

@@ -6,7 +6,7 @@
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 2) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
-layout(std430, binding = 3) readonly buffer TileFire { uint tile_fire[]; };
+layout(std430, binding = 3) readonly buffer TileShown { uint tile_shown[]; };
 layout(std430, binding = 4) readonly buffer TileRepetitions { uint tile_repetitions[]; };
 layout(std430, binding = 5) readonly buffer Sums { uvec4 sums[]; };
 layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
@@ -63,7 +63,7 @@ void main() {
             int x = int(own) + side * distance;
             if (x >= 0 && x < end && (distance > 0 || side > 0)) {
                 uint other = tile.y * params.tiles.x + uint(x) / BLOCKS_ACROSS;
-                bool has_fire = tile_fire[other] != 0u;
+                bool has_fire = (tile_shown[other] & BURNING) != 0u;
                 if (has_fire || HAS_SCENE == 1u) {
                     float n = has_fire && EXPECTED == 0u ? float(tile_repetitions[other]) : 0.0;
                     add_block(side * distance, y * params.size.x, uint(x) * uint(TAPS), has_fire, n, brightest);

@@ -36,7 +36,7 @@ void list_shown(uint tile, bool exists) {
                 is_shown = is_shown || tile_fire[y * params.tiles.x + x] != 0u;
             }
         }
-        tile_shown[tile] = is_shown ? 1u : 0u;
+        tile_shown[tile] = (is_shown ? SHOWN : 0u) | (tile_fire[tile] != 0u ? BURNING : 0u);
         // Tiles without fire have no repetitions to go on with.
         tile_open[tile] = 0u;
     }

@@ -8,26 +8,23 @@ layout(constant_id = 2) const uint LAYERS = 0u;  // 1: heat, tone and line are k
 layout(local_size_x = 128) in;
 layout(std430, binding = 1) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 2) readonly buffer OccupiedTiles { uint occupied_tiles[]; };
-layout(std430, binding = 3) readonly buffer TileFire { uint tile_fire[]; };
-layout(std430, binding = 4) readonly buffer TileShown { uint tile_shown[]; };
-layout(std430, binding = 5) readonly buffer Sums { uvec4 sums[]; };
-layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
-layout(std430, binding = 7) readonly buffer Weights { float weights[]; };
-layout(std430, binding = 8) readonly buffer RowSums { vec2 row_sums[]; };
-layout(std430, binding = 9) readonly buffer HalfSums { float half_sums[]; };  // of weights at distances 1 to each
-layout(std430, binding = 10) readonly buffer Tones { Tone tones[]; };
-layout(std430, binding = 11) writeonly buffer Picture { vec4 picture[]; };
-layout(std430, binding = 12) writeonly buffer HeatLayer { float heat_layer[]; };
-layout(std430, binding = 13) writeonly buffer ToneLayer { vec4 tone_layer[]; };
-layout(std430, binding = 14) writeonly buffer OutlineLayer { float outline_layer[]; };
+layout(std430, binding = 3) readonly buffer TileShown { uint tile_shown[]; };
+layout(std430, binding = 4) readonly buffer Sums { uvec4 sums[]; };
+layout(std430, binding = 5) readonly buffer Scene { float scene[]; };
+layout(std430, binding = 6) readonly buffer Weights { float weights[]; };
+layout(std430, binding = 7) readonly buffer RowSums { vec2 row_sums[]; };
+layout(std430, binding = 8) readonly buffer Tones { Tone tones[]; };
+layout(std430, binding = 9) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, binding = 10) writeonly buffer HeatLayer { vec2 heat_layer[]; };  // smoothed; opacity of the line
+layout(std430, binding = 11) writeonly buffer ToneLayer { vec4 tone_layer[]; };
 #include "heat.glsl"
 #define TAPS 4
 #include "toon/gaussian.glsl"
 #include "toon/ink_width.glsl"
 
-const uint SIDE = TILE + 2u;                // of the tile with the pixels around it, whose differences count
+const uint COLUMNS = TILE + 2u;             // of the tile with the pixels around it, whose differences count
 const uint RUNS = TILE / uint(TAPS) + 2u;   // of results in a column of that, which begin at the same rows in all tiles
-shared float smoothed[RUNS * uint(TAPS) * SIDE];
+shared float smoothed[RUNS * uint(TAPS) * COLUMNS];
 
 bool is_inside(ivec2 at) {
     return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(params.size)));
@@ -35,7 +32,7 @@ bool is_inside(ivec2 at) {
 
 // Sum of the weights of what lies within the picture along an axis of so many pixels.
 float weight_of(int at, int count) {
-    return weights[0] + half_sums[min(params.window, at)] + half_sums[min(params.window, count - 1 - at)];
+    return weights[0] + weights[params.half_sums + uint(min(params.window, at))] + weights[params.half_sums + uint(min(params.window, count - 1 - at))];
 }
 
 // Whether a run of TAPS pixels, all of one tile, has row sums.
@@ -87,7 +84,7 @@ float[TAPS] smooth_run(int x, int first) {
 }
 
 float smoothed_at(uvec2 own, int x, int y) {
-    return smoothed[uint(int(own.y) + TAPS + y) * SIDE + uint(int(own.x) + 1 + x)];
+    return smoothed[uint(int(own.y) + TAPS + y) * COLUMNS + uint(int(own.x) + 1 + x)];
 }
 
 // How much heat changes from pixel to pixel: differences are central, and one-sided at the picture's border.
@@ -132,9 +129,8 @@ void work_on(uvec2 own, ivec2 at, bool has_fire) {
     float ink = params.ink.w * ink_share(params.ink_width, way);
     picture[index] = vec4(mix(tone.rgb, params.ink.rgb, ink), 1.0) * tone.a;
     if (LAYERS == 1u) {
-        heat_layer[index] = heat;
+        heat_layer[index] = vec2(heat, ink * tone.a);
         tone_layer[index] = vec4(tone.rgb, 1.0) * tone.a;
-        outline_layer[index] = ink * tone.a;
     }
 }
 
@@ -142,16 +138,16 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint index = occupied_tiles[gl_WorkGroupID.x];
     ivec2 corner = ivec2(tile_at(index) * TILE);
-    for (uint run = lane; run < RUNS * SIDE; run += gl_WorkGroupSize.x) {
-        uint x = run % SIDE;
-        uint first = run / SIDE * uint(TAPS);
+    for (uint run = lane; run < RUNS * COLUMNS; run += gl_WorkGroupSize.x) {
+        uint x = run % COLUMNS;
+        uint first = run / COLUMNS * uint(TAPS);
         float heat[TAPS] = smooth_run(corner.x - 1 + int(x), corner.y - TAPS + int(first));
         for (uint o = 0u; o < uint(TAPS); ++o) {
-            smoothed[(first + o) * SIDE + x] = heat[o];
+            smoothed[(first + o) * COLUMNS + x] = heat[o];
         }
     }
     barrier();
-    bool has_fire = tile_fire[index] != 0u;
+    bool has_fire = (tile_shown[index] & BURNING) != 0u;
     for (uint i = lane; i < TILE * TILE; i += gl_WorkGroupSize.x) {
         uvec2 own = uvec2(i % TILE, i / TILE);
         ivec2 at = corner + ivec2(own);

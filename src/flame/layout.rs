@@ -64,14 +64,12 @@ buffers! {
     TILE_FIRE = "TileFire",
     TILE_SHOWN = "TileShown",
     WEIGHTS = "Weights": Kept,
-    HALF_SUMS = "HalfSums": Kept,
     GLOW_WEIGHTS = "GlowWeights": Kept,
     GLOW_SUMS = "GlowSums",
     TONES = "Tones": Kept,
     ROW_SUMS = "RowSums",
     HEAT_LAYER = "HeatLayer": Layer,
     TONE_LAYER = "ToneLayer": Layer,
-    OUTLINE_LAYER = "OutlineLayer": Layer,
 }
 
 /// The host's particles: positions and temperatures.
@@ -185,7 +183,6 @@ impl Layout {
         self.set(COLOURS, tables.colours.entries.len() as u64 * VECTOR);
         self.set(WEIGHTS, tables.weights.len() as u64 * 4);
         self.set(GLOW_WEIGHTS, tables.glow_weights.len() as u64 * 4);
-        self.set(HALF_SUMS, tables.half_sums.len() as u64 * 4);
         self.set(TONES, size_of_val(&tables.tones[..]) as u64);
         self.set(PARTICLES, particles * size_of::<Particle>() as u64);
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
@@ -236,9 +233,8 @@ impl Layout {
         self.set(TILE_SHOWN, kept(desc.settings.spreads(), tiles * 4));
         self.set(GLOW_SUMS, kept(desc.settings.glow.is_on(), pixels * VECTOR));
         self.set(ROW_SUMS, kept(desc.settings.is_cel(), pixels * 8));
-        self.set(HEAT_LAYER, kept(desc.layers, pixels * 4));
+        self.set(HEAT_LAYER, kept(desc.layers, pixels * 8));
         self.set(TONE_LAYER, kept(desc.layers, pixels * VECTOR));
-        self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 4));
     }
 
     fn check(&self, limit: u64) -> Result<()> {

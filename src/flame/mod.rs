@@ -146,8 +146,7 @@ impl Kind for FlameKind {
         if !kept.sequence() {
             return;
         }
-        let tables =
-            [layout::COLOURS, layout::WEIGHTS, layout::HALF_SUMS, layout::GLOW_WEIGHTS, layout::TONES, layout::MASK];
+        let tables = [layout::COLOURS, layout::WEIGHTS, layout::GLOW_WEIGHTS, layout::TONES, layout::MASK];
         let has_room = tables.into_iter().all(|table| kept.buffer(table)) && kept.image(layout::LEVELS);
         let same_mask = (before.seed, before.settings.variants) == (desc.seed, desc.settings.variants);
         let has_tables = old.state.has_tables && has_room && same_mask && old.tables == self.tables;

@@ -109,6 +109,7 @@ impl FlameParams {
             tone_softness: settings.tone_softness,
             tone_count: settings.tones.0.len() as u32,
             window: settings.window() as i32,
+            half_sums: tables.half_sums,
             ink_width: settings.outline.width,
             glow_window: settings.glow.window() as i32,
             glow: settings.glow.strength * tables.glow_scale,

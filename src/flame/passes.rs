@@ -22,7 +22,6 @@ passes! {
     tables = Pass::transfer("flame.tables")
         .updates::<[f32; 4]>(COLOURS, tables.colours.entries.len())
         .updates::<f32>(WEIGHTS, tables.weights.len())
-        .updates::<f32>(HALF_SUMS, tables.half_sums.len())
         .updates::<f32>(GLOW_WEIGHTS, tables.glow_weights.len())
         .updates::<Tone>(TONES, tables.tones.len());
     particles = Pass::transfer("flame.particles").copies(HOST_POSITIONS, POSITIONS).copies(HOST_IDS, IDS);
@@ -59,7 +58,7 @@ passes! {
     shares = Pass::compute("flame.kernel", &glsl::shares::SHADER);
     kernel = Pass::compute("flame.kernel", &glsl::kernel::SHADER)
         .specialise([u32::from(desc.settings.shape == Shape::Cube)]);
-    clear = [PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES, HEAT_LAYER, TONE_LAYER, OUTLINE_LAYER]
+    clear = [PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES, HEAT_LAYER, TONE_LAYER]
         .into_iter()
         .fold(Pass::transfer("flame.clear"), Pass::fills);
     /// As `tiles`.

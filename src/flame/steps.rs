@@ -58,7 +58,6 @@ impl Steps<'_> {
         if self.delta.make_tables {
             self.plan.update_slice(self.passes.tables, COLOURS, &tables.colours.entries);
             self.plan.update_slice(self.passes.tables, WEIGHTS, &tables.weights);
-            self.plan.update_slice(self.passes.tables, HALF_SUMS, &tables.half_sums);
             self.plan.update_slice(self.passes.tables, GLOW_WEIGHTS, &tables.glow_weights);
             self.plan.update_slice(self.passes.tables, TONES, &tables.tones);
             self.mask();
@@ -144,7 +143,7 @@ impl Steps<'_> {
             return self.plan.skip(self.passes.clear, "no layers are kept");
         }
         let particles = self.delta.dark.map(|_| PARTICLES);
-        let images = [PICTURE, MEAN, VARIANCE, HEAT_LAYER, TONE_LAYER, OUTLINE_LAYER];
+        let images = [PICTURE, MEAN, VARIANCE, HEAT_LAYER, TONE_LAYER];
         for buffer in images.into_iter().chain(particles) {
             self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
         }

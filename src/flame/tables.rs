@@ -14,7 +14,8 @@ const TAPS: u32 = 4;
 pub struct Tables {
     pub(super) colours: Table,
     pub(super) weights: Vec<f32>,
-    pub(super) half_sums: Vec<f32>,
+    /// Place of their sums behind them.
+    pub(super) half_sums: u32,
     pub(super) glow_weights: Vec<f32>,
     /// 1 / the sum of all of the glow's weights.
     pub(super) glow_scale: f32,
@@ -26,14 +27,15 @@ impl Tables {
     pub fn new(desc: &Desc) -> Tables {
         let settings = &desc.settings;
         let window = settings.window();
-        let weights = weights(settings.sigma, window);
+        let mut weights = weights(settings.sigma, window);
+        let half_sums = weights.len() as u32;
         let glow_weights = self::weights(settings.glow.sigma, settings.glow.window());
         let along: f64 = glow_weights.iter().skip(1).map(|weight| 2.0 * f64::from(*weight)).sum::<f64>() + 1.0;
-        let sums = weights.iter().skip(1).scan(0.0, |sum, weight| {
-            *sum += f64::from(*weight);
-            Some(*sum as f32)
-        });
-        let half_sums = [0.0].into_iter().chain(sums).take(window as usize + 1).collect();
+        let mut sum = 0.0;
+        for distance in 0..=window as usize {
+            sum += if distance > 0 { f64::from(weights[distance]) } else { 0.0 };
+            weights.push(sum as f32);
+        }
         let tones = settings.tones.shares(settings.hottest).map(|tone| Tone { colour: tone.colour, from: tone.from });
         let glow_scale = along.powi(-2) as f32;
         Tables {

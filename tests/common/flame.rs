@@ -185,7 +185,7 @@ impl FlameRig {
 
     /// Smoothed heat.
     pub fn heat(&mut self) -> Vec<f32> {
-        self.pixels(layout::HEAT_LAYER)
+        self.pixels::<[f32; 2]>(layout::HEAT_LAYER).into_iter().map(|[heat, _]| heat).collect()
     }
 
     /// Linear RGBA of tones alone, premultiplied.
@@ -195,7 +195,7 @@ impl FlameRig {
 
     /// Opacity of the line.
     pub fn outline(&mut self) -> Vec<f32> {
-        self.pixels(layout::OUTLINE_LAYER)
+        self.pixels::<[f32; 2]>(layout::HEAT_LAYER).into_iter().map(|[_, line]| line).collect()
     }
 
     /// Every layer of a frame, bit for bit; what is in the rows of dropped particles does not matter.

@@ -148,7 +148,8 @@ fn skipping_changes_no_bit() {
         (Settings { sigma: 0.0, adaptive: 0.1, repetitions: 60, ..base() }, None),
         (Settings { mode: Mode::Expected, ..base() }, None),
     ] {
-        let settings = Settings { spread: Some(0.02), size: Some(0.2), count: 20.0, ..settings };
+        let tones = Tones(vec![Tone { from: 0.01, colour: [1.0; 3] }]);
+        let settings = Settings { spread: Some(0.02), size: Some(0.2), count: 20.0, tones, ..settings };
         let desc = Desc { scene: format, ..desc([160, 120], 2, settings) };
         let frame = |effort, poison| {
             let mut rig = FlameRig::with_effort(desc.clone(), effort)?;

@@ -2,9 +2,7 @@
 
 use super::input::FlameBrought;
 use crate::flame::Desc;
-use crate::flame::layout::{
-    HEAT_LAYER, MASK, MEAN, NEAREST, OUTLINE_LAYER, PARTICLES, PICTURE, POSITIONS, TONE_LAYER, VARIANCE,
-};
+use crate::flame::layout::{HEAT_LAYER, MASK, MEAN, NEAREST, PARTICLES, PICTURE, POSITIONS, TONE_LAYER, VARIANCE};
 use crate::flame::params::{MASK_SIDE, Particle};
 use crate::program::layers::{LayerData, LayerEntry, Made};
 
@@ -20,9 +18,13 @@ pub(super) const LAYERS: &[LayerEntry] = &[
     LayerEntry::image("flame.repetitions", &[VARIANCE], |made| {
         LayerData::Value(made.image(VARIANCE).iter().map(last).collect())
     }),
-    LayerEntry::image("flame.heat", &[HEAT_LAYER], |made| LayerData::Value(made.image(HEAT_LAYER))),
+    LayerEntry::image("flame.heat", &[HEAT_LAYER], |made| {
+        LayerData::Value(smoothed(made).map(|[heat, _]| heat).collect())
+    }),
     LayerEntry::image("flame.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
-    LayerEntry::image("flame.outline", &[OUTLINE_LAYER], |made| LayerData::Value(made.image(OUTLINE_LAYER))),
+    LayerEntry::image("flame.outline", &[HEAT_LAYER], |made| {
+        LayerData::Value(smoothed(made).map(|[_, line]| line).collect())
+    }),
     LayerEntry::image("flame", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
@@ -35,6 +37,11 @@ fn colour([r, g, b, _]: &[f32; 4]) -> [f32; 3] {
 
 fn last([.., last]: &[f32; 4]) -> f32 {
     *last
+}
+
+/// Heat, and opacity of the line.
+fn smoothed(made: &Made) -> impl Iterator<Item = [f32; 2]> {
+    made.image(HEAT_LAYER).into_iter()
 }
 
 fn mask(made: &Made) -> LayerData {
@@ -90,9 +97,8 @@ mod tests {
             (MEAN, bytemuck::cast_slice(&mean)),
             (VARIANCE, bytemuck::cast_slice(&variance)),
             (NEAREST, bytemuck::cast_slice(&nearest)),
-            (HEAT_LAYER, bytemuck::cast_slice(&nearest)),
+            (HEAT_LAYER, bytemuck::cast_slice(&[[0.5_f32, 0.25], [1.0, 0.75]])),
             (TONE_LAYER, bytemuck::cast_slice(&mean)),
-            (OUTLINE_LAYER, bytemuck::cast_slice(&[0.25_f32, 0.75])),
             (PICTURE, bytemuck::cast_slice(&picture)),
         ];
         let settings = Settings { variants: 2, ..Settings::default() };
@@ -120,7 +126,7 @@ mod tests {
         assert_eq!(values(&layers, "flame.coverage"), [0.4, 0.0]);
         assert_eq!(values(&layers, "flame.depth"), [2.0, f32::INFINITY]);
         assert_eq!(values(&layers, "flame.repetitions"), [20.0, 16.0]);
-        assert_eq!(values(&layers, "flame.heat"), [2.0, f32::INFINITY]);
+        assert_eq!(values(&layers, "flame.heat"), [0.5, 1.0]);
         assert_eq!(values(&layers, "flame.tone"), mean.as_flattened());
         assert_eq!(values(&layers, "flame.outline"), [0.25, 0.75]);
         assert_eq!(values(&layers, "flame"), picture.as_flattened());
