@@ -29,7 +29,7 @@ pub(super) const LAYERS: &[LayerEntry] = &[
 ];
 
 /// Columns of `flame.particles`: x, y, z, temperature, mean count, alpha, r, g, b.
-const COLUMNS: u64 = 9;
+const PARTICLE_COLUMNS: u64 = 9;
 
 fn colour([r, g, b, _]: &[f32; 4]) -> [f32; 3] {
     [*r, *g, *b]
@@ -61,7 +61,7 @@ fn particles(made: &Made) -> LayerData {
         let [r, g, b, alpha] = particle.colour;
         [*x, *y, *z, *temperature, particle.mean_count, alpha, r, g, b]
     };
-    LayerData::table(COLUMNS, kept.flat_map(row).collect())
+    LayerData::table(PARTICLE_COLUMNS, kept.flat_map(row).collect())
 }
 
 #[cfg(test)]
