@@ -39,6 +39,8 @@ pub struct Particles {
     pub temperature: Vec<f32>,
     /// Ids that keep a particle's random draws over frames; none: its row.
     pub id: Option<Vec<u32>>,
+    /// Velocities in m/s, finite; none: all are still.
+    pub velocity: Option<Vec<[f32; 3]>>,
 }
 
 /// Bounds of the particles of a sequence.

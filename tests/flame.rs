@@ -8,6 +8,8 @@ mod common;
 mod accumulation;
 #[path = "flame/adaptive.rs"]
 mod adaptive;
+#[path = "flame/cel.rs"]
+mod cel;
 #[path = "flame/determinism.rs"]
 mod determinism;
 #[path = "flame/extremes.rs"]
@@ -26,3 +28,5 @@ mod shapes;
 mod skipping;
 #[path = "flame/stochastic.rs"]
 mod stochastic;
+#[path = "flame/stretch.rs"]
+mod stretch;

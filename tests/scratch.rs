@@ -194,6 +194,7 @@ impl Effects {
                         hottest: f32::INFINITY,
                         position_temperature,
                         previous: None,
+                        velocity: None,
                         ids: None,
                     };
                     let frame = flame::Frame { background, ..flame::Frame::new(view, given, target) };

@@ -7,7 +7,7 @@ layout(location = 0) out vec4 colour;
 void lay_over() {
     uvec2 at = pixel_of(gl_FragCoord.xy, params.corner, params.size);
     colour = picture[at.y * params.size.x + at.x];
-    if (colour.a == 0.0) {
+    if (colour == vec4(0.0)) {
         discard;
     }
 }

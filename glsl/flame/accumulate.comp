@@ -19,6 +19,7 @@ layout(std430, binding = 6) readonly buffer Scene { float scene[]; };
 layout(std430, binding = 7) buffer Sums { uvec4 sums[]; };
 layout(std430, binding = 8) buffer Winners { uvec4 winners[]; };
 layout(binding = 9, r32f) uniform readonly image2D levels;
+layout(std430, binding = 10) readonly buffer Stretches { uint stretches[]; };
 layout(constant_id = 5) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
 #include "cells.glsl"
 #include "depth_range.glsl"
@@ -35,10 +36,11 @@ shared uint waiting;              // entries that are next in a batch
 shared uint waiting_rows[BATCH + LANES];
 shared uint batch_sums[BATCH];    // render particles of a batch up to here, and particles that have any in the upper 8 bits
 shared vec4 batch_place[BATCH];   // of those particles: x, y, depth, alpha
-shared vec4 batch_slope[BATCH];   // slope and reach; or, near the camera, x and y in view space and -1
+shared vec4 batch_slope[BATCH];   // slope, reach, stretch; or, near the camera, x and y in view space and -1
 shared uvec3 batch_draw[BATCH];   // row + 1, id, hash of the id less the place of its first render particle in the batch
 shared vec4 sprite_place[BATCH];  // x, y, depth, texels a pixel
 shared uvec4 sprite_draw[BATCH];  // row + 1, id, texel, alpha
+shared uint sprite_stretch[BATCH];
 // For even rounds and for odd ones: while one is used, the other is emptied. Columns of whole blocks have one of each: more barriers are cheaper for
 // the drivers that they suit than places that are not known beforehand.
 shared uint starts[2u * WORDS];         // a bit for each sprite of the round that is its particle's first
@@ -141,9 +143,13 @@ Batch load_batch(uint found, vec2 origin) {
         uint slot = (sum >> 24u) - 1u;
         Particle particle = particles[row];
         bool is_near = (particle.flags & NEAR_CAMERA) != 0u;
-        Source source = source_of(particle, origin);
+        Source source = source_of(particle, vec2(0.0), origin);
+        uint stretch = 0u;
+        if (STRETCHED == 1u) {
+            stretch = stretches[row];
+        }
         batch_place[slot] = vec4(source.at, source.z, particle.colour.a);
-        batch_slope[slot] = is_near ? vec4(source.from, -1.0, 0.0) : vec4(source.slope, particle.reach, 0.0);
+        batch_slope[slot] = is_near ? vec4(source.from, -1.0, 0.0) : vec4(source.slope, particle.reach, uintBitsToFloat(stretch));
         batch_draw[slot] = uvec3(row + 1u, particle.id, particle.hash - start);
     }
     waiting_rows[lane] = next;
@@ -159,12 +165,17 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity)
     uint lane = gl_LocalInvocationID.x;
     vec4 place = batch_place[slot];
     vec3 slope = batch_slope[slot].xyz;
+    vec2 stretch = vec2(0.0);
+    if (STRETCHED == 1u) {
+        stretch = stretch_of(floatBitsToUint(batch_slope[slot].w));
+    }
     uvec3 draw = batch_draw[slot];
     bool has_slope = slope.z >= 0.0;
-    Source source = Source(place.xy, place.z, has_slope ? slope.xy : vec2(0.0), has_slope ? vec2(0.0) : slope.xy);
+    Source source = Source(place.xy, place.z, has_slope ? slope.xy : vec2(0.0), has_slope ? vec2(0.0) : slope.xy, stretch);
     Sprite sprite = make_sprite(optics, source, pcg(t + draw.z), repetition);
     // Rounding: a thousandth of a pixel is more than it can be.
-    vec2 reach = abs(slope.z) * optics.half_mask / (sprite.scale * vec2(1.0, optics.squash)) + 1e-3;
+    vec2 reach = abs(slope.z) * optics.half_mask / (sprite.scale * vec2(1.0, optics.squash));
+    reach = (STRETCHED == 1u ? reach * stretched_reach(stretch) : reach) + 1e-3;
     vec4 bounds = vec4(sprite.at - reach, sprite.at + reach);
     uint depth = floatBitsToUint(sprite.z);
     uint limits[BLOCKS];
@@ -180,6 +191,9 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity)
     if (sprite.exists && touched != 0u) {
         sprite_place[lane] = vec4(sprite.at, sprite.z, sprite.scale);
         sprite_draw[lane] = uvec4(draw.xy, sprite.texel, floatBitsToUint(place.w));
+        if (STRETCHED == 1u) {
+            sprite_stretch[lane] = floatBitsToUint(batch_slope[slot].w);
+        }
         atomicOr(touches[(BATCH * parity + lane) / 8u], touched << (lane % 8u));
     }
 }
@@ -197,8 +211,19 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
         vec2 scale = place.w * vec2(1.0, squash);
         vec2 t = (centre - place.xy) * scale + half_mask;
         Look look = begin_look(t.x, sprite.z, level);
+        vec2 stretch = vec2(0.0);
+        if (STRETCHED == 1u) {
+            stretch = stretch_of(sprite_stretch[i]);
+        }
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            float value = mask_value(look, t.y + float(column.row + y) * scale.y);
+            float value;
+            if (STRETCHED == 1u) {
+                vec2 way = centre + vec2(0.0, float(column.row + y)) - place.xy;
+                vec2 at = mask_way(way, stretch, squash) * place.w + half_mask;
+                value = mask_value(begin_look(at.x, sprite.z, level), at.y);
+            } else {
+                value = mask_value(look, t.y + float(column.row + y) * scale.y);
+            }
             bool passes = is_one && value > 0.0 && alpha * value >= threshold;
             bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
             bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first_of_equals);

@@ -54,7 +54,7 @@ void clear_present() {
 
 // Notes a particle as number `index` in the blocks that it touches.
 void note(uint row, uint index) {
-    vec4 bounds = pixel_bounds(from_eye(vec3(particles[row].view, particles[row].depth)), 1.0) - vec2(own_tile() * TILE).xyxy;
+    vec4 bounds = pixel_bounds(from_eye(vec3(particles[row].view, particles[row].depth)), 1.0, vec2(1.0)) - vec2(own_tile() * TILE).xyxy;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         vec2 low = vec2(block_corner(block));
         if (all(lessThanEqual(bounds.xy, low + float(BLOCK))) && all(greaterThanEqual(bounds.zw, low))) {

@@ -15,14 +15,15 @@ vec2 slope_range(float x, float z, float r) {
     return params.is_orthographic != 0u ? vec2(x - r, x + r) : tangent_range(x, z, r);
 }
 
-// Bounds of a particle's sprites in pixels (low x, low y, high x, high y), of which the share `reach` matters.
-vec4 pixel_bounds(vec3 view, float reach) {
+// Bounds of a particle's sprites in pixels (low x, low y, high x, high y), of which the share `reach` matters, and which are
+// drawn out to reach so much farther across and down.
+vec4 pixel_bounds(vec3 view, float reach, vec2 farther) {
     float near = max(view.z - params.bounding_radius, params.near);
     float far = min(view.z + params.bounding_radius, params.far);
     if (near > far) {
         return vec4(1.0, 1.0, 0.0, 0.0);
     }
-    vec2 r = params.bounding_radius + reach * half_sprite(view.z + params.bounding_radius);
+    vec2 r = farther * (params.bounding_radius + reach * half_sprite(view.z + params.bounding_radius));
     // Depth alone does not bound what is around the camera.
     if (params.is_orthographic == 0u && view.z <= 1.001 * max(r.x, r.y)) {
         return vec4(0.0, 0.0, vec2(params.size));

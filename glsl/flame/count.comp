@@ -7,9 +7,11 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) buffer Cells { uint cell_ends[]; };
+layout(std430, binding = 5) readonly buffer Stretches { uint stretches[]; };
 layout(binding = 4, r32f) uniform readonly image2D levels;
 layout(constant_id = 0) const uint EXPECTED = 0;  // 1: the kernel table is asked for
 #include "cells.glsl"
+#include "stretch.glsl"
 #include "depth_range.glsl"
 #include "mask_level.glsl"
 #include "weigh.glsl"
@@ -31,7 +33,7 @@ void main() {
     float brightest = uintBitsToFloat(control.brightest);
     uint light = share_of(colour.r, brightest) | share_of(colour.g, brightest) << 16u;
     float reach = reach_of(colour.a, mask_level());
-    vec4 bounds = pixel_bounds(from_eye(view), reach);
+    vec4 bounds = pixel_bounds(from_eye(view), reach, stretched_reach(stretch_of(stretches[row])));
     uvec4 cells;
     uint level = cells_of(bounds, cells);
     bool touches = on_screen(bounds);

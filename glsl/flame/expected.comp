@@ -18,11 +18,14 @@ layout(binding = 8, r32f) uniform readonly image2D kernel;
 layout(std430, binding = 9) buffer Winners { uvec4 winners[]; };  // of an unfinished bin: sums of optical depth times squared colour
 layout(std430, binding = 10) buffer Unlaid { vec4 unlaid[]; };  // between dispatches: the bin that is not composited yet, and the one before it
 layout(constant_id = 1) const uint HAS_SCENE = 0;    // 1: the scene's depth occludes
+layout(std430, binding = 11) readonly buffer Stretches { uint stretches[]; };
+layout(constant_id = 3) const uint STRETCHED = 0;    // 1: what particles draw is drawn out along their motion
 layout(constant_id = 2) const uint KEEP_LAYERS = 0;  // 1: the variance is asked for
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "kernel.glsl"
 #include "bins.glsl"
+#include "stretch.glsl"
 #include "sums.glsl"
 
 const float FIXED = 16777216.0;  // 1 as a fixed-point number
@@ -195,11 +198,16 @@ struct Meeting {
     vec2 zeta;    // where a bin, as far as the scene lets one see, begins and ends; metres behind the particle
 };
 
-Meeting meet(vec3 view, float z, vec2 bin, vec2 ray, float step_down, int row, int y) {
+Meeting meet(vec3 view, float z, vec2 stretch, vec2 bin, vec2 ray, float step_down, int row, int y) {
     vec2 slope = vec2(ray.x, ray.y - float(row + y) * step_down);
     float end = min(bin.y, scene_depth[y]);
     vec2 zeta = clamp(vec2(bin.x, end) - view.z, -params.bounding_radius, params.bounding_radius);
-    return Meeting(params.is_orthographic != 0u ? vec2(0.0) : slope, widening(z) * slope - view.xy, zeta);
+    Meeting met = Meeting(params.is_orthographic != 0u ? vec2(0.0) : slope, widening(z) * slope - view.xy, zeta);
+    if (STRETCHED == 1u) {
+        met.slope = drawn_back(met.slope, stretch);
+        met.centre = drawn_back(met.centre, stretch);
+    }
+    return met;
 }
 
 // Adds a particle's share of a bin to a column of pixels. `ray`: slope of the one in the block's first row; each further row is `step_down` below.
@@ -210,21 +218,25 @@ void add_particle(bool is_one, uint row, Column column, vec2 bin, vec2 ray, floa
     float pixel = params.pixel_footprint * widening(z);
     bool narrow = is_narrow(pixel);
     float near = params.near - depth_base() - view.z;
+    vec2 stretch = vec2(0.0);
+    if (STRETCHED == 1u) {
+        stretch = stretch_of(stretches[row]);
+    }
     // What decides for all rows is asked once, and not in each.
     float rises[ROWS];
     if (narrow) {
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
+            Meeting met = meet(view, z, stretch, bin, ray, step_down, column.row, y);
             rises[y] = narrow_rise(met.centre, met.zeta, near, pixel, particles[row].chance);
         }
     } else {
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
+            Meeting met = meet(view, z, stretch, bin, ray, step_down, column.row, y);
             rises[y] = rise(met.centre, met.slope, met.zeta, class_index);
         }
         if (near > -params.bounding_radius) {
             [[unroll]] for (int y = 0; y < ROWS; ++y) {
-                Meeting met = meet(view, z, bin, ray, step_down, column.row, y);
+                Meeting met = meet(view, z, stretch, bin, ray, step_down, column.row, y);
                 rises[y] /= cut_by_near(met.centre, met.slope, met.zeta.x, near, class_index);
             }
         }
@@ -404,7 +416,11 @@ void main() {
                 }
                 uint row = entries[lists[level].x + index];
                 vec3 view = vec3(particles[row].view, particles[row].depth);
-                vec4 bounds = pixel_bounds(from_eye(view), 1.0) - vec4(vec2(tile * TILE), vec2(tile * TILE));
+                vec2 farther = vec2(1.0);
+                if (STRETCHED == 1u) {
+                    farther = stretched_reach(stretch_of(stretches[row]));
+                }
+                vec4 bounds = pixel_bounds(from_eye(view), 1.0, farther) - vec4(vec2(tile * TILE), vec2(tile * TILE));
                 bool reaches = view.z + params.bounding_radius >= depths.x && view.z - params.bounding_radius <= depths.y;
                 [[unroll]] for (uint other = 0u; other < BLOCKS; ++other) {
                     vec2 low = vec2(block_corner(other));

@@ -8,7 +8,9 @@ layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 3) buffer Cells { uint cell_ends[]; };
 layout(std430, binding = 4) writeonly buffer Entries { uint entries[]; };
+layout(std430, binding = 5) readonly buffer Stretches { uint stretches[]; };
 #include "cells.glsl"
+#include "stretch.glsl"
 #include "depth_range.glsl"
 
 void main() {
@@ -17,8 +19,9 @@ void main() {
         return;
     }
     vec3 view = vec3(particles[row].view, particles[row].depth);
+    vec2 farther = stretched_reach(stretch_of(stretches[row]));
     uvec4 cells;
-    uint level = cells_of(pixel_bounds(from_eye(view), particles[row].reach), cells);
+    uint level = cells_of(pixel_bounds(from_eye(view), particles[row].reach, farther), cells);
     vec2 scale = bucket_scale();
     uint bucket = bucket_of(nearest_of(view.z), scale.x, scale.y);
     for (uint y = cells.y; y <= cells.w; ++y) {

@@ -15,7 +15,8 @@ layout(location = 0) out vec4 motion;
 void main() {
     uvec2 at = pixel_of(gl_FragCoord.xy, params.corner, params.size);
     uint index = pixel_index(at);
-    if (picture[index].a < LEAST_SHARE) {
+    // Of what smoothing alone has filled no depth is known.
+    if (picture[index].a < LEAST_SHARE || !is_finite(nearest_depths[index])) {
         discard;
     }
     vec3 steps = vec3(0.0);

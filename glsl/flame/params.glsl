@@ -39,6 +39,9 @@ const uint SUM_VECTORS = 4u;         // of a pixel's sums: vectors of four words
 const uint UNFINISHED_VECTORS = 2u;  // of a bin of the expected image that is not finished
 const uint UNLAID_VECTORS = 3u;      // of its last two bins, between dispatches; one more with layers
 
+const uint SHOWN = 1u;    // of a tile: heat or light may reach it,
+const uint BURNING = 2u;  // it has fire
+
 const uint QUAD_VERTICES = 4u;
 const uint DISPLACEMENT_VERTICES = 6u;  // of a particle: of two triangles
 
@@ -90,10 +93,20 @@ layout(binding = 0) uniform FlameParams {
     float intensity;
     float adaptive;           // widest 95 % interval of a pixel that is good enough
     float light;
+    float stretch;            // sprites are drawn out along their way of so many seconds
+    uint has_velocities;
     float falloff;
     float table_scale;        // colour table: places a unit of T or 1 / T
     float table_offset;       // place of 0
     float table_last;         // last place
+    float tone_softness;      // of the look "cel": half the width of borders between tones, in pixels
+    uint tone_count;
+    int window;               // of the Gaussian, in pixels to each side
+    uint half_sums;           // place of the sums of its weights, from distance 1 on, behind those
+    float ink_width;          // of the line, in pixels
+    int glow_window;          // of the glow's Gaussian, in pixels to each side
+    float glow;               // its strength, over the sum of all weights
+    vec4 ink;                 // its linear RGB; w: its opacity
     vec4 table_shift;         // what its logarithms are of more than the colour; w: unused
     CellLevel cell_levels[MAX_CELL_LEVELS];
 } params;

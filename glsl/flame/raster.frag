@@ -8,15 +8,17 @@ layout(std430, binding = 2) readonly buffer ControlBuffer { Control control; };
 layout(constant_id = 5) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
 layout(location = 0) flat in vec4 place;
 layout(location = 1) flat in uvec4 sprite;
+layout(location = 2) flat in vec2 stretch;
 layout(location = 0) out uvec2 winner;
 #include "../common/bits.glsl"
 #include "common/fragment.glsl"
 #include "depth_range.glsl"
 #include "mask_value.glsl"
+#include "sprite_stretch.glsl"
 
 void main() {
     uint level = sprite.w;
-    vec2 t = (gl_FragCoord.xy - place.xy) * place.w * vec2(1.0, params.squash) + 0.5 * float(MASK_SIDE >> level);
+    vec2 t = mask_way(gl_FragCoord.xy - place.xy, stretch, params.squash) * place.w + 0.5 * float(MASK_SIDE >> level);
     float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {

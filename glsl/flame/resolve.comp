@@ -4,6 +4,8 @@
 layout(constant_id = 0) const uint KEEP_LAYERS = 0;
 layout(constant_id = 1) const uint EXPECTED = 0;  // 1: sums hold the integral, in shares of the brightest colour
 layout(constant_id = 2) const uint KEEP_DEPTH = 0;  // 1: motion vectors, or layers, are made of it
+layout(constant_id = 3) const uint CEL = 0;      // 1: the picture is made of tones
+layout(constant_id = 4) const uint SPREADS = 0;  // 1: tiles without fire are shown, too
 #include "params.glsl"
 #include "../common/exact.glsl"
 layout(local_size_x = 64) in;
@@ -15,6 +17,7 @@ layout(std430, binding = 5) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 6) writeonly buffer Mean { vec4 means[]; };
 layout(std430, binding = 7) writeonly buffer Variance { vec4 variances[]; };
 layout(std430, binding = 8) writeonly buffer Nearest { float nearest_depths[]; };
+layout(std430, binding = 9) readonly buffer TileFire { uint tile_fire[]; };
 #include "sums.glsl"
 
 // A sum of two words as a sum of two floats.
@@ -72,21 +75,26 @@ Pixel of_integral(uint at) {
 void main() {
     uint tile = occupied_tiles[gl_WorkGroupID.x];
     uvec2 corner = TILE * tile_at(tile);
+    bool has_fire = SPREADS == 0u || tile_fire[tile] != 0u;
     float n = EXPECTED == 1u ? 0.0 : float(tile_repetitions[tile]);
     float brightest = uintBitsToFloat(control.brightest);
     for (uint i = gl_LocalInvocationID.x; i < TILE * TILE; i += gl_WorkGroupSize.x) {
         uvec2 place = corner + uvec2(i % TILE, i / TILE);
         if (all(lessThan(place, params.size))) {
             uint at = pixel_index(place);
-            Pixel pixel;
-            if (EXPECTED == 1u) {
+            Pixel pixel = Pixel(vec3(0.0), vec3(0.0), 0.0, uintBitsToFloat(INFINITY_BITS));
+            if (!has_fire) {
+                // Nobody has written its sums.
+            } else if (EXPECTED == 1u) {
                 pixel = of_integral(at);
             } else {
                 pixel = of_repetitions(at, n);
             }
             vec3 mean = pixel.mean * brightest;
-            picture[at] = vec4(params.intensity * mean, pixel.coverage);
-            if (KEEP_LAYERS == 1u) {
+            if (CEL == 0u) {
+                picture[at] = vec4(params.intensity * mean, pixel.coverage);
+            }
+            if (KEEP_LAYERS == 1u && has_fire) {
                 means[at] = vec4(mean, pixel.coverage);
                 variances[at] = vec4(pixel.variance * brightest * brightest, n);
             }

@@ -1,5 +1,6 @@
 // A render particle on the screen.
 #include "draws.glsl"
+#include "sprite_stretch.glsl"
 
 // Places in the mask's levels: texels a pixel, and what `draw_mask` has chosen.
 struct Sprite {
@@ -42,12 +43,13 @@ struct Source {
     float z;     // its view depth, less the frame's base
     vec2 slope;  // x / z and y / z; 0 where rays are parallel
     vec2 from;   // near the camera there is no slope: x and y, and `at` is the middle of the picture
+    vec2 stretch;
 };
 
 // `origin`: the pixel that positions are relative to.
-Source source_of(Particle particle, vec2 origin) {
+Source source_of(Particle particle, vec2 stretch, vec2 origin) {
     vec2 from = (particle.flags & NEAR_CAMERA) != 0u ? particle.view : vec2(0.0);
-    return Source((particle.pixel - origin) + particle.pixel_fraction, particle.depth, particle.slope, from);
+    return Source((particle.pixel - origin) + particle.pixel_fraction, particle.depth, particle.slope, from, stretch);
 }
 
 // `particle_word`: hash of the particle's id and the sample.
@@ -55,7 +57,7 @@ Sprite make_sprite(Optics optics, Source source, uint particle_word, uint repeti
     uint word = draw_word(particle_word, repetition);
     vec3 offset = optics.spread * draw_offset(word, particle_word, repetition);
     vec3 in_view = vec3(dot(optics.right, offset), dot(optics.up, offset), dot(optics.forward, offset));
-    vec2 from = in_view.xy + source.from;
+    vec2 from = (STRETCHED == 1u ? drawn_out(in_view.xy, source.stretch) : in_view.xy) + source.from;
     float z = source.z + in_view.z;
     vec2 per_metre = optics.focal / (optics.is_parallel ? 1.0 : max(z, optics.near) + optics.base);
     vec2 across = vec2(from.x - source.slope.x * in_view.z, source.slope.y * in_view.z - from.y);

@@ -7,12 +7,5 @@ layout(constant_id = 0) const float SCALE = 1.0;  // 1 / sum of the weights
 float sums[TAPS];
 
 void add_plain_taps(int block, float values[TAPS]) {
-    float w[2 * TAPS - 1] = tap_weights(block);
-    for (int o = 0; o < TAPS; ++o) {
-        float n = 0.0;
-        for (int t = 0; t < TAPS; ++t) {
-            n += w[t - o + (TAPS - 1)] * values[t];
-        }
-        sums[o] += n;
-    }
+    add_values(sums, tap_weights(block), values);
 }

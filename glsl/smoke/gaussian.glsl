@@ -1,6 +1,5 @@
 // What the two passes of the masked Gaussian share (paper, section 3.3, as a normalised convolution per group: exact).
-// A thread makes eight neighbouring results from registers. Blocks of eight taps are added from the window's ends
-// inwards, small weights first, which keeps single precision within 2e-6 of the exact sum.
+// A thread makes eight neighbouring results.
 #include "pixel.glsl"
 #include "reach.glsl"
 #include "screen.glsl"
@@ -20,27 +19,12 @@ void clear_sums() {
     }
 }
 
-// Weights of taps at TAPS * block + 0, 1, ... for results at 0, 1, ...: tap t weighs [t - o + TAPS - 1] for result o.
-float[2 * TAPS - 1] tap_weights(int block) {
-    float w[2 * TAPS - 1];
-    for (int i = 0; i < 2 * TAPS - 1; ++i) {
-        w[i] = weights[abs(TAPS * block + i - (TAPS - 1))];
-    }
-    return w;
-}
+#include "toon/gaussian.glsl"
 
 void add_taps(int block, float values[TAPS], float masks[TAPS]) {
     float w[2 * TAPS - 1] = tap_weights(block);
-    for (int o = 0; o < TAPS; ++o) {
-        float n = 0.0;
-        float d = 0.0;
-        for (int t = 0; t < TAPS; ++t) {
-            n += w[t - o + (TAPS - 1)] * values[t];
-            d += w[t - o + (TAPS - 1)] * masks[t];
-        }
-        numerator[o] += n;
-        denominator[o] += d;
-    }
+    add_values(numerator, w, values);
+    add_values(denominator, w, masks);
 }
 
 // Place of a block's row in the slot of a tile's sums.

@@ -22,6 +22,7 @@ layout(constant_id = 11) const bool ANTIALIASED = false;  // smoke covers pixels
 #include "view.glsl"
 #include "toon/ink_width.glsl"
 #include "toon/luminance.glsl"
+#include "toon/tone.glsl"
 
 // From luminance `from` upwards the smoke has this colour.
 struct Tone {
@@ -109,8 +110,7 @@ Smoothed smoothed_at(uint channel, ivec2 at, uint pixel) {
 
 // Share of the pixel where the value is at least `from`.
 float share_from(Smoothed s, float from) {
-    float above = s.value - from;
-    return s.width > 0.0 ? clamp(0.5 + above / s.width, 0.0, 1.0) : above >= 0.0 ? 1.0 : 0.0;
+    return tone_share(s.value, from, s.width);
 }
 
 // A tone where a share of the pixel is out of shadow.

@@ -49,7 +49,7 @@ threads is the same bit for bit, because smoke is always stepped from the shot's
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// The shot: a TOML file, or builtin:smoke, :cloud, :paper_smoke, :flame, :campfire or :blur (`celfx
+    /// The shot: a TOML file, or builtin:smoke, :cloud, :paper_smoke, :flame, :paper_flame, :campfire or :blur (`celfx
     /// shot` prints them)
     shot: String,
     /// Frames to render, both ends included, within those of the shot [default: all]

@@ -14,7 +14,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// The shot: builtin:smoke, builtin:cloud, builtin:paper_smoke, builtin:flame, builtin:campfire or
+    /// The shot: builtin:smoke, builtin:cloud, builtin:paper_smoke, builtin:flame, builtin:paper_flame, builtin:campfire or
     /// builtin:blur
     #[arg(value_name = "builtin:NAME")]
     name: String,

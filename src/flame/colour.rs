@@ -116,6 +116,11 @@ pub fn ramp(kelvin: f64, hottest: f64, colours: &[[f32; 3]]) -> [f64; 3] {
     low.lerp(high, place - below as f64).to_array()
 }
 
+/// Heat, as grey: kelvin / hottest, at most 1. 0 below 700 K and for NaN.
+pub fn heat(kelvin: f64, hottest: f64) -> [f64; 3] {
+    [if glows(kelvin) { (kelvin / hottest).min(1.0) } else { 0.0 }; 3]
+}
+
 /// The kind of a [`Table`]'s entries, and their axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
@@ -185,6 +190,12 @@ impl Table {
             hottest: hottest as f32,
             falloff: 0.0,
         }
+    }
+
+    /// [`heat`].
+    pub fn heat(hottest: f64) -> Table {
+        let entries = vec![[0.0; 4], [1.0, 1.0, 1.0, 0.0]];
+        Table { entries, scale: (1.0 / hottest) as f32, offset: 0.0, ..Table::ramp(hottest, &[]) }
     }
 
     fn black_body(form: Form, hottest: f64, upper: f64, colour: impl Fn(f64) -> DVec3) -> Table {
@@ -385,6 +396,17 @@ mod tests {
                 }
                 assert!(worst.iter().all(|w| *w < 2e-5), "{adaptation} {falloff} {upper}: {worst:?}");
             }
+        }
+    }
+
+    #[test]
+    fn heat_is_the_share_of_the_hottest() {
+        assert_eq!([600.0, 1500.0, 3000.0, 9000.0].map(|kelvin| heat(kelvin, 3000.0)[1]), [0.0, 0.5, 1.0, 1.0]);
+        let table = Table::heat(3000.0);
+        for kelvin in temperatures(650.0, 4000.0) {
+            let exact = heat(kelvin, 3000.0)[0];
+            assert!((table.look_up_f64(kelvin)[0] - exact).abs() < 1e-6);
+            assert!((f64::from(table.look_up(kelvin as f32)[2]) - exact).abs() < 1e-6);
         }
     }
 

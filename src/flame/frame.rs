@@ -30,6 +30,9 @@ pub struct ParticleInput {
     /// Four `f32` a particle: where it was in the frame before, in metres (x, y, z), and one that is not used. One that is not finite has
     /// not moved; none: no particle has. Only if the effect was made for motion vectors. Usage: `TRANSFER_SRC`.
     pub previous: Option<HostBuffer>,
+    /// Four `f32` a particle: its velocity in m/s (x, y, z), and one that is not used. One that is not finite counts as still; none: all
+    /// are. Not read unless `Settings::stretch` is above 0. Usage: `TRANSFER_SRC`.
+    pub velocity: Option<HostBuffer>,
 }
 
 /// One frame.
@@ -69,12 +72,12 @@ impl SceneDepth {
 impl ParticleInput {
     /// So many particles, of which nothing else is known. What is to be otherwise is set after.
     pub fn new(count: u32, position_temperature: HostBuffer) -> ParticleInput {
-        ParticleInput { count, hottest: f32::INFINITY, position_temperature, previous: None, ids: None }
+        ParticleInput { count, hottest: f32::INFINITY, position_temperature, previous: None, velocity: None, ids: None }
     }
 
     fn validate(&self, desc: &Desc) -> Result<()> {
         let refuse = |why: String| Err(Error::HostResource { name: "particles", why });
-        let ParticleInput { count, hottest, position_temperature, ids, previous } = *self;
+        let ParticleInput { count, hottest, position_temperature, ids, previous, velocity } = *self;
         if count > desc.particles {
             return refuse(format!("{count} of them; the effect was made for at most {}", desc.particles));
         }
@@ -84,6 +87,9 @@ impl ParticleInput {
         let bytes = u64::from(count);
         if position_temperature.size < 16 * bytes || ids.is_some_and(|ids| ids.size < 4 * bytes) {
             return refuse(format!("their buffers are smaller than {count} particles need"));
+        }
+        if let Some(velocity) = velocity {
+            check_buffer("particles", &velocity, 16 * bytes)?;
         }
         match previous {
             Some(_) if desc.temporal.motion.is_none() => {

@@ -11,7 +11,7 @@ use crate::view::{FARTHEST, FireLight};
 /// `settings.reach` says. Positions in metres, temperatures in kelvin, of which those above `hottest` count as that hot. None where nothing glows, and if
 /// `settings.light` is 0.
 pub fn fire_light(settings: &Settings, hottest: f32, position: &[[f32; 3]], temperature: &[f32]) -> Option<FireLight> {
-    let table = super::colours(settings, hottest);
+    let table = super::tables::colours(settings, hottest);
     let glowing = position
         .iter()
         .zip(temperature)

@@ -4,10 +4,10 @@ use ash::vk;
 
 use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
-use crate::flame::colour::Table;
 use crate::flame::desc::{Desc, SceneFormat};
 use crate::flame::limits::{Stage, buckets, is_raster, kernels, most_count, stages};
 use crate::flame::settings::Mode;
+use crate::flame::tables::Tables;
 use crate::gpu::buffer::BufferDesc;
 use crate::gpu::image::ImageDesc;
 use crate::gpu::scratch::Lifetime;
@@ -59,6 +59,17 @@ buffers! {
     VARIANCE = "Variance": Layer,
     NEAREST = "Nearest": Layer,
     PREVIOUS = "Previous",
+    VELOCITIES = "Velocities": Sequence,
+    STRETCHES = "Stretches": Layer,
+    TILE_FIRE = "TileFire",
+    TILE_SHOWN = "TileShown",
+    WEIGHTS = "Weights": Kept,
+    GLOW_WEIGHTS = "GlowWeights": Kept,
+    GLOW_SUMS = "GlowSums",
+    TONES = "Tones": Kept,
+    ROW_SUMS = "RowSums",
+    HEAT_LAYER = "HeatLayer": Layer,
+    TONE_LAYER = "ToneLayer": Layer,
 }
 
 /// The host's particles: positions and temperatures.
@@ -69,6 +80,8 @@ pub const HOST_IDS: BufferId = BufferId(BUFFERS + 1);
 pub const HOST_SCENE: BufferId = BufferId(BUFFERS + 2);
 /// Where the host's particles were in the frame before.
 pub const HOST_PREVIOUS: BufferId = BufferId(BUFFERS + 3);
+/// The host's velocities.
+pub const HOST_VELOCITIES: BufferId = BufferId(BUFFERS + 4);
 /// The mask, level beside level, variant below variant.
 pub const LEVELS: ImageId = ImageId(0);
 /// The table of the expected image.
@@ -80,7 +93,7 @@ pub const DRAWN_DEPTH: ImageId = ImageId(3);
 /// Displacements of the particles at each pixel, by weight, and the weights.
 pub const DISPLACEMENTS: ImageId = ImageId(4);
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 4;
+pub const HOST_BUFFERS: usize = 5;
 /// The host's target.
 pub const TARGET: ImageId = ImageId(5);
 /// The host's background.
@@ -125,7 +138,7 @@ pub struct Layout {
 
 impl Layout {
     /// Computes it; fails where a buffer is larger than a shader can bind.
-    pub fn new(desc: &Desc, table: &Table, traits: &DeviceTraits) -> Result<Layout> {
+    pub fn new(desc: &Desc, tables: &Tables, traits: &DeviceTraits) -> Result<Layout> {
         let settings = &desc.settings;
         let tiles = desc.size.map(|side| side.div_ceil(TILE));
         let (levels, cells) = levels(tiles);
@@ -137,7 +150,7 @@ impl Layout {
             stages: stages(desc, traits)?,
             sizes: Sizes::LEAST,
         };
-        layout.size_particles(desc, table);
+        layout.size_particles(desc, tables);
         let parts: u32 = layout.stages.iter().map(|stage| stage.parts).sum();
         layout.set(PART_ARGUMENTS, u64::from(parts * kernels(desc, traits)) * VECTOR);
         layout.size_pictures(desc);
@@ -160,20 +173,25 @@ impl Layout {
         self.sizes.get(id)
     }
 
-    fn size_particles(&mut self, desc: &Desc, table: &Table) {
+    fn size_particles(&mut self, desc: &Desc, tables: &Tables) {
         let particles = u64::from(desc.particles);
         let texels = u64::from(MASK_SIDE * MASK_SIDE * desc.settings.variants);
         self.set(PARAMS, size_of::<FlameParams>() as u64);
         self.set(CONTROL, size_of::<Control>() as u64);
         self.set(POSITIONS, particles * VECTOR);
         self.set(IDS, particles * 4);
-        self.set(COLOURS, table.entries.len() as u64 * VECTOR);
+        self.set(COLOURS, tables.colours.entries.len() as u64 * VECTOR);
+        self.set(WEIGHTS, tables.weights.len() as u64 * 4);
+        self.set(GLOW_WEIGHTS, tables.glow_weights.len() as u64 * 4);
+        self.set(TONES, size_of_val(&tables.tones[..]) as u64);
         self.set(PARTICLES, particles * size_of::<Particle>() as u64);
         self.set(CELLS, u64::from(self.cells) * u64::from(self.buckets) * 4);
         self.set(CELL_SUMS, scan::sums_bytes(self.size(CELLS)));
         self.set(ENTRIES, particles * u64::from(CELLS_ACROSS * CELLS_ACROSS) * 4);
         self.set(MASK, texels * 4);
         self.set(PREVIOUS, if desc.temporal.motion.is_some() { particles * VECTOR } else { 0 });
+        self.set(VELOCITIES, if desc.settings.stretches() { particles * VECTOR } else { 0 });
+        self.set(STRETCHES, particles * 4);
         if desc.settings.is_expected() {
             self.set(KERNEL_STATE, size_of::<KernelTable>() as u64);
             self.set(SHARES, u64::from(KERNEL_CLASSES * SHARE_SIDE * SHARE_SIDE) * 4);
@@ -211,11 +229,19 @@ impl Layout {
         self.set(MEAN, kept(desc.layers, pixels * VECTOR));
         self.set(VARIANCE, kept(desc.layers, pixels * VECTOR));
         self.set(NEAREST, kept(desc.keeps_depth(), pixels * 4));
+        self.set(TILE_FIRE, tiles * 4);
+        self.set(TILE_SHOWN, kept(desc.settings.spreads(), tiles * 4));
+        self.set(GLOW_SUMS, kept(desc.settings.glow.is_on(), pixels * VECTOR));
+        self.set(ROW_SUMS, kept(desc.settings.is_cel(), pixels * 8));
+        self.set(HEAT_LAYER, kept(desc.layers, pixels * 8));
+        self.set(TONE_LAYER, kept(desc.layers, pixels * VECTOR));
     }
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            POSITIONS | PREVIOUS | IDS | PARTICLES | ENTRIES | SPRITE_LIST => "use fewer particles",
+            POSITIONS | PREVIOUS | VELOCITIES | STRETCHES | IDS | PARTICLES | ENTRIES | SPRITE_LIST => {
+                "use fewer particles"
+            }
             CELLS => "use fewer flame.bins or a smaller picture",
             MASK => "use fewer flame.variants",
             PART_ARGUMENTS => "use fewer particles or fewer flame.repetitions",

@@ -20,6 +20,7 @@ pub mod reference;
 pub mod settings;
 mod spacing;
 pub(crate) mod steps;
+pub(crate) mod tables;
 
 pub use crate::host::{Background, DepthFormat};
 use crate::host::{FormatUse, NamedFormat, depth_format, target_format};
@@ -36,13 +37,13 @@ use crate::error::{Error, Result};
 use crate::gpu::resources::{Kept, Resources};
 use crate::plan::{Pass, Plan};
 use crate::view::View;
-use colour::Table;
 use layout::Layout;
 use mask::Mask;
 use params::{FlameParams, Given};
 use passes::Passes;
-use settings::{Colour, MOST_REPETITIONS};
+use settings::MOST_REPETITIONS;
 use steps::{FrameDelta, Steps};
+use tables::Tables;
 
 /// The flame effect. A frame depends on no other, unless it takes the last one's particles or adds to its repetitions.
 pub type Flame = Effect<FlameKind>;
@@ -53,7 +54,7 @@ pub struct FlameKind {
     traits: DeviceTraits,
     layout: Layout,
     passes: Passes,
-    table: Table,
+    tables: Tables,
     effort: Effort,
     /// The largest alpha of the mask.
     max_alpha: f32,
@@ -87,12 +88,12 @@ impl Kind for FlameKind {
         desc.validate()?;
         traits.tuning.validate()?;
         traits.check_sides(desc.size)?;
-        let table = colours(&desc.settings, desc.hottest);
-        let layout = Layout::new(desc, &table, traits)?;
-        let passes = Passes::new(desc, &layout, &table, &traits.tuning);
+        let tables = Tables::new(desc);
+        let layout = Layout::new(desc, &tables, traits)?;
+        let passes = Passes::new(desc, &layout, &tables, &traits.tuning);
         // The largest alpha that the device's mask can have, which is the reference's but for rounding.
         let max_alpha = (Mask::new(desc.seed, desc.settings.variants).largest() * 1.000001) as f32;
-        Ok(FlameKind { traits: *traits, layout, passes, table, effort, max_alpha, state: State::default() })
+        Ok(FlameKind { traits: *traits, layout, passes, tables, effort, max_alpha, state: State::default() })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -110,10 +111,10 @@ impl Kind for FlameKind {
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<State> {
         frame.validate(desc, self.state.view.is_none())?;
         let (delta, state) = self.delta(desc, frame)?;
-        let FlameKind { traits, layout, passes, table, effort, max_alpha, .. } = self;
-        let mut params = FlameParams::new(desc, layout, frame, &delta.given, table, *max_alpha);
+        let FlameKind { traits, layout, passes, tables, effort, max_alpha, .. } = self;
+        let mut params = FlameParams::new(desc, layout, frame, &delta.given, tables, *max_alpha);
         params.is_skipping = effort.skips().into();
-        Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, table);
+        Steps { plan, passes, desc, layout, traits, delta: &delta }.fill(frame, &params, tables);
         Ok(state)
     }
 
@@ -130,6 +131,7 @@ impl Kind for FlameKind {
         resources.set_host_image(layout::BACKGROUND, frame.background.image());
         resources.set_host_image(layout::HOST_DEPTH, frame.scene.and_then(SceneDepth::image));
         resources.set_host_buffer(layout::HOST_PREVIOUS, particles.and_then(|p| p.previous));
+        resources.set_host_buffer(layout::HOST_VELOCITIES, particles.and_then(|p| p.velocity));
         resources.set_host_image(layout::MOTION, frame.temporal.motion);
         resources.set_host_image(layout::REACTIVE, frame.temporal.reactive);
     }
@@ -146,9 +148,10 @@ impl Kind for FlameKind {
         if !kept.sequence() {
             return;
         }
-        let has_room = kept.buffer(layout::COLOURS) && kept.buffer(layout::MASK) && kept.image(layout::LEVELS);
+        let tables = [layout::COLOURS, layout::WEIGHTS, layout::GLOW_WEIGHTS, layout::TONES, layout::MASK];
+        let has_room = tables.into_iter().all(|table| kept.buffer(table)) && kept.image(layout::LEVELS);
         let same_mask = (before.seed, before.settings.variants) == (desc.seed, desc.settings.variants);
-        let has_tables = old.state.has_tables && has_room && same_mask && old.table.entries == self.table.entries;
+        let has_tables = old.state.has_tables && has_room && same_mask && old.tables == self.tables;
         // The sums are of another fire, and the expected image's table may be.
         self.state = State { has_tables, repetitions: 0, lit: None, ..old.state };
     }
@@ -173,7 +176,8 @@ impl FlameKind {
     fn delta(&self, desc: &Desc, frame: &Frame) -> Result<(FrameDelta, State)> {
         let mut state = self.state;
         if let Some(particles) = &frame.particles {
-            state.given = Given { count: particles.count, ids: particles.ids.is_some(), before: 0 };
+            let ParticleInput { count, ids, velocity, .. } = particles;
+            state.given = Given { count: *count, ids: ids.is_some(), velocities: velocity.is_some(), before: 0 };
             state.hottest = particles.hottest.min(desc.hottest);
         }
         let repetitions = desc.settings.repetitions;
@@ -219,15 +223,5 @@ impl FlameKind {
             }
             _ => None,
         }
-    }
-}
-
-/// Colours of temperatures, of which those above `upper` count as that hot.
-fn colours(settings: &Settings, upper: f32) -> Table {
-    let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
-    match &settings.colour {
-        Colour::Physical => Table::physical(hottest, adaptation, hottest.max(upper.into())),
-        Colour::Displayable => Table::displayable(hottest, falloff, adaptation),
-        Colour::Ramp(colours) => Table::ramp(hottest, colours),
     }
 }

@@ -2,11 +2,11 @@
 
 use bytemuck::Zeroable;
 
-use crate::flame::colour::Table;
 use crate::flame::desc::Desc;
 use crate::flame::frame::Frame;
 use crate::flame::layout::Layout;
 use crate::flame::settings::{MOST_REPETITIONS, Mode, Shape};
+use crate::flame::tables::Tables;
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
 use crate::view::Projection;
@@ -40,13 +40,16 @@ pub struct Given {
     pub count: u32,
     /// Whether they have ids.
     pub ids: bool,
+    /// Whether they have velocities.
+    pub velocities: bool,
     /// Repetitions that earlier frames have added.
     pub before: u32,
 }
 
 impl FlameParams {
     /// Parameters of a frame, as the kernels read them.
-    pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, table: &Table, max_alpha: f32) -> Self {
+    pub fn new(desc: &Desc, layout: &Layout, frame: &Frame, given: &Given, tables: &Tables, max_alpha: f32) -> Self {
+        let table = &tables.colours;
         let settings = &desc.settings;
         let projection = &Projection::of_valid(&frame.view, desc.size);
         // Draws are renewed as a whole, and the fraction is those particles' whose phases make one more of it.
@@ -100,7 +103,22 @@ impl FlameParams {
             intensity: settings.intensity,
             adaptive: settings.adaptive,
             light: settings.light,
+            stretch: settings.stretch,
+            has_velocities: given.velocities.into(),
             falloff: table.falloff,
+            tone_softness: settings.tone_softness,
+            tone_count: settings.tones.0.len() as u32,
+            window: settings.window() as i32,
+            half_sums: tables.half_sums,
+            ink_width: settings.outline.width,
+            glow_window: settings.glow.window() as i32,
+            glow: settings.glow.strength * tables.glow_scale,
+            ink: [
+                settings.outline.colour[0],
+                settings.outline.colour[1],
+                settings.outline.colour[2],
+                settings.outline.strength,
+            ],
             table_scale: table.scale,
             table_offset: table.offset,
             table_last: table.entries.len() as f32 - 1.0,

@@ -7,27 +7,36 @@ use crate::flame::desc::Desc;
 use crate::flame::layout::*;
 use crate::flame::limits::is_raster;
 use crate::flame::params::{
-    CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP,
+    CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP, TILE, Tone,
 };
 use crate::flame::settings::{Mode, Sampling, Shape};
+use crate::flame::tables::Tables;
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Shader, Topology, passes};
 use crate::scan;
 use crate::shaders::flame as glsl;
 use crate::tuning::Tuning;
 
 passes! {
-    (desc: &Desc, layout: &Layout, table: &Table, tuning: &Tuning), resource;
+    (desc: &Desc, layout: &Layout, tables: &Tables, tuning: &Tuning), resource;
     params = Pass::transfer("flame.params").updates::<FlameParams>(PARAMS, 1).updates::<Control>(CONTROL, 1);
-    tables = Pass::transfer("flame.tables").updates::<[f32; 4]>(COLOURS, table.entries.len());
+    tables = Pass::transfer("flame.tables")
+        .updates::<[f32; 4]>(COLOURS, tables.colours.entries.len())
+        .updates::<f32>(WEIGHTS, tables.weights.len())
+        .updates::<f32>(GLOW_WEIGHTS, tables.glow_weights.len())
+        .updates::<Tone>(TONES, tables.tones.len());
     particles = Pass::transfer("flame.particles").copies(HOST_POSITIONS, POSITIONS).copies(HOST_IDS, IDS);
     previous: Option<PassId> =
         desc.temporal.motion.map(|_| Pass::transfer("flame.particles").copies(HOST_PREVIOUS, PREVIOUS));
+    velocities: Option<PassId> = desc
+        .settings
+        .stretches()
+        .then(|| Pass::transfer("flame.particles").copies(HOST_VELOCITIES, VELOCITIES));
     background = Pass::transfer("flame.background").copies(BACKGROUND, TARGET);
     scene_copy = Pass::transfer("flame.scene").copies(HOST_DEPTH, SCENE_WORDS).copies(HOST_SCENE, SCENE);
     scene = Pass::compute("flame.scene", &glsl::scene::SHADER);
     mask = Pass::compute("flame.mask", &glsl::mask::SHADER);
     mips = Pass::compute("flame.mask", &glsl::mips::SHADER).times(MASK_LEVELS as usize - 1);
-    prepare = Pass::compute("flame.prepare", &glsl::prepare::SHADER).specialise([form(table)]);
+    prepare = Pass::compute("flame.prepare", &glsl::prepare::SHADER).specialise([form(&tables.colours)]);
     range = Pass::compute("flame.prepare", &glsl::range::SHADER);
     bin_reset = Pass::transfer("flame.bin").fills(CELLS);
     count = Pass::compute("flame.bin", &glsl::count::SHADER).specialise([u32::from(desc.settings.is_expected())]);
@@ -35,8 +44,10 @@ passes! {
     scan: [PassId; 2] = scan::passes("flame.bin", CELLS, CELL_SUMS);
     fill = Pass::compute("flame.bin", &glsl::fill::SHADER);
     /// Sums of blocks, and what follows from them.
-    tiles: [PassId; 2] = [&glsl::tiles_sum::SHADER, &glsl::tiles::SHADER]
-        .map(|shader| Pass::compute("flame.bin", shader));
+    tiles: [PassId; 2] = [
+        Pass::compute("flame.bin", &glsl::tiles_sum::SHADER),
+        Pass::compute("flame.bin", &glsl::tiles::SHADER).specialise([reach(desc)]),
+    ];
     /// One for all repetitions, or one where the mask is minified and one where it is magnified.
     accumulate: Vec<PassId> = accumulate(desc, layout, tuning);
     converge = Pass::compute("flame.accumulate", &glsl::converge::SHADER).times(layout.stages.len());
@@ -47,16 +58,24 @@ passes! {
     shares = Pass::compute("flame.kernel", &glsl::shares::SHADER);
     kernel = Pass::compute("flame.kernel", &glsl::kernel::SHADER)
         .specialise([u32::from(desc.settings.shape == Shape::Cube)]);
-    clear = [PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES].into_iter().fold(Pass::transfer("flame.clear"), Pass::fills);
+    clear = [PICTURE, MEAN, VARIANCE, NEAREST, PARTICLES, HEAT_LAYER, TONE_LAYER]
+        .into_iter()
+        .fold(Pass::transfer("flame.clear"), Pass::fills);
     /// As `tiles`.
     sprites: [PassId; 2] = [&glsl::sprites_sum::SHADER, &glsl::sprites::SHADER]
         .map(|shader| Pass::compute("flame.raster", shader));
     raster = raster(desc).times(drawn(layout));
     add = Pass::compute("flame.raster", &glsl::add::SHADER).times(drawn(layout));
-    lamp = Pass::compute("flame.light", &glsl::light::SHADER);
+    lamp = Pass::compute("flame.light", &glsl::light::SHADER).specialise([u32::from(desc.settings.is_cel())]);
     light = light(desc);
     resolve = Pass::compute("flame.resolve", &glsl::resolve::SHADER)
-        .specialise([desc.layers, desc.settings.is_expected(), desc.keeps_depth()].map(u32::from));
+        .specialise(resolved(desc).map(u32::from));
+    smooth = Pass::compute("flame.smooth", &glsl::smooth::SHADER)
+        .specialise([desc.settings.is_expected(), desc.scene.is_some()].map(u32::from));
+    tone = Pass::compute("flame.tone", &glsl::tone::SHADER)
+        .specialise([desc.settings.is_expected(), desc.scene.is_some(), desc.layers].map(u32::from));
+    /// Rows and columns; none without a glow.
+    glow: Vec<PassId> = glow(desc);
     displacement: Option<PassId> = desc.temporal.motion.map(|_| displacement(desc));
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
     reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
@@ -72,8 +91,35 @@ fn form(table: &Table) -> u32 {
     }
 }
 
+/// Tiles around one with fire that it is smoothed into, and glows into. Differences between pixels reach one farther; and
+/// where a scene hides pixels, their weights are asked for as far again.
+fn reach(desc: &Desc) -> u32 {
+    let window = desc.settings.window();
+    let smoothed = match (desc.settings.is_cel(), desc.scene) {
+        (false, _) => 0,
+        (true, None) => window + 1,
+        (true, Some(_)) => 2 * window + 1,
+    };
+    (smoothed + desc.settings.glow.window()).div_ceil(TILE)
+}
+
+fn glow(desc: &Desc) -> Vec<Pass> {
+    let shaders = [&glsl::glow_rows::SHADER, &glsl::glow_columns::SHADER];
+    shaders
+        .into_iter()
+        .filter(|_| desc.settings.glow.is_on())
+        .map(|shader| Pass::compute("flame.glow", shader))
+        .collect()
+}
+
+/// What is made of sums.
+fn resolved(desc: &Desc) -> [bool; 5] {
+    let settings = &desc.settings;
+    [desc.layers, settings.is_expected(), desc.keeps_depth(), settings.is_cel(), settings.spreads()]
+}
+
 /// Specialisation constants of kernels that make sprites; a workgroup has so many invocations.
-fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 6] {
+fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 7] {
     let settings = &desc.settings;
     [
         invocations,
@@ -82,6 +128,7 @@ fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 6] {
         u32::from(settings.flickers()),
         look_up,
         u32::from(desc.scene.is_some()),
+        u32::from(settings.stretches()),
     ]
 }
 
@@ -147,6 +194,7 @@ fn expected(desc: &Desc, invocations: u32) -> Pass {
         invocations,
         u32::from(desc.scene.is_some()),
         u32::from(desc.layers),
+        u32::from(desc.settings.stretches()),
     ])
 }
 

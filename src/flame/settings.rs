@@ -3,7 +3,23 @@
 use crate::error::{Error, Result};
 use crate::settings::{Dial, Rule, Setting, settings, words};
 use crate::shaders::flame::constants::{COLDEST, MOST_COUNT};
+use crate::toon::Line;
 use crate::view::{BRIGHTEST, FARTHEST};
+
+mod tones;
+
+pub use tones::Tones;
+
+words! {
+    /// What fire looks like.
+    pub enum Look {
+        /// Drawn: flat tones by heat, closed shapes with a line around them.
+        #[default]
+        Cel = "cel",
+        /// As a black body glows (the paper's way).
+        Light = "light",
+    }
+}
 
 words! {
     /// What a pixel's colour is made of.
@@ -68,6 +84,8 @@ settings! {
     pub struct Settings {
         /// Repetitions of random render particles, "stochastic", or what ever more of them come to, without noise, at once.
         mode: Mode = Mode::default();
+        /// Drawn in flat tones by heat, "cel", or glowing as a black body does, "light".
+        look: Look = Look::default();
         /// How repetitions are rendered, with the same picture: "tiles" is fast, "raster" the original way.
         method: Method = Method::default();
         /// Pictures that are averaged. 1: hard-edged grains that dance; a few: a brush with bristles; from about 20: a soft
@@ -82,6 +100,9 @@ settings! {
         shape: Shape = Shape::default();
         /// Side of a sprite; without it, `spread`. Small: sparks and fine threads; large: round, cloudy billows.
         size: Option<f32> = None, "metres", 0.0..=1e6;
+        /// Sprites are drawn out along their motion on screen, by as far as they move in that time, where particles have
+        /// velocities; eight times as long at most.
+        stretch: f32 = 0.0, "seconds", 0.0..=10.0, "off";
         /// Side of a sprite however near the camera is, instead of `size`, and not with the mode "expected".
         size_pixels: Option<f32> = None, "pixels", 0.0..=16384.0;
         /// Alpha of the hottest sprites where they are densest. Low: little passes, thin wisps in the hot core only; high:
@@ -116,6 +137,40 @@ settings! {
         light: f32 = 0.0, "", 0.0..=1e6, "off";
         /// Where half of that light arrives on smoke; without it, at four standard deviations from the middle of the fire.
         reach: Option<f32> = None, "metres", 1e-6..=FARTHEST;
+        /// Of the look "cel": standard deviation of the Gaussian that heat is smoothed by. Heat is the temperature that a
+        /// pixel sees, averaged over repetitions, 0 where there is no fire.
+        sigma: f32 = 2.0, "pixels", 0.1..=64.0, "off";
+        /// Of the look "cel": what smoothed heat becomes. Below the first tone is no fire.
+        tones: Tones = Tones::default();
+        /// Of the look "cel": width of the antialiased border between tones, and around the fire.
+        tone_softness: f32 = 0.5, "pixels", 0.0..=16.0, "hard";
+        /// Of the look "cel": the ink line around the fire.
+        outline: Line = Line::default();
+        /// Light around what is brighter than 1.
+        glow: Glow = Glow::default();
+    }
+}
+
+settings! {
+    /// Light around what is brighter than 1: a wide Gaussian of as much as that is above 1, added in linear light.
+    #[derive(Copy)]
+    pub struct Glow {
+        /// How strong it is; 1 gives back all of the light.
+        strength: f32 = 0.0, "", 0.0..=100.0, "off";
+        /// Standard deviation of the Gaussian.
+        sigma: f32 = 24.0, "pixels", 1.0..=64.0;
+    }
+}
+
+impl Glow {
+    /// Whether there is one.
+    pub fn is_on(&self) -> bool {
+        self.strength > 0.0
+    }
+
+    /// Window of the Gaussian to each side in pixels, three times `sigma`; 0 if it is off.
+    pub fn window(&self) -> u32 {
+        if self.is_on() { (3.0 * self.sigma).ceil() as u32 } else { 0 }
     }
 }
 
@@ -128,6 +183,31 @@ impl Settings {
     /// Whether the image is the one that repetitions converge to.
     pub fn is_expected(&self) -> bool {
         self.mode == Mode::Expected
+    }
+
+    /// The defaults of the look "light", the paper's way.
+    pub fn light() -> Settings {
+        Settings { look: Look::Light, ..Settings::default() }
+    }
+
+    /// Whether it is drawn in tones.
+    pub fn is_cel(&self) -> bool {
+        self.look == Look::Cel
+    }
+
+    /// Whether fire is seen in pixels that have none.
+    pub(super) fn spreads(&self) -> bool {
+        self.is_cel() || self.glow.is_on()
+    }
+
+    /// Whether sprites are drawn out along their motion.
+    pub fn stretches(&self) -> bool {
+        self.stretch > 0.0
+    }
+
+    /// Window of the Gaussian to each side in pixels, three times `sigma`; 0 if it is off.
+    pub fn window(&self) -> u32 {
+        (3.0 * self.sigma).ceil() as u32
     }
 
     /// Whether tiles end when their pixels are exact enough.
@@ -158,6 +238,7 @@ impl Settings {
     /// Checks every value; the error names the key and what is allowed.
     pub fn validate(&self) -> Result<()> {
         self.check("flame", &())?;
+        self.tones.check_ascending(self.hottest)?;
         let Some(pixels) = self.size_pixels else { return Ok(()) };
         if self.size.is_some() {
             return Err(Error::setting("flame.size_pixels", pixels, "not together with flame.size"));

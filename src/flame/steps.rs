@@ -3,7 +3,6 @@
 use std::mem::offset_of;
 
 use crate::effect::DeviceTraits;
-use crate::flame::colour::Table;
 use crate::flame::desc::{Desc, SceneFormat};
 use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
@@ -15,6 +14,7 @@ use crate::flame::params::{
 };
 use crate::flame::passes::Passes;
 use crate::flame::settings::Shape;
+use crate::flame::tables::Tables;
 use crate::host::{Background, words_of};
 use crate::plan::{Command, PassId, Plan, Shader};
 use crate::scan;
@@ -47,7 +47,7 @@ pub(super) struct Steps<'a> {
 }
 
 impl Steps<'_> {
-    pub(super) fn fill(&mut self, frame: &Frame, params: &FlameParams, table: &Table) {
+    pub(super) fn fill(&mut self, frame: &Frame, params: &FlameParams, tables: &Tables) {
         self.background(&frame.background);
         self.particles(frame);
         self.clear();
@@ -56,7 +56,10 @@ impl Steps<'_> {
             self.plan.update(self.passes.params, PARAMS, params);
         }
         if self.delta.make_tables {
-            self.plan.update_slice(self.passes.tables, COLOURS, &table.entries);
+            self.plan.update_slice(self.passes.tables, COLOURS, &tables.colours.entries);
+            self.plan.update_slice(self.passes.tables, WEIGHTS, &tables.weights);
+            self.plan.update_slice(self.passes.tables, GLOW_WEIGHTS, &tables.glow_weights);
+            self.plan.update_slice(self.passes.tables, TONES, &tables.tones);
             self.mask();
         } else {
             let reason = dark.unwrap_or("size and seed unchanged");
@@ -72,15 +75,33 @@ impl Steps<'_> {
         self.lists(frame);
         self.repetitions();
         self.light();
-        self.plan.step(self.passes.resolve, dispatch(offset_of!(Control, tile_groups)));
+        self.picture();
+        let tiles = dispatch(offset_of!(Control, tile_groups));
+        self.passes.glow.iter().for_each(|pass| self.plan.step(*pass, tiles));
         self.temporal(frame);
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
     }
 
+    /// From sums to the picture. Tones are made of the sums themselves, so nothing waits for what is resolved beside them.
+    fn picture(&mut self) {
+        let Passes { resolve, smooth, tone, .. } = *self.passes;
+        let tiles = dispatch(offset_of!(Control, tile_groups));
+        if !self.desc.settings.is_cel() {
+            self.plan.step(resolve, tiles);
+            return [smooth, tone].into_iter().for_each(|pass| self.plan.skip(pass, "look is \"light\""));
+        }
+        self.plan.step(smooth, tiles);
+        match self.desc.keeps_depth() {
+            true => self.plan.step(resolve, tiles),
+            false => self.plan.skip(resolve, "look is \"cel\", and no layers or motion vectors are asked for"),
+        }
+        self.plan.step(tone, tiles);
+    }
+
     /// Skips all that follows from particles where none can be seen.
     fn skip_fire(&mut self, reason: &'static str) {
-        let Passes { scene, prepare, count, converge, light, resolve, composite, .. } = self.passes;
-        for pass in [scene, prepare, count, converge, light, resolve] {
+        let Passes { scene, prepare, count, converge, light, resolve, smooth, tone, composite, .. } = self.passes;
+        for pass in [scene, prepare, count, converge, light, resolve, smooth, tone] {
             self.plan.skip(*pass, reason);
         }
         let temporal = [self.passes.motion, self.passes.reactive].into_iter().flatten();
@@ -109,6 +130,10 @@ impl Steps<'_> {
             let (from, to) = (HOST_PREVIOUS, PREVIOUS);
             self.plan.step(pass, Command::CopyBuffer { from, to, bytes: 16 * count });
         }
+        if let (Some(pass), Some(_)) = (self.passes.velocities, particles.velocity) {
+            let (from, to) = (HOST_VELOCITIES, VELOCITIES);
+            self.plan.step(pass, Command::CopyBuffer { from, to, bytes: 16 * count });
+        }
     }
 
     /// Layers are whole images; the picture is one of them. Where no particle is prepared, none of an earlier frame, or of
@@ -118,7 +143,8 @@ impl Steps<'_> {
             return self.plan.skip(self.passes.clear, "no layers are kept");
         }
         let particles = self.delta.dark.map(|_| PARTICLES);
-        for buffer in [PICTURE, MEAN, VARIANCE].into_iter().chain(particles) {
+        let images = [PICTURE, MEAN, VARIANCE, HEAT_LAYER, TONE_LAYER];
+        for buffer in images.into_iter().chain(particles) {
             self.plan.step(self.passes.clear, Command::Fill { buffer, word: 0 });
         }
         let word = f32::INFINITY.to_bits();

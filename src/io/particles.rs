@@ -16,10 +16,11 @@ pub const MAX_PARTICLES: u64 = 1 << 28;
 const POSITIONS: &str = "[n, 3] of numbers, in metres";
 const TEMPERATURES: &str = "[n] of numbers, in kelvin, n as in `position`";
 const IDS: &str = "[n] of integers, 0 to 4294967295, n as in `position`";
-const FILE: &str = "an .npz file with `position` [n, 3], `temperature` [n] and maybe `id` [n]";
+const VELOCITIES: &str = "[n, 3] of numbers, in m/s, n as in `position`";
+const FILE: &str = "an .npz file with `position` [n, 3], `temperature` [n] and maybe `id` [n] and `velocity` [n, 3]";
 
 /// Reads particles from an `.npz` file: `position` (n x 3) in metres, `temperature` (n) in kelvin (both of any float or
-/// integer type, which become f32) and optionally `id` (n integers, 0 to 4294967295). At most [`MAX_PARTICLES`]; none is
+/// integer type, which become f32) and optionally `id` (n integers, 0 to 4294967295) and `velocity` (n x 3) in m/s. At most [`MAX_PARTICLES`]; none is
 /// allowed. A position beyond [`FARTHEST`] or a temperature that is not above 0 and at most [`HOTTEST`] is an error that
 /// names the row, counted from 0.
 pub fn read(path: &Path) -> Result<Particles, ReadError> {
@@ -33,7 +34,8 @@ pub fn read(path: &Path) -> Result<Particles, ReadError> {
         return Err(row_error(path, "position", row, why, expected));
     }
     let id = ids(&mut archive, path, count)?;
-    Ok(Particles { position, temperature, id })
+    let velocity = velocities(&mut archive, path, count)?;
+    Ok(Particles { position, temperature, id, velocity })
 }
 
 /// Opens a file that holds particles by its name.
@@ -71,6 +73,10 @@ pub fn count(archive: &mut Archive) -> Result<u64, ReadError> {
         Some(shape) if shape != [count] => return Err(archive.wrong_shape("temperature", &shape, TEMPERATURES)),
         Some(_) => {}
     }
+    match archive.shape("velocity", 2, Kind::Any, VELOCITIES)? {
+        Some(shape) if shape != [count, 3] => return Err(archive.wrong_shape("velocity", &shape, VELOCITIES)),
+        _ => {}
+    }
     match archive.shape("id", 1, Kind::Whole, IDS)? {
         Some(shape) if shape != [count] => Err(archive.wrong_shape("id", &shape, IDS)),
         _ => Ok(count),
@@ -94,6 +100,18 @@ fn ids(archive: &mut Archive, path: &Path, count: u64) -> Result<Option<Vec<u32>
     match values.iter().position(|id| !(0.0..=f64::from(u32::MAX)).contains(id)) {
         Some(row) => Err(row_error(path, "id", row, format!("is {}", values[row]), "0 to 4294967295")),
         None => Ok(Some(values.into_iter().map(|id| id as u32).collect())),
+    }
+}
+
+fn velocities(archive: &mut Archive, path: &Path, count: u64) -> Result<Option<Vec<[f32; 3]>>, ReadError> {
+    let Some(Array { values, .. }) = archive.read::<f32>("velocity", 3 * count)? else { return Ok(None) };
+    let rows: Vec<[f32; 3]> = values.as_chunks().0.to_vec();
+    match rows.iter().position(|v| !v.iter().all(|x| x.abs() <= FARTHEST)) {
+        Some(row) => {
+            let (why, expected) = (format!("is {:?} as f32", rows[row]), "three finite numbers, none beyond 1e12 m/s");
+            Err(row_error(path, "velocity", row, why, expected))
+        }
+        None => Ok(Some(rows)),
     }
 }
 
@@ -214,9 +232,17 @@ mod tests {
             position: vec![[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]],
             temperature: vec![900.0, 3000.0],
             id: Some(vec![7, u32::MAX]),
+            velocity: None,
         };
         assert_eq!(read_arrays(&arrays()).unwrap(), expected);
         assert_eq!(with("id", None).unwrap(), Particles { id: None, ..expected.clone() });
+        let velocities = npy("'<f4'", false, "(2, 3)", &f32s(&[0.5, 0.0, -1.0, 2.0, 0.0, 3.0]));
+        let velocity = Some(vec![[0.5, 0.0, -1.0], [2.0, 0.0, 3.0]]);
+        assert_eq!(with("velocity", Some(velocities)).unwrap(), Particles { velocity, ..expected.clone() });
+        for (shape, values) in [("(3, 2)", [0.0; 6]), ("(2, 3)", [0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0])] {
+            let message = with("velocity", Some(npy("'<f4'", false, shape, &f32s(&values)))).unwrap_err().to_string();
+            assert!(message.contains("velocity"), "{message}");
+        }
         // Fortran order: the coordinates of one axis are together.
         let doubles: Vec<u8> = [0.0f64, 3.0, 1.0, 4.0, 2.0, 5.0].iter().flat_map(|v| v.to_le_bytes()).collect();
         assert_eq!(with("position", Some(npy("'<f8'", true, "(2, 3)", &doubles))).unwrap(), expected);

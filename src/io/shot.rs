@@ -55,6 +55,7 @@ pub const BUILTIN: &[(&str, &str)] = &[
     ("builtin:cloud", include_str!("shot/cloud.toml")),
     ("builtin:paper_smoke", include_str!("shot/paper_smoke.toml")),
     ("builtin:flame", include_str!("shot/flame.toml")),
+    ("builtin:paper_flame", include_str!("shot/paper_flame.toml")),
     ("builtin:campfire", include_str!("shot/campfire.toml")),
     ("builtin:blur", include_str!("shot/blur.toml")),
 ];

@@ -21,6 +21,8 @@ pub enum Builtin {
 const PARTICLES: u32 = 2500;
 /// Everything random comes from this.
 const SEED: u32 = 1;
+/// Seconds to both sides over which velocities are taken: their error is of its square.
+const STEP: f64 = 1e-4;
 /// Radius of the disc that particles are born on, in metres.
 const BASE_RADIUS: f64 = 0.12;
 /// Usual height of the fire in metres.
@@ -73,15 +75,19 @@ impl Builtin {
     pub fn particles(self, frame: u32, fps: f64) -> Particles {
         let time = f64::from(frame) / fps;
         let turbulence = Turbulence::new();
-        let rows = (0..PARTICLES).map(|slot| particle(slot, time, &turbulence));
         let mut particles = Particles::default();
-        let mut ids = Vec::new();
-        for (position, temperature, id) in rows {
+        let (mut ids, mut velocities) = (Vec::new(), Vec::new());
+        for slot in 0..PARTICLES {
+            let (life, age) = Life::at(slot, time);
+            let (position, temperature) = life.particle(age, time, &turbulence);
+            let [before, after] =
+                [-STEP, STEP].map(|step| life.particle(age + step / life.span, time + step, &turbulence).0);
             particles.position.push(position.as_vec3().to_array());
             particles.temperature.push(temperature as f32);
-            ids.push(id);
+            ids.push(life.id());
+            velocities.push(((after - before) / (2.0 * STEP)).as_vec3().to_array());
         }
-        Particles { id: Some(ids), ..particles }
+        Particles { id: Some(ids), velocity: Some(velocities), ..particles }
     }
 
     /// Bounds of the particles of every frame.
@@ -90,29 +96,53 @@ impl Builtin {
     }
 }
 
-/// Position, temperature and id of the particle in a slot.
-fn particle(slot: u32, time: f64, turbulence: &Turbulence) -> (DVec3, f64, u32) {
-    let draw = |life: u32, what: Draw| f64::from(unit(hash(SEED, slot, life, what as u32)));
-    let span = LIFE * (0.8 + 0.4 * draw(0, Draw::Life));
-    let lives = time / span + draw(0, Draw::Phase);
-    // Lives are counted from 1: 0 stands for the slot itself. What is too large for 32 bits begins anew.
-    let life = (lives.floor() as u64 as u32).wrapping_add(1);
-    let age = lives - lives.floor();
-    let tongue = Tongue::new((draw(life, Draw::Tongue) * f64::from(OUTER + MIDDLE)) as u32, time - age * span);
+/// A life of the particle in a slot.
+struct Life {
+    slot: u32,
+    /// Lives are counted from 1: 0 stands for the slot itself.
+    number: u32,
+    /// In seconds.
+    span: f64,
+    tongue: Tongue,
+}
 
-    // Hot gas accelerates. Few particles get to the very top.
-    let share = 0.5 * (age + age * age) * (1.0 - 0.45 * draw(life, Draw::Reach).powi(3));
-    let y = tongue.height * share;
-    let height = y / HEIGHT;
-    let away = draw(life, Draw::Radius).sqrt();
-    let (sin, cos) = (TAU * draw(life, Draw::Angle)).sin_cos();
-    let place = DVec3::new(cos, 0.0, sin) * away * tongue.radius * outline(share);
-    let upright = tongue.axis * spread(height) + place + DVec3::Y * y;
-    // The border is cooler than the core, most of all where the fire is young.
-    let border = 0.30 * away.powi(3) * (4.0 * age).clamp(0.1, 1.0) * (1.0 - 0.5 * age);
-    let cooled = (0.95 * age.powf(1.1) + border).min(1.0);
-    let id = life.wrapping_mul(PARTICLES).wrapping_add(slot);
-    (upright + turbulence.offset(upright, height, time), HOT + (COLD - HOT) * cooled, id)
+impl Life {
+    /// The life at a time, and the share of it that is over.
+    fn at(slot: u32, time: f64) -> (Life, f64) {
+        let draw = |life: u32, what: Draw| f64::from(unit(hash(SEED, slot, life, what as u32)));
+        let span = LIFE * (0.8 + 0.4 * draw(0, Draw::Life));
+        let lives = time / span + draw(0, Draw::Phase);
+        // What is too large for 32 bits begins anew.
+        let number = (lives.floor() as u64 as u32).wrapping_add(1);
+        let age = lives - lives.floor();
+        let tongue = Tongue::new((draw(number, Draw::Tongue) * f64::from(OUTER + MIDDLE)) as u32, time - age * span);
+        (Life { slot, number, span, tongue }, age)
+    }
+
+    fn draw(&self, what: Draw) -> f64 {
+        f64::from(unit(hash(SEED, self.slot, self.number, what as u32)))
+    }
+
+    fn id(&self) -> u32 {
+        self.number.wrapping_mul(PARTICLES).wrapping_add(self.slot)
+    }
+
+    /// Position and temperature.
+    fn particle(&self, age: f64, time: f64, turbulence: &Turbulence) -> (DVec3, f64) {
+        let tongue = &self.tongue;
+        // Hot gas accelerates. Few particles get to the very top.
+        let share = 0.5 * (age + age * age) * (1.0 - 0.45 * self.draw(Draw::Reach).powi(3));
+        let y = tongue.height * share;
+        let height = y / HEIGHT;
+        let away = self.draw(Draw::Radius).sqrt();
+        let (sin, cos) = (TAU * self.draw(Draw::Angle)).sin_cos();
+        let place = DVec3::new(cos, 0.0, sin) * away * tongue.radius * outline(share);
+        let upright = tongue.axis * spread(height) + place + DVec3::Y * y;
+        // The border is cooler than the core, most of all where the fire is young.
+        let border = 0.30 * away.powi(3) * (4.0 * age).clamp(0.1, 1.0) * (1.0 - 0.5 * age);
+        let cooled = (0.95 * age.max(0.0).powf(1.1) + border).min(1.0);
+        (upright + turbulence.offset(upright, height, time), HOT + (COLD - HOT) * cooled)
+    }
 }
 
 /// Radius of a tongue, of its full one, at a share of its height: a bulge, then a tapering tip.
@@ -226,7 +256,7 @@ mod tests {
 
     /// Position and temperature by id.
     fn by_id(frame: u32, fps: f64) -> HashMap<u32, (DVec3, f32)> {
-        let Particles { position, temperature, id } = Builtin::Random.particles(frame, fps);
+        let Particles { position, temperature, id, .. } = Builtin::Random.particles(frame, fps);
         let rows = position.into_iter().map(|p| DVec3::from(p.map(f64::from))).zip(temperature);
         id.expect("ids").into_iter().zip(rows).collect()
     }
@@ -237,7 +267,7 @@ mod tests {
         for (frame, fps) in [(0, FPS), (1, FPS), (48, FPS), (999_999, FPS), (u32::MAX, 1e-3), (7, 1e6)] {
             let particles = Builtin::Random.particles(frame, fps);
             assert_eq!(particles, Builtin::Random.particles(frame, fps));
-            let Particles { position, temperature, id } = particles;
+            let Particles { position, temperature, id, .. } = particles;
             assert_eq!((position.len(), temperature.len()), (extent.most as usize, extent.most as usize));
             assert!(position.as_flattened().iter().all(|x| x.abs() < 2.0), "{frame}");
             assert!(temperature.iter().all(|t| (COLD as f32..=extent.hottest).contains(t)), "{frame}");
@@ -271,6 +301,25 @@ mod tests {
             let low = particles.values().filter(|(p, _)| p.y < 1e-3).map(|(p, _)| p.x.hypot(p.z));
             assert!(low.fold(0.0, f64::max) <= BASE_RADIUS, "{frame}");
         }
+    }
+
+    #[test]
+    fn velocities_are_those_that_positions_have() {
+        let fps = 1e4;
+        let [before, now, after] = [99_999, 100_000, 100_001].map(|frame| Builtin::Random.particles(frame, fps));
+        let ids = |particles: &Particles| particles.id.clone().expect("ids");
+        let mut compared = 0;
+        for row in 0..PARTICLES as usize {
+            if ids(&before)[row] == ids(&now)[row] && ids(&now)[row] == ids(&after)[row] {
+                let at = |particles: &Particles| DVec3::from(particles.position[row].map(f64::from));
+                let moved = (at(&after) - at(&before)) * fps / 2.0;
+                let own = DVec3::from(now.velocity.as_ref().expect("velocities")[row].map(f64::from));
+                // Positions are single precision: 1e-7 m in 2e-4 s.
+                assert!(own.distance(moved) < 2e-3, "{row}: {own} {moved}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 2400, "{compared}");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::shaders::smoke::blocks::Tone;
 use crate::shaders::smoke::constants::BLOCK;
 use crate::smoke::layout::Layout;
 use crate::smoke::settings::Settings;
+use crate::toon::weights;
 
 /// The Gaussian's weights by distance, and the tones.
 #[derive(Clone, Debug)]
@@ -15,15 +16,8 @@ pub struct Tables {
 impl Tables {
     /// From settings.
     pub fn new(settings: &Settings, layout: &Layout) -> Tables {
-        let sigma = f64::from(layout.pixels.sigma);
-        let weight = |distance: u32| match distance <= layout.pixels.window() {
-            true => (-f64::from(distance).powi(2) / (2.0 * sigma * sigma)).exp() as f32,
-            false => 0.0,
-        };
-        let weights = match settings.is_filtered() {
-            true => (0..(layout.window_blocks + 1) * BLOCK).map(weight).collect(),
-            false => vec![1.0],
-        };
+        let (pixels, count) = (&layout.pixels, (layout.window_blocks + 1) * BLOCK);
+        let weights = weights(pixels.sigma, pixels.window(), if settings.is_filtered() { count } else { 1 });
         let tones = settings.all_tones().map(|tone| {
             let shadow = tone.shadow.unwrap_or(tone.colour);
             Tone { colour: tone.colour, from: tone.from, shadow, unused: 0.0 }

@@ -50,6 +50,19 @@ impl Outline {
     }
 }
 
+settings! {
+    /// A line along a silhouette.
+    #[derive(Copy)]
+    pub struct Line {
+        /// Its opacity.
+        strength: f32 = 1.0, "", 0.0..=1.0, "off";
+        /// How broad it is; 1 is the thinnest.
+        width: f32 = 1.5, "pixels", 1.0..=BROADEST;
+        /// What it is drawn with.
+        colour: [f32; 3] = [0.045, 0.002, 0.004], "linear [red, green, blue]", 0.0..=BRIGHTEST;
+    }
+}
+
 /// One tone: from luminance `from` upwards the colour is `colour`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize), serde(from = "Given"))]

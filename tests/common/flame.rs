@@ -51,6 +51,7 @@ pub fn particles(rows: &[[f32; 4]]) -> Particles {
         position: rows.iter().map(|[x, y, z, _]| [*x, *y, *z]).collect(),
         temperature: rows.iter().map(|row| row[3]).collect(),
         id: None,
+        velocity: None,
     }
 }
 
@@ -64,6 +65,13 @@ pub fn ball(count: u32, key: u32) -> Particles {
         [x, y, z, 300.0 + 2700.0 * random(i, 3)]
     };
     particles(&(0..count).map(row).collect::<Vec<_>>())
+}
+
+/// The particles, each with a velocity of up to 2 m/s a direction.
+pub fn moving(particles: Particles, key: u32) -> Particles {
+    let component = |index, dimension| 4.0 * super::scenes::random(key, index, dimension) - 2.0;
+    let velocity = (0..particles.position.len() as u32).map(|i| [0, 1, 2].map(|c| component(i, c)));
+    Particles { velocity: Some(velocity.collect()), ..particles }
 }
 
 /// The same of three temperatures: for what does not depend on them, and renders many expected images, which take longest
@@ -142,6 +150,13 @@ impl FlameRig {
         self.read(layout::PARTICLES, self.particles)
     }
 
+    /// How each particle's sprites are drawn out: w, as two halves.
+    pub fn stretches(&mut self) -> Vec<[f64; 2]> {
+        let halves: Vec<u32> = self.read(layout::STRETCHES, self.particles);
+        let half = |bits: u32| exr::prelude::f16::from_bits(bits as u16).to_f64();
+        halves.iter().map(|word| [half(word & 0xFFFF), half(word >> 16)]).collect()
+    }
+
     /// The masks, one after the other, rows from the top.
     pub fn mask(&mut self) -> Vec<f32> {
         let count = self.desc.settings.variants * MASK_SIDE * MASK_SIDE;
@@ -168,6 +183,21 @@ impl FlameRig {
         self.pixels(layout::PICTURE)
     }
 
+    /// Smoothed heat.
+    pub fn heat(&mut self) -> Vec<f32> {
+        self.pixels::<[f32; 2]>(layout::HEAT_LAYER).into_iter().map(|[heat, _]| heat).collect()
+    }
+
+    /// Linear RGBA of tones alone, premultiplied.
+    pub fn tone(&mut self) -> Vec<[f32; 4]> {
+        self.pixels(layout::TONE_LAYER)
+    }
+
+    /// Opacity of the line.
+    pub fn outline(&mut self) -> Vec<f32> {
+        self.pixels::<[f32; 2]>(layout::HEAT_LAYER).into_iter().map(|[_, line]| line).collect()
+    }
+
     /// Every layer of a frame, bit for bit; what is in the rows of dropped particles does not matter.
     pub fn bits(&mut self) -> Bits {
         let mut bits = Bits::default();
@@ -179,6 +209,9 @@ impl FlameRig {
         bits.push("variance", &self.variance());
         bits.push("nearest", &self.nearest());
         bits.push("effect", &self.effect());
+        bits.push("heat", &self.heat());
+        bits.push("tone", &self.tone());
+        bits.push("outline", &self.outline());
         bits
     }
 }

@@ -19,7 +19,7 @@ const SIZE: [u32; 2] = [60, 45];
 const PARTICLES: u32 = 120;
 
 fn base() -> Settings {
-    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::default() }
+    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::light() }
 }
 
 fn effect(settings: Settings) -> Desc {
@@ -124,6 +124,7 @@ fn rows_may_come_in_any_order() {
                 position: order.iter().map(|i| sorted.position[*i]).collect(),
                 temperature: order.iter().map(|i| sorted.temperature[*i]).collect(),
                 id: Some(order.iter().map(|i| 1000 + *i as u32).collect()),
+                velocity: None,
             };
             let mut seen = order.clone();
             seen.sort_unstable();

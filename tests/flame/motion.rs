@@ -39,7 +39,7 @@ struct Rig {
 
 fn settings(mode: Mode) -> Settings {
     let (spread, size) = (Some(0.15), Some(0.25));
-    Settings { mode, repetitions: 20, count: 6.0, bins: 8, spread, size, ..Settings::default() }
+    Settings { mode, repetitions: 20, count: 6.0, bins: 8, spread, size, ..Settings::light() }
 }
 
 impl Rig {
@@ -69,6 +69,7 @@ impl Rig {
             position_temperature: host::fill(&mut self.rows, &rows),
             ids: None,
             previous,
+            velocity: None,
         };
         let target = self.outputs.place.given(&self.target, TARGET_FORMAT, DISCARDED, COPIED_FROM);
         let background = Background::Clear([0.0; 4]);

@@ -130,6 +130,7 @@ pub fn prepared(rig: &mut FlameRig, shot: &Shot) -> Prepared {
     let ids = shot.particles.id.as_deref();
     let mut prepared = prepare::prepare(&desc.settings, desc.hottest, desc.seed, &shot.seen(desc.size), &rows, ids);
     let device = rig.prepared();
+    let stretches = rig.stretches();
     let valid: Vec<u32> = prepared.particles.iter().map(|particle| particle.row).collect();
     let wrong = (0..).zip(&device).find(|(row, p)| p.count > 0 && valid.binary_search(row).is_err());
     assert!(wrong.is_none(), "not valid, but kept: {wrong:?}");
@@ -138,6 +139,15 @@ pub fn prepared(rig: &mut FlameRig, shot: &Shot) -> Prepared {
         if found.count > 0 {
             assert_prepared(particle, found, prepared.brightest);
             (particle.count, particle.light) = (found.count, light(found));
+            if let Some(velocity) = &shot.particles.velocity {
+                let velocity = velocity[particle.row as usize];
+                let view = shot.seen(desc.size);
+                let expected = prepare::stretch(&desc.settings, &view, desc.size, particle.centre, velocity);
+                particle.stretch = stretches[particle.row as usize];
+                // Halves: 11 bits of numbers below 4.
+                let apart = [0, 1].map(|axis| (particle.stretch[axis] - expected[axis]).abs());
+                assert!(apart[0].max(apart[1]) <= 1.5e-3, "{expected:?}: {:?}", particle.stretch);
+            }
         }
     }
     prepared

@@ -16,11 +16,11 @@ const SIZE: [u32; 2] = [96, 72];
 const PARTICLES: u32 = 100;
 
 fn base() -> Settings {
-    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::default() }
+    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::light() }
 }
 
 /// Samples, those with a winner, and pixels whose sums differ.
-fn compared(desc: &Desc, shots: &[Scene]) -> Option<(u64, u64, u64)> {
+pub fn compared(desc: &Desc, shots: &[Scene]) -> Option<(u64, u64, u64)> {
     let repetitions = desc.settings.repetitions;
     let frame = |method| {
         let mut rig = FlameRig::new(Desc { settings: Settings { method, ..desc.settings.clone() }, ..desc.clone() })?;

@@ -19,7 +19,7 @@ const PARTICLES: u32 = 150;
 const SHARE: f64 = 1e-5;
 
 pub fn base() -> Settings {
-    Settings { repetitions: 24, count: 8.0, spread: Some(0.15), size: Some(0.2), ..Settings::default() }
+    Settings { repetitions: 24, count: 8.0, spread: Some(0.15), size: Some(0.2), ..Settings::light() }
 }
 
 fn rig(settings: Settings) -> Option<FlameRig> {

@@ -7,7 +7,7 @@ use celfx::view::Camera;
 use glam::DVec3;
 
 use crate::cases::{self, Case, apart, near, parallel, plain, rgb, settings, usual, wide};
-use crate::common::flame::FlameRig;
+use crate::common::flame::{FlameRig, moving};
 use crate::common::views;
 use crate::table::{Weighed, both};
 
@@ -32,7 +32,15 @@ fn ways() -> Vec<Case> {
         Case::new("cube", [33, 41], 40, cube, tall),
         plain().with(|s| s.spread = Some(0.02)),
         plain().with(|s| s.size = Some(0.03)),
+        drawn_out(plain()),
+        drawn_out(wide()),
     ]
+}
+
+/// The same, drawn out along its motion.
+fn drawn_out(case: Case) -> Case {
+    let case = Case { name: "drawn out", particles: moving(case.particles.clone(), 5), ..case };
+    case.with(|s| s.stretch = 0.2)
 }
 
 /// A wall through the middle of the fire, in the left half of the picture.
@@ -69,12 +77,14 @@ fn the_device_integrates_its_table() {
         let mean = rig.mean();
         let [rms, most] = apart(&mean, &image.mean);
         println!("{}: {rms:.1e} RMS, {most:.1e} at most of what f64 makes of the same table", case.name);
-        assert!(most < SINGLE, "{}, {:?}: {most}", case.name, case.desc.settings);
+        // What is drawn out has its places from a few roundings more, and one of them may turn which node is the nearest.
+        let bound = if case.desc.settings.stretches() { 1e-4 } else { SINGLE };
+        assert!(rms < SINGLE && most < bound, "{}, {:?}: {most}", case.name, case.desc.settings);
         let [_, most] = apart(&rig.variance(), &image.variance());
-        assert!(most < SINGLE, "{}: variance {most}", case.name);
+        assert!(most < bound, "{}: variance {most}", case.name);
         let coverage = mean.iter().zip(&image.coverage).map(|(m, c)| crate::common::apart(m[3], *c));
         let most = coverage.fold(0.0, f64::max);
-        assert!(most < 3.0 * SINGLE, "{}: coverage {most}", case.name);
+        assert!(most < 3.0 * bound, "{}: coverage {most}", case.name);
         let seen: f32 = mean.iter().map(|m| m[3]).sum();
         assert!(seen > 0.005, "{}: nothing is seen", case.name);
         check_depths(&case, &mut rig, &image);

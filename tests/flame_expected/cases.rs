@@ -39,7 +39,7 @@ pub fn settings() -> Settings {
         size: Some(0.25),
         count: 10.0,
         variants: 4,
-        ..Settings::default()
+        ..Settings::light()
     }
 }
 
@@ -130,7 +130,7 @@ pub fn near() -> Case {
 pub fn usual() -> Case {
     let particles = ball(300, 3);
     let spread = celfx::flame::mean_spacing(&particles.position);
-    let settings = Settings { mode: Mode::Expected, spread, ..Settings::default() };
+    let settings = Settings { mode: Mode::Expected, spread, ..Settings::light() };
     Case { particles, ..Case::new("usual", [40, 30], 300, settings, scenes::camera(25.0)) }
 }
 
@@ -175,6 +175,7 @@ pub fn level(case: &Case, rig: &mut FlameRig) -> u32 {
 /// The device's particles as the references take them: with its counts, alphas and colours.
 pub fn prepared(case: &Case, rig: &mut FlameRig) -> Vec<prepare::Particle> {
     let brightest = f64::from(f32::from_bits(control(rig).brightest));
+    let stretches = rig.stretches();
     let rows = rig.prepared().into_iter().zip(&case.particles.position).enumerate();
     let particle = |(row, (given, centre)): (usize, (celfx::low_level::flame::params::Particle, &[f32; 3]))| {
         let colour = [0, 1, 2].map(|c| f64::from(given.colour[c]));
@@ -187,6 +188,7 @@ pub fn prepared(case: &Case, rig: &mut FlameRig) -> Vec<prepare::Particle> {
             count: given.count,
             colour,
             light: colour.map(|c| prepare::light(c, brightest)),
+            stretch: stretches[row],
         }
     };
     rows.map(particle).collect()

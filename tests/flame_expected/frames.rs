@@ -31,6 +31,7 @@ fn shuffled(particles: &Particles, by: usize) -> Particles {
         position: order.iter().map(|i| particles.position[*i]).collect(),
         temperature: order.iter().map(|i| particles.temperature[*i]).collect(),
         id: Some(order.iter().map(|i| ids[*i]).collect()),
+        velocity: None,
     }
 }
 

@@ -62,6 +62,7 @@ impl Slot {
             position_temperature: host::fill(&mut self.rows, &rows),
             ids: Some(host::fill(&mut self.ids, &ids)),
             previous: None,
+            velocity: None,
         };
         Frame {
             view: scenes::camera(25.0 + 3.0 * f64::from(number)).view(self.place.size),

@@ -247,6 +247,9 @@ impl<'a> Model<'a> {
         let centre = projection.widening(view.z) * slope - view.truncate();
         // Parallel rays do not slant.
         let slope = if projection.is_orthographic { DVec2::ZERO } else { slope };
+        // What is drawn out lies where the table has it before.
+        let w = DVec2::from_array(self.particles[index].stretch);
+        let [centre, slope] = [centre, slope].map(|way| way - w * (w.dot(way) / (1.0 + w.length_squared())));
         if bin[0] >= bin[1] {
             return 0.0;
         }

@@ -87,6 +87,7 @@ fn a_frame_of_fire() {
             position_temperature: buffer(),
             ids: Some(buffer()),
             previous: None,
+            velocity: None,
         };
         let first = flame::Frame {
             view: Camera::default().view(SIZE),

@@ -289,7 +289,7 @@ fn smoke_with_everything_that_a_frame_may_bring() {
 
 #[test]
 fn flame_with_everything_that_a_frame_may_bring() {
-    use flame::settings::{Method, Mode, Shape};
+    use flame::settings::{Glow, Look, Method, Mode, Shape};
     let scenes = [
         (None, None),
         (Some(SceneFormat::Buffer), Some(SceneDepth::Buffer(buffer()))),
@@ -309,6 +309,13 @@ fn flame_with_everything_that_a_frame_may_bring() {
                 let spread = Some(0.1);
                 let settings =
                     flame::Settings { mode, method, adaptive, shape, spread, light: 0.5, ..Default::default() };
+                let glow = Glow { strength: 1.0, ..Glow::default() };
+                let settings = match layers {
+                    true => flame::Settings { stretch: 0.1, glow, ..settings },
+                    false => {
+                        flame::Settings { look: if particles == 500 { Look::Light } else { Look::Cel }, ..settings }
+                    }
+                };
                 let hottest = settings.hottest;
                 let (formats, outputs) = temporal(layers);
                 let desc = flame::Desc {
@@ -329,6 +336,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                     position_temperature: buffer(),
                     ids: Some(buffer()),
                     previous: layers.then(buffer),
+                    velocity: layers.then(buffer),
                 };
                 let first = flame::Frame {
                     view: Camera::default().view(SIZE),

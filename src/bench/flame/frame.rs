@@ -12,16 +12,17 @@ use crate::error::Result;
 use crate::flame::Settings;
 use crate::flame::layout::{CONTROL, OCCUPIED_TILES, TILE_REPETITIONS};
 use crate::flame::params::{Control, TILE};
-use crate::flame::settings::{Mode, Sampling};
+use crate::flame::settings::{Look, Mode, Sampling};
 
 const PASS: &str = "frame";
 type Change = fn(Settings) -> Settings;
-const VARIANTS: [(&str, Change); 6] = [
+const VARIANTS: [(&str, Change); 7] = [
     ("default", |settings| settings),
     ("R=1", |settings| Settings { repetitions: 1, ..settings }),
     ("R=10", |settings| Settings { repetitions: 10, ..settings }),
     ("sobol", |settings| Settings { sampling: Sampling::ShuffledSobol, ..settings }),
     ("expected", |settings| Settings { mode: Mode::Expected, ..settings }),
+    ("cel", |settings| Settings { look: Look::Cel, ..settings }),
     ("adaptive 0.1", |settings| Settings { adaptive: 0.1, repetitions: 64, ..settings }),
 ];
 const WORKLOADS: [Workload; 2] = [scene::PAPER, scene::FULL_HD];
@@ -46,10 +47,12 @@ fn measure_workload(session: &mut Session, scene: &Scene, variants: &[&(&str, Ch
     let mut found = Vec::new();
     for (_, change) in variants {
         let settings = change(scene.settings.clone());
-        let mode = settings.mode;
+        let (mode, is_cel) = (settings.mode, settings.is_cel());
         let effect = scene.render(rig, settings)?;
         let repetitions = if mode == Mode::Expected { 1.0 } else { mean_repetitions(rig, effect, scene)? };
-        found.push((truth.accuracy(&scene.mean(rig, effect)?), repetitions));
+        // Tones are no means of colours.
+        let accuracy = if is_cel { None } else { truth.accuracy(&scene.mean(rig, effect)?) };
+        found.push((accuracy, repetitions));
         effects.push(effect);
     }
     let next = scene.scene();

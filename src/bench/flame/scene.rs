@@ -103,7 +103,7 @@ impl Scene {
             }
         };
         let kelvin = particles.temperature.iter().map(|t| f64::from(*t)).sum::<f64>() / f64::from(count.max(1));
-        let defaults = Settings::default();
+        let defaults = Settings::light();
         let settings = Settings {
             spread,
             size: Some((workload.sprite * pixel) as f32),
@@ -153,13 +153,14 @@ impl Scene {
 }
 
 fn torch(count: u32) -> Particles {
-    let Particles { position, temperature, id } = Builtin::Random.particles(FRAME, FPS);
+    let Particles { position, temperature, id, .. } = Builtin::Random.particles(FRAME, FPS);
     let every = (position.len() / count.max(1) as usize).max(1);
     let ids = id.unwrap_or_default();
     Particles {
         position: position.into_iter().step_by(every).take(count as usize).collect(),
         temperature: temperature.into_iter().step_by(every).take(count as usize).collect(),
         id: Some(ids.into_iter().step_by(every).take(count as usize).collect()),
+        velocity: None,
     }
 }
 
@@ -177,6 +178,7 @@ fn ball(count: u32, radius: f64) -> Particles {
         position: (0..count).map(position).collect(),
         temperature: (0..count).map(|i| (900.0 + 2100.0 * draw(i, 3)) as f32).collect(),
         id: None,
+        velocity: None,
     }
 }
 

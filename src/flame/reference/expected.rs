@@ -9,7 +9,7 @@ use super::kernel::{Body, logarithm};
 use super::prepare::Particle;
 use super::stochastic::Frame;
 use super::weights::Weights;
-use super::{enlarged, half_sides, world};
+use super::{drawn_back, enlarged, half_sides, world};
 use crate::flame::settings::Shape;
 use crate::threads::map;
 use crate::view::Projection;
@@ -289,6 +289,8 @@ impl<'a> Exact<'a> {
         }
         let (body, beside) = (self.body(index), self.projection.widening(centre.z) * slope - centre.truncate());
         let slope = if is_orthographic { DVec2::ZERO } else { slope };
+        let stretch = DVec2::from_array(self.particles[index].stretch);
+        let [beside, slope] = [beside, slope].map(|way| drawn_back(way, stretch));
         if !body.touches(beside, slope) {
             return false;
         }

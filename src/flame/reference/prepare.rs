@@ -1,9 +1,11 @@
 //! Each particle's values in a frame: number of render particles, alpha, colour; and what all have in common.
 
+use glam::DVec2;
+
 use super::mask;
 use crate::flame::colour;
 use crate::flame::params::{COUNT_KEY, LIGHT_STEPS, MOST_COUNT};
-use crate::flame::settings::{Colour, Settings};
+use crate::flame::settings::{Colour, Settings, Shape};
 use crate::random::{hash, unit};
 use crate::view::{FARTHEST, Projection, View};
 
@@ -26,6 +28,8 @@ pub struct Particle {
     pub colour: [f64; 3],
     /// The same in [`LIGHT_STEPS`] of the frame's largest component.
     pub light: [u32; 3],
+    /// How what it draws is drawn out: as [`stretch`] has it. That is asked for beside the rest, where there are velocities.
+    pub stretch: [f64; 2],
 }
 
 /// A frame's particles.
@@ -65,6 +69,7 @@ pub fn prepare(
                 count: count(mean_count, seed, id),
                 colour: colour(settings, kelvin),
                 light: [0; 3],
+                stretch: [0.0; 2],
             });
         }
     }
@@ -89,14 +94,38 @@ pub fn count(mean_count: f64, seed: u32, id: u32) -> u32 {
     mean_count.floor() as u32 + u32::from(one_more)
 }
 
-/// Linear RGB at a temperature.
+/// Linear RGB at a temperature; of the look "cel", heat.
 pub fn colour(settings: &Settings, kelvin: f64) -> [f64; 3] {
     let [hottest, falloff, adaptation] = [settings.hottest, settings.falloff, settings.adaptation].map(f64::from);
+    if settings.is_cel() {
+        return colour::heat(kelvin, hottest);
+    }
     match &settings.colour {
         Colour::Physical => colour::physical(kelvin, hottest, adaptation),
         Colour::Displayable => colour::displayable(kelvin, hottest, falloff, adaptation),
         Colour::Ramp(colours) => colour::ramp(kelvin, hottest, colours),
     }
+}
+
+/// How a particle's sprites are drawn out, by the matrix 1 + w w^T in the plane of the picture (x right, y up): along its
+/// motion on screen (velocity in m/s), by as many of their sides as it moves in `settings.stretch` seconds, at most 7. None
+/// of a particle whose space comes before the near plane.
+pub fn stretch(settings: &Settings, view: &View, size: [u32; 2], position: [f32; 3], velocity: [f32; 3]) -> [f64; 2] {
+    let projection = Projection::of_valid(view, size);
+    let centre = projection.to_view(super::world(position));
+    let spread = f64::from(settings.spread.unwrap_or_default());
+    let radius = if settings.shape == Shape::Cube { spread * 3.0_f64.sqrt() } else { spread };
+    let is_near = !projection.is_orthographic && centre.z <= 1.001 * (radius + projection.near);
+    if is_near || !velocity.iter().all(|v| v.abs() <= FARTHEST) {
+        return [0.0; 2];
+    }
+    let moved = projection.axes * super::world(velocity);
+    let slope = if projection.is_orthographic { DVec2::ZERO } else { centre.truncate() / centre.z };
+    let way = f64::from(settings.stretch) * (moved.truncate() - slope * moved.z);
+    let half = super::half_sides(settings, &projection, centre.z);
+    let side = 2.0 * half.x * super::enlarged(half).max(1.0) / projection.focal.x * projection.widening(centre.z);
+    let longer = (way.length() / side).min(7.0);
+    (way.normalize_or_zero() * longer.sqrt()).to_array()
 }
 
 /// A component in [`LIGHT_STEPS`] of the brightest.

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::draws::{Draw, Draws};
 use super::mask::{Mask, SIDE};
 use super::prepare::Particle;
 use super::sums::Sums;
-use super::{enlarged, half_sides, world};
+use super::{drawn_back, drawn_out, enlarged, half_sides, world};
 use crate::flame::settings::Settings;
 use crate::threads::map;
 use crate::view::{Projection, View};
@@ -94,6 +94,8 @@ struct Sprite {
     variant: usize,
     /// Quantile of the alphas in a texel, in 65536ths.
     quantile: u32,
+    /// How it is drawn out, in the picture's directions.
+    stretch: DVec2,
     /// Whether rounding may put it beyond near or far.
     doubtful: bool,
 }
@@ -185,7 +187,9 @@ impl<'a> Work<'a> {
 
     fn sprite(&self, particle: &Particle, centre: DVec3, draw: &Draw) -> Option<Sprite> {
         let spread = f64::from(self.frame.settings.spread.unwrap_or_default());
-        let view = centre + self.projection.axes * (spread * DVec3::from_array(draw.offset));
+        let offset = self.projection.axes * (spread * DVec3::from_array(draw.offset));
+        let stretch = DVec2::from_array(particle.stretch);
+        let view = centre + drawn_out(offset.truncate(), stretch).extend(offset.z);
         let Projection { near, far, .. } = self.projection;
         let slack = self.rounding.depth * view.z.abs();
         if !(view.z >= near - slack && view.z <= far + slack) {
@@ -201,6 +205,7 @@ impl<'a> Work<'a> {
             alpha: particle.alpha,
             variant: (((draw.mask >> 16) * self.frame.mask.variants() as u32) >> 16) as usize,
             quantile: draw.mask & 0xFFFF,
+            stretch: stretch * DVec2::new(1.0, -1.0),
             doubtful: slack > 0.0 && (view.z <= near + slack || view.z >= far - slack),
         })
     }
@@ -210,8 +215,10 @@ impl<'a> Work<'a> {
         let outside = sprite.z < self.projection.near || sprite.z > self.projection.far;
         let range = |axis: usize| {
             let n = f64::from(self.frame.size[axis]);
-            let [low, high] =
-                [-1.0, 1.0].map(|side| sprite.centre[axis] + side * (sprite.half[axis] + self.rounding.place));
+            // Of what is drawn out, the corner that reaches farthest.
+            let corners = [DVec2::new(1.0, 1.0), DVec2::new(1.0, -1.0)].map(|corner| drawn_out(corner, sprite.stretch));
+            let reach = corners[0][axis].abs().max(corners[1][axis].abs()) * sprite.half[axis] + self.rounding.place;
+            let [low, high] = [-1.0, 1.0].map(|side| sprite.centre[axis] + side * reach);
             ((low - 0.5).ceil().clamp(0.0, n) as usize)..((high - 0.5).floor() + 1.0).clamp(0.0, n) as usize
         };
         let (columns, rows) = (range(0), range(1));
@@ -258,7 +265,8 @@ impl<'a> Work<'a> {
     }
 
     fn test(&self, sprite: &Sprite, pixel: [f64; 2]) -> Test {
-        let at: [f64; 2] = std::array::from_fn(|axis| (pixel[axis] - sprite.centre[axis]) / sprite.half[axis]);
+        let at = (DVec2::from_array(pixel) - DVec2::from_array(sprite.centre)) / DVec2::from_array(sprite.half);
+        let at = drawn_back(at, sprite.stretch).to_array();
         let error = self.rounding.place / sprite.half[0].min(sprite.half[1]);
         // What a sprite below one pixel does not fill, and whether rounding decides that.
         let quantile = f64::from(sprite.quantile) / 65536.0;

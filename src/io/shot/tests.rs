@@ -148,7 +148,18 @@ fn built_in_shots_say_the_defaults() {
         }
         if let Some(Flame { settings, .. }) = shot.part() {
             let crate::flame::Settings {
-                spread, size, threshold, falloff, adaptation, intensity, light, reach, ..
+                spread,
+                size,
+                threshold,
+                falloff,
+                adaptation,
+                intensity,
+                light,
+                reach,
+                look,
+                stretch,
+                repetitions,
+                ..
             } = *settings;
             let expected = crate::flame::Settings {
                 spread,
@@ -159,9 +170,17 @@ fn built_in_shots_say_the_defaults() {
                 intensity,
                 light,
                 reach,
+                look,
+                stretch,
+                repetitions,
                 ..flame_of(&defaults).settings.clone()
             };
             assert_eq!(*settings, expected, "{name}");
+            assert_eq!(
+                (settings.is_cel(), stretch > 0.0),
+                (*name != "builtin:paper_flame", settings.is_cel()),
+                "{name}"
+            );
             assert_eq!(settings.light > 0.0, shot.has("smoke"), "{name}: fire lights smoke where there is some");
         }
         if let Some(Blur { scene, animations, images, settings }) = shot.part() {
@@ -267,6 +286,8 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[smoke]\ntones = [[0.5, [1, 1, 1]], [0.2, [1, 1, 1]]]", "shot.toml:2: smoke.tones = ", "ascending"),
         ("[smoke]\nvolume = \"builtin:plum\"", "shot.toml:2: smoke.volume = \"builtin:plum\": ", "builtin:plume"),
         ("[flame]\nrepetitions = 0", "shot.toml:2: flame.repetitions = 0: ", "1 to 1048576"),
+        ("[flame]\ntones = [[0.0, [1, 1, 1]]]", "shot.toml:2: flame.tones = 0: ", "above 0"),
+        ("[flame]\ntones = [[0.5, [1, 1, 1]], [900.0, [1, 1, 1]]]", "shot.toml:2: flame.tones = 900: ", "hotter"),
         ("[flame]\nrepetitions = 1.5", "shot.toml:2: flame.repetitions = 1.5: ", "a whole number"),
         ("[flame]\ncount = 1e9", "shot.toml:2: flame.count = 1000000000: ", "0 to 32768"),
         ("[flame]\nmode = \"exact\"", "shot.toml:2: flame.mode = \"exact\": ", "\"stochastic\" or \"expected\""),

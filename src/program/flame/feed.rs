@@ -30,6 +30,7 @@ impl Describe for Desc {
 pub struct FlameFeed {
     rows: Upload,
     ids: Upload,
+    velocities: Upload,
     depths: Upload,
     /// Those of the scene uploaded last.
     particles: Option<ParticleInput>,
@@ -74,7 +75,7 @@ impl Feed for FlameFeed {
 
     unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
-        [&mut self.rows, &mut self.ids, &mut self.depths]
+        [&mut self.rows, &mut self.ids, &mut self.velocities, &mut self.depths]
             .into_iter()
             .for_each(|upload| unsafe { upload.destroy(host, allocator) });
     }
@@ -91,15 +92,20 @@ impl FlameFeed {
         allocator: &mut dyn MemorySource,
         particles: &Particles,
     ) -> Result<ParticleInput> {
-        let Particles { position, temperature, id } = particles;
+        let Particles { position, temperature, id, velocity } = particles;
         let rows = position.iter().zip(temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
         let rows: Vec<[f32; 4]> = rows.collect();
         // SAFETY: the caller's.
-        let (position_temperature, ids) = unsafe {
+        let (position_temperature, ids, velocity) = unsafe {
             let bytes = bytemuck::cast_slice(&rows);
             let uploaded = self.rows.write(host, allocator, "particle upload", bytes)?;
             let write = |ids: &[u32]| self.ids.write(host, allocator, "id upload", bytemuck::cast_slice(ids));
-            (uploaded, id.as_deref().map(write).transpose()?)
+            let ids = id.as_deref().map(write).transpose()?;
+            let velocity = velocity.as_ref().map(|velocity| {
+                let rows: Vec<[f32; 4]> = velocity.iter().map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
+                self.velocities.write(host, allocator, "velocity upload", bytemuck::cast_slice(&rows))
+            });
+            (uploaded, ids, velocity.transpose()?)
         };
         Ok(ParticleInput {
             count: rows.len() as u32,
@@ -107,6 +113,7 @@ impl FlameFeed {
             position_temperature: at_least_a_row(position_temperature),
             ids: ids.map(at_least_a_row),
             previous: None,
+            velocity: velocity.map(at_least_a_row),
         })
     }
 }

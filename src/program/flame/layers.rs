@@ -2,7 +2,7 @@
 
 use super::input::FlameBrought;
 use crate::flame::Desc;
-use crate::flame::layout::{MASK, MEAN, NEAREST, PARTICLES, PICTURE, POSITIONS, VARIANCE};
+use crate::flame::layout::{HEAT_LAYER, MASK, MEAN, NEAREST, PARTICLES, PICTURE, POSITIONS, TONE_LAYER, VARIANCE};
 use crate::flame::params::{MASK_SIDE, Particle};
 use crate::program::layers::{LayerData, LayerEntry, Made};
 
@@ -18,11 +18,18 @@ pub(super) const LAYERS: &[LayerEntry] = &[
     LayerEntry::image("flame.repetitions", &[VARIANCE], |made| {
         LayerData::Value(made.image(VARIANCE).iter().map(last).collect())
     }),
+    LayerEntry::image("flame.heat", &[HEAT_LAYER], |made| {
+        LayerData::Value(smoothed(made).map(|[heat, _]| heat).collect())
+    }),
+    LayerEntry::image("flame.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
+    LayerEntry::image("flame.outline", &[HEAT_LAYER], |made| {
+        LayerData::Value(smoothed(made).map(|[_, line]| line).collect())
+    }),
     LayerEntry::image("flame", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
 /// Columns of `flame.particles`: x, y, z, temperature, mean count, alpha, r, g, b.
-const COLUMNS: u64 = 9;
+const PARTICLE_COLUMNS: u64 = 9;
 
 fn colour([r, g, b, _]: &[f32; 4]) -> [f32; 3] {
     [*r, *g, *b]
@@ -30,6 +37,11 @@ fn colour([r, g, b, _]: &[f32; 4]) -> [f32; 3] {
 
 fn last([.., last]: &[f32; 4]) -> f32 {
     *last
+}
+
+/// Heat, and opacity of the line.
+fn smoothed(made: &Made) -> impl Iterator<Item = [f32; 2]> {
+    made.image(HEAT_LAYER).into_iter()
 }
 
 fn mask(made: &Made) -> LayerData {
@@ -49,7 +61,7 @@ fn particles(made: &Made) -> LayerData {
         let [r, g, b, alpha] = particle.colour;
         [*x, *y, *z, *temperature, particle.mean_count, alpha, r, g, b]
     };
-    LayerData::table(COLUMNS, kept.flat_map(row).collect())
+    LayerData::table(PARTICLE_COLUMNS, kept.flat_map(row).collect())
 }
 
 #[cfg(test)]
@@ -85,6 +97,8 @@ mod tests {
             (MEAN, bytemuck::cast_slice(&mean)),
             (VARIANCE, bytemuck::cast_slice(&variance)),
             (NEAREST, bytemuck::cast_slice(&nearest)),
+            (HEAT_LAYER, bytemuck::cast_slice(&[[0.5_f32, 0.25], [1.0, 0.75]])),
+            (TONE_LAYER, bytemuck::cast_slice(&mean)),
             (PICTURE, bytemuck::cast_slice(&picture)),
         ];
         let settings = Settings { variants: 2, ..Settings::default() };
@@ -112,6 +126,9 @@ mod tests {
         assert_eq!(values(&layers, "flame.coverage"), [0.4, 0.0]);
         assert_eq!(values(&layers, "flame.depth"), [2.0, f32::INFINITY]);
         assert_eq!(values(&layers, "flame.repetitions"), [20.0, 16.0]);
+        assert_eq!(values(&layers, "flame.heat"), [0.5, 1.0]);
+        assert_eq!(values(&layers, "flame.tone"), mean.as_flattened());
+        assert_eq!(values(&layers, "flame.outline"), [0.25, 0.75]);
         assert_eq!(values(&layers, "flame"), picture.as_flattened());
         let shapes = layers.iter().filter_map(|layer| match &layer.data {
             LayerData::Array { shape, values } => Some((layer.name, shape.clone(), values.len())),

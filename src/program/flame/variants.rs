@@ -2,7 +2,7 @@
 
 use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
-use crate::flame::settings::{Colour, Mode, Sampling, Shape};
+use crate::flame::settings::{Colour, Glow, Look, Mode, Sampling, Shape};
 use crate::flame::{Desc, FlameKind, SceneFormat, Settings};
 use crate::host::TemporalFormats;
 use crate::offline::TARGET_FORMAT;
@@ -24,6 +24,9 @@ fn variant(
         shape: if cube { Shape::Cube } else { Shape::Ball },
         sampling: if sobol { Sampling::ShuffledSobol } else { Sampling::Independent },
         flicker: if flicker { 0.5 } else { 0.0 },
+        look: if cube { Look::Light } else { Look::Cel },
+        glow: Glow { strength: if flicker { 1.0 } else { 0.0 }, ..Glow::default() },
+        stretch: if sobol { 0.1 } else { 0.0 },
         colour,
         spread: Some(0.1),
         ..Settings::default()
