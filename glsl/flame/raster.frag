@@ -10,14 +10,16 @@ layout(location = 0) flat in vec4 place;
 layout(location = 1) flat in uvec4 sprite;
 layout(location = 0) out uvec2 winner;
 #include "../common/bits.glsl"
+#include "../common/random.glsl"
 #include "common/fragment.glsl"
 #include "depth_range.glsl"
 #include "mask_value.glsl"
 
 void main() {
     uint level = sprite.w;
-    vec2 t = (gl_FragCoord.xy - place.xy) * place.w * vec2(1.0, params.squash) + 0.5 * float(MASK_SIDE >> level);
-    float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
+    vec2 scale = place.w * vec2(1.0, params.squash);
+    vec2 t = (gl_FragCoord.xy - place.xy) * scale + 0.5 * float(MASK_SIDE >> level);
+    float value = mask_value(begin_look(t.x, sprite.y, level, scale), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {
         passes = passes && place.z < from_base(scene[pixel_index(pixel_of(gl_FragCoord.xy, uvec2(0u), params.size))]);

@@ -73,7 +73,7 @@ fn form(table: &Table) -> u32 {
 }
 
 /// Specialisation constants of kernels that make sprites; a workgroup has so many invocations.
-fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 6] {
+fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 8] {
     let settings = &desc.settings;
     [
         invocations,
@@ -82,6 +82,9 @@ fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 6] {
         u32::from(settings.flickers()),
         look_up,
         u32::from(desc.scene.is_some()),
+        // Sprites that are not magnified have none.
+        if look_up == MINIFIED { 0 } else { settings.detail() },
+        u32::from(settings.shines() > 0.0),
     ]
 }
 

@@ -204,7 +204,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
             expected.extend(LINES);
         }
-        expected.extend(shot.has("flame").then_some("flame.size_pixels"));
+        expected.extend(shot.has("flame").then_some(["flame.emission", "flame.size_pixels"]).into_iter().flatten());
         if shot.has("blur") {
             expected.extend(keys::INSTEAD_OF_FILE);
             expected.extend(["blur.animation", "blur.images", "blur.teeth", "camera.animation", "camera.name"]);

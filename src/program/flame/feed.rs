@@ -56,6 +56,7 @@ impl Feed for FlameFeed {
         Some(Frame {
             view: scene.seen(flame.desc().size),
             particles: self.particles,
+            spread: scene.spread,
             number: scene.number,
             accumulate: scene.accumulate,
             target: place.target?,

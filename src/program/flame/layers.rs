@@ -100,7 +100,7 @@ mod tests {
             layers: true,
             temporal: Default::default(),
         };
-        let brought = FlameBrought { particles: None, count: 3 };
+        let brought = FlameBrought { particles: None, count: 3, spread: None };
         let layers = of(LAYERS, &desc, &bytes, &picture, Some(&brought), (true, &[]));
         let rows = [
             [0.0, 10.0, 20.0, 1000.0, 6.5, 2.5, 0.5, 0.25, 0.125],

@@ -25,6 +25,9 @@ fn variant(
         sampling: if sobol { Sampling::ShuffledSobol } else { Sampling::Independent },
         flicker: if flicker { 0.5 } else { 0.0 },
         colour,
+        // Each way with them and without.
+        emission: if cube || expected { Some(0.0) } else { None },
+        octaves: if sobol { 0 } else { 2 },
         spread: Some(0.1),
         ..Settings::default()
     };
