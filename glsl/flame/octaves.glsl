@@ -1,5 +1,6 @@
 // Finer noise below the mask's texels: Perlin noise in two dimensions, its gradients chosen by a hash, an octave at a time. An octave is faded out
-// where its waves are narrower than four pixels, so that where the mask is not magnified there is none.
+// where its waves are narrower than four pixels, so that where the mask is not magnified there is none, and where they are broader than 32: a sprite
+// is as rough whatever its size.
 
 // One of eight directions, times a place: all are as long.
 float octave_gradient(uint h, vec2 p) {
@@ -27,17 +28,20 @@ float octave_noise(uint word, vec2 p) {
     return mix(mix(a, b, f.x), mix(c, d, f.x), f.y);
 }
 
-// All of them at a place in texels. `word`: hash of the mask's variant; `footprint`: texels a pixel.
+// All of them at a place in texels. `word`: hash of the mask's variant; `footprint`: texels a pixel. Those whose waves have 4 to 32 pixels: three of
+// them, so that there is no loop.
 float octaves_at(uint word, vec2 place, float footprint) {
+    // The first whose waves have less than 32: a power of two above this.
+    float halvings = FIRST_OCTAVE / (32.0 * footprint);
+    uint first = uint(max(int(floatBitsToUint(halvings) >> 23u) - 126, 0));
     float sum = 0.0;
-    float waves = 1.0 / FIRST_OCTAVE;
-    for (uint octave = 0u; octave < OCTAVES; ++octave) {
-        float share = clamp(2.0 - 8.0 * footprint * waves, 0.0, 1.0);
-        if (share <= 0.0) {
-            break;
-        }
-        sum += share * OCTAVE * octave_noise(pcg(octave + word), waves * place);
-        waves *= 2.0;
+    [[unroll]] for (uint i = 0u; i < 3u; ++i) {
+        uint octave = first + i;
+        float waves = uintBitsToFloat((octave + 127u) << 23u) / FIRST_OCTAVE;
+        float pixels = footprint * waves;
+        float share = clamp(2.0 - 8.0 * pixels, 0.0, 1.0) * clamp(32.0 * pixels - 1.0, 0.0, 1.0);
+        share = octave < OCTAVES ? share : 0.0;
+        sum += share * octave_noise(pcg(octave + word), waves * place);
     }
-    return sum;
+    return OCTAVE * sum;
 }

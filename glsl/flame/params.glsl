@@ -17,9 +17,9 @@ const uint MASK_SIDE = 64u;     // texels of the mask along a side
 const uint MASK_LEVELS = 7u;
 const float NOISE_CELLS = 4.0;  // of the mask's noise, across a sprite
 
-const uint MOST_OCTAVES = 6u;   // of finer noise
+const uint MOST_OCTAVES = 8u;   // of finer noise
 const float FIRST_OCTAVE = 4.0; // texels of the first of them from wave to wave; each next has half
-const float OCTAVE = 0.5;       // alpha of an octave, where the mask would be 1 without noise
+const float OCTAVE = 0.7;       // alpha of an octave, where the mask would be 1 without noise
 
 const float COLDEST = 700.0;        // what is colder emits nothing, in kelvin
 const float MOST_COUNT = 32768.0;   // render particles of a particle in a repetition

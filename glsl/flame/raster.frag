@@ -1,6 +1,7 @@
 // The alpha test of a sprite; what passes leaves its row and depth.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
 layout(binding = 4, r32f) uniform readonly image2D levels;
 layout(std430, binding = 5) readonly buffer Scene { float scene[]; };

@@ -98,7 +98,7 @@ settings! {
         octaves: u32 = 6, "", 0..=MOST_OCTAVES;
         /// How far through the fire the hottest sprite shines, in sprites: of two sprites, one behind the other, the hotter
         /// one gives the colour, the less often the farther they are apart, and beyond so many sprites never. 0: the
-        /// nearest does. Without it, 4 in the mode "stochastic" with the method "tiles"; others have none.
+        /// nearest does. Without it, 2 in the mode "stochastic" with the method "tiles"; others have none.
         emission: Option<f32> = None, "sprites", 0.0..=1e3;
         /// The temperature that is white.
         hottest: f32 = 3000.0, "kelvin", COLDEST..=HOTTEST;
@@ -127,7 +127,7 @@ settings! {
 /// The highest temperature that is taken, of particles as of settings, in kelvin.
 pub const HOTTEST: f32 = 1e6;
 /// How far the hottest sprite shines where nothing is said, in sprites.
-const USUAL_EMISSION: f32 = 4.0;
+const USUAL_EMISSION: f32 = 2.0;
 /// The most repetitions.
 pub const MOST_REPETITIONS: u32 = 1 << 20;
 

@@ -266,7 +266,8 @@ impl<'a> Work<'a> {
                 let place = y * self.frame.size[0] as usize + x;
                 let seen = &mut nearest[place];
                 let slack = self.rounding.depth * sprite.z;
-                if sprite.z > seen.z + slack {
+                // Without slabs they are the same.
+                if sprite.z - slack > seen.z && slabs.at(sprite.z - slack) > seen.slab {
                     continue;
                 }
                 let scene = self.frame.scene.map_or(f64::INFINITY, |scene| f64::from(scene[place]));
