@@ -56,6 +56,9 @@ pub struct Scene<'a> {
     pub volume: Option<&'a Volume>,
     /// Its particles; none if they are those of the last rendered frame. Those of other frames are not looked at.
     pub particles: Option<&'a Particles>,
+    /// How far the flame's sprites are from their particle at most, where its settings do not say it
+    /// ([`crate::flame::Frame::spread`]).
+    pub spread: Option<f32>,
     /// View depth of what hides the fire, in metres a pixel, rows from the top, infinity where nothing is. Given exactly
     /// if the flame was made for a buffer of depths ([`crate::flame::SceneFormat`]) and there is no smoke.
     pub depth: Option<&'a [f32]>,

@@ -162,6 +162,7 @@ fn flame_refuses_before_the_first_command() {
     let good = flame::Frame {
         view: Camera::default().view(SIZE),
         particles: Some(given),
+        spread: None,
         number: 0,
         accumulate: false,
         target: image(FORMAT),

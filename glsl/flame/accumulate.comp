@@ -1,7 +1,7 @@
 // Repetitions of a tile's render particles. A tile owns its pixels: there are no atomics on them, and no render particle
 // ever reaches memory. Particles come in batches, front first. In a round invocations make a sprite of a repetition each and note the blocks that it
 // touches; then invocations are columns of pixels, and test the sprites that touch their block. Nearest wins, then the smaller id, then
-// the first row: nothing depends on the order of the lists. Sums are integers.
+// the first row; with emission, the hottest of the nearest slab of depth before all of them: nothing depends on the order of the lists. Sums are integers.
 //
 // Loops are such as end at their bottom, and what a loop needs is read before it: on a device that runs invocations in step, an iteration that
 // nobody takes still costs what it would have done.
@@ -21,12 +21,14 @@ layout(std430, binding = 8) buffer Winners { uvec4 winners[]; };
 layout(binding = 9, r32f) uniform readonly image2D levels;
 layout(std430, binding = 10) readonly buffer Stretches { uint stretches[]; };
 layout(constant_id = 5) const uint HAS_SCENE = 0;  // 1: the scene's depth occludes
+layout(constant_id = 7) const uint EMISSION = 0;   // 1: in each slab of depth the hottest wins
 #include "cells.glsl"
 #include "depth_range.glsl"
 #include "lists.glsl"
 #include "mask_level.glsl"
-#include "mask_value.glsl"
 #include "sprite.glsl"
+#include "mask_value.glsl"
+#include "slabs.glsl"
 #include "winner.glsl"
 
 const uint WORDS = BATCH / 32u;  // a bit for each sprite of a round
@@ -52,6 +54,9 @@ shared uint farthest[2u * BLOCKS];      // of what is nearest in the pixels of e
 uint nearest_depth[ROWS];
 uint nearest_id[ROWS];
 uint nearest_row[ROWS];
+uint nearest_slab[ROWS];   // with EMISSION: the slab of depth, and how hot it is; nobody is below 0
+float nearest_heat[ROWS];
+uint scene_depth[ROWS];
 
 // Puts the tile's lists one after the other; how many entries they have.
 uint join_lists(uvec2 tile) {
@@ -87,7 +92,7 @@ uint entry_at(uint index) {
 
 // Looks for the entries of the next batch from `at` on, `found` of which wait already; how many wait then. What all pixels have nearer, as the last round (`parity`) knew, is left
 // out, unless nothing is known of them yet: behind the front of a fire, most of a list is.
-uint find_batch(inout uint at, uint end, uint found, bool is_first, uint parity) {
+uint find_batch(inout uint at, uint end, uint found, bool is_first, uint parity, Slabs slabs) {
     uint lane = gl_LocalInvocationID.x;
     uint most = is_first ? INFINITY_BITS : 0u;
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
@@ -98,7 +103,7 @@ uint find_batch(inout uint at, uint end, uint found, bool is_first, uint parity)
         bool is_short = LANES == BATCH || found < BATCH;
         if (is_short && at + lane < end) {
             uint row = entry_at(at + lane);
-            if (floatBitsToUint(max(nearest_of(particles[row].depth), 0.0)) <= most) {
+            if (order_of(max(nearest_of(particles[row].depth), 0.0), slabs) <= most) {
                 waiting_rows[atomicAdd(waiting, 1u)] = row;
             }
         }
@@ -161,7 +166,7 @@ Batch load_batch(uint found, vec2 origin) {
 }
 
 // Makes render particle `t` of the batch, which is of the particle at `slot`, and notes which blocks it touches.
-void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity) {
+void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity, Slabs slabs) {
     uint lane = gl_LocalInvocationID.x;
     vec4 place = batch_place[slot];
     vec3 slope = batch_slope[slot].xyz;
@@ -177,7 +182,7 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity)
     vec2 reach = abs(slope.z) * optics.half_mask / (sprite.scale * vec2(1.0, optics.squash));
     reach = (STRETCHED == 1u ? reach * stretched_reach(stretch) : reach) + 1e-3;
     vec4 bounds = vec4(sprite.at - reach, sprite.at + reach);
-    uint depth = floatBitsToUint(sprite.z);
+    uint depth = order_of(sprite.z, slabs);
     uint limits[BLOCKS];
     [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
         limits[block] = farthest[BLOCKS * parity + block];
@@ -199,7 +204,7 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity)
 }
 
 // Tests sprites, 32 from `first` on, against a column: those that `left` has a bit for. `centre`: of the column's pixel in the block's first row.
-void test_sprites(uint left, uint first, Column column, vec2 centre, uint level, float half_mask, float squash, float threshold) {
+void test_sprites(uint left, uint first, Column column, vec2 centre, uint level, float half_mask, float squash, float threshold, Slabs slabs) {
     do {
         bool is_one = left != 0u;
         uint i = first + (uint(findLSB(left)) & 31u);
@@ -210,7 +215,8 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
         float alpha = uintBitsToFloat(sprite.w);
         vec2 scale = place.w * vec2(1.0, squash);
         vec2 t = (centre - place.xy) * scale + half_mask;
-        Look look = begin_look(t.x, sprite.z, level);
+        Look look = begin_look(t.x, sprite.z, level, scale);
+        uint slab = order_of(place.z, slabs);
         vec2 stretch = vec2(0.0);
         if (STRETCHED == 1u) {
             stretch = stretch_of(sprite_stretch[i]);
@@ -220,14 +226,22 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
             if (STRETCHED == 1u) {
                 vec2 way = centre + vec2(0.0, float(column.row + y)) - place.xy;
                 vec2 at = mask_way(way, stretch, squash) * place.w + half_mask;
-                value = mask_value(begin_look(at.x, sprite.z, level), at.y);
+                value = mask_value(begin_look(at.x, sprite.z, level, scale), at.y);
             } else {
                 value = mask_value(look, t.y + float(column.row + y) * scale.y);
             }
             bool passes = is_one && value > 0.0 && alpha * value >= threshold;
             bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
             bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first_of_equals);
+            if (EMISSION == 1u) {
+                bool hotter = alpha > nearest_heat[y] || (alpha == nearest_heat[y] && nearer);
+                nearer = depth < scene_depth[y] && (slab < nearest_slab[y] || (slab == nearest_slab[y] && hotter));
+            }
             bool wins = passes && nearer;
+            if (EMISSION == 1u) {
+                nearest_slab[y] = wins ? slab : nearest_slab[y];
+                nearest_heat[y] = wins ? alpha : nearest_heat[y];
+            }
             nearest_depth[y] = wins ? depth : nearest_depth[y];
             nearest_id[y] = wins ? sprite.y : nearest_id[y];
             nearest_row[y] = wins ? sprite.x : nearest_row[y];
@@ -248,7 +262,7 @@ uint touching(uint block, uint word, uint parity) {
 void begin_round(uint block, uint parity, bool skips) {
     uint own = skips ? 0u : INFINITY_BITS;
     [[unroll]] for (int y = 0; y < ROWS; ++y) {
-        own = max(own, nearest_depth[y]);
+        own = max(own, EMISSION == 1u ? nearest_slab[y] : nearest_depth[y]);
     }
     uint lane = gl_LocalInvocationID.x;
     if (ROWS == int(BLOCK)) {
@@ -312,7 +326,6 @@ void main() {
     vec2 origin = vec2(tile * TILE);
     uint first_pixel = pixel_index(pixel);
     bool inside[ROWS];
-    uint scene_depth[ROWS];
     Sum sum[ROWS];
     uint before = params.repetitions_before;
     bool is_first = before + first == 0u;
@@ -345,23 +358,28 @@ void main() {
     uint left = 0u;
     do {
         bool is_first_batch = at == first_entry;
-        uint found = find_batch(at, last_entry, left, is_first_batch, ROWS == int(BLOCK) ? 0u : 1u - parity);
+        Slabs slabs = slabs_of(before + repetition);
+        uint found = find_batch(at, last_entry, left, is_first_batch, ROWS == int(BLOCK) ? 0u : 1u - parity, slabs);
         bool is_last_batch = at >= last_entry && found <= BATCH;
         Batch batch = load_batch(found, origin);
         left = batch.left;
         // One batch that is all of the list serves all repetitions.
         do {
+            slabs = slabs_of(before + repetition);
             if (is_first_batch) {
                 [[unroll]] for (int y = 0; y < ROWS; ++y) {
                     nearest_depth[y] = scene_depth[y];
                     nearest_id[y] = 0u;
                     nearest_row[y] = 0u;
+                    nearest_heat[y] = -1.0;
                     if (segment > 0u && inside[y]) {
                         uvec4 winner = winners[first_pixel + uint(y) * params.size.x];
                         nearest_depth[y] = winner.x;
                         nearest_id[y] = winner.y;
                         nearest_row[y] = winner.z;
+                        nearest_heat[y] = uintBitsToFloat(winner.w);
                     }
+                    nearest_slab[y] = order_of(uintBitsToFloat(nearest_depth[y]), slabs);
                 }
             }
             uint made = 0u;
@@ -378,7 +396,7 @@ void main() {
                 }
                 uvec2 begun = count_starts(parity);
                 if (is_in_batch() && made + lane < batch.total) {
-                    note_sprite(optics, particles_before + begun.x - 1u, made + lane, before + repetition, parity);
+                    note_sprite(optics, particles_before + begun.x - 1u, made + lane, before + repetition, parity, slabs);
                 }
                 particles_before += begun.y;
                 made += BATCH;
@@ -389,7 +407,7 @@ void main() {
                 [[unroll]] for (uint word = 0u; word < WORDS; ++word) {
                     uint touching_block = touching(column.block, word, parity);
                     if (WORDS == 1u || touching_block != 0u) {
-                        test_sprites(touching_block, 32u * word, column, centre, level, optics.half_mask, optics.squash, threshold);
+                        test_sprites(touching_block, 32u * word, column, centre, level, optics.half_mask, optics.squash, threshold, slabs);
                     }
                 }
                 parity = ROWS == int(BLOCK) ? 0u : 1u - parity;
@@ -397,7 +415,7 @@ void main() {
             if (is_last_batch) {
                 [[unroll]] for (int y = 0; y < ROWS; ++y) {
                     if (inside[y] && !is_last_segment) {
-                        winners[first_pixel + uint(y) * params.size.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], 0u);
+                        winners[first_pixel + uint(y) * params.size.x] = uvec4(nearest_depth[y], nearest_id[y], nearest_row[y], EMISSION == 1u ? floatBitsToUint(nearest_heat[y]) : 0u);
                     }
                     if (is_last_segment && nearest_row[y] != 0u) {
                         add_winner(sum[y], particles[nearest_row[y] - 1u].light, nearest_depth[y]);

@@ -35,19 +35,25 @@ void main() {
         return;
     }
     ivec2 grid = ivec2(place % KERNEL_PLACES, place / KERNEL_PLACES);
-    float reach = kernel_reach();
+    // In spreads, so that the table is the same to the bit whatever a frame's spread.
+    float sprite_size = params.relative_size;
+    float bounding_radius = 1.0;
+    if (CUBE == 1u) {
+        bounding_radius = 1.7320508;
+    }
+    float reach = bounding_radius + 0.5 * sprite_size;
     vec2 m = reach * (2.0 * vec2(grid) / LAST_PLACE - 1.0);
     uint side = MASK_SIDE >> table.level;
     // Coarse texels are areas: each is looked at in several places.
-    bool is_thin = params.spread < 2.0 * params.sprite_size / float(MASK_PLACES);
+    bool is_thin = 1.0 < 2.0 * sprite_size / float(MASK_PLACES);
     uint places = max((is_thin ? FINE_MASK_PLACES : MASK_PLACES) / side, 1u);
     uint across = side * places;
-    float place_side = params.sprite_size / float(across);
+    float place_side = sprite_size / float(across);
     // A space narrower than two places would fall between them.
-    float widest = max(params.spread, 2.0 * place_side);
-    float radius = CUBE == 1u ? params.spread + 1e-12 : widest;
+    float widest = max(1.0, 2.0 * place_side);
+    float radius = CUBE == 1u ? 1.0 : widest;
     float volume = CUBE == 1u ? 8.0 * radius * radius * radius : ball_volume(radius);
-    float squeeze = params.bounding_radius / (CUBE == 1u ? max(params.bounding_radius, 1e-12) : widest);
+    float squeeze = CUBE == 1u ? 1.0 : 1.0 / widest;
     float g[KERNEL_DEPTHS];
     [[unroll]] for (uint k = 0u; k < KERNEL_DEPTHS; ++k) {
         g[k] = 0.0;
@@ -59,7 +65,7 @@ void main() {
             continue;
         }
         vec2 u = (vec2(at_mask) + 0.5) / float(across) - 0.5;
-        vec2 at = m - params.sprite_size * u;
+        vec2 at = m - sprite_size * u;
         // The mask's rows go down, space goes up.
         vec2 range = chord(vec2(at.x, -at.y), radius) * squeeze;
         float length = range.y - range.x;
@@ -67,7 +73,7 @@ void main() {
             continue;
         }
         [[unroll]] for (uint k = 0u; k < KERNEL_DEPTHS; ++k) {
-            float depth = params.bounding_radius * (2.0 * float(k) / float(KERNEL_DEPTHS - 1u) - 1.0);
+            float depth = bounding_radius * (2.0 * float(k) / float(KERNEL_DEPTHS - 1u) - 1.0);
             g[k] += share * clamp(depth - range.x, 0.0, length);
         }
     }

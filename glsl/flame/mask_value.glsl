@@ -6,6 +6,8 @@ const uint MAGNIFIED = 1u;  // between texels of level 0,
 const uint EITHER = 2u;     // or what the level asks for
 
 layout(constant_id = 4) const uint LOOK_UP = 0;
+layout(constant_id = 6) const uint OCTAVES = 0;  // of finer noise where the mask is magnified
+#include "octaves.glsl"
 
 // What all pixels of a column have in common. Coordinates are texels of the mask's level from the sprite's corner.
 struct Look {
@@ -15,9 +17,12 @@ struct Look {
     int column;    // of the value there that the column has
     float x;
     bool inside;   // whether it is in one
+    float footprint;  // texels a pixel
+    uint word;     // of the variant's finer noise
 };
 
-Look begin_look(float x, uint texel, uint level) {
+// `scale`: texels a pixel across and down.
+Look begin_look(float x, uint texel, uint level, vec2 scale) {
     int column = int(floor(x));
     Look look;
     look.level = level;
@@ -26,6 +31,8 @@ Look begin_look(float x, uint texel, uint level) {
     look.column = look.corner.x + (column & look.last);
     look.x = x;
     look.inside = uint(column) <= uint(look.last);
+    look.footprint = max(scale.x, scale.y);
+    look.word = OCTAVES == 0u ? 0u : pcg(OCTAVE_KEY + pcg((texel >> 16u) + pcg(params.seed)));
     return look;
 }
 
@@ -39,7 +46,15 @@ float magnified(Look look, float y) {
     float upper = mix(imageLoad(levels, a).r, imageLoad(levels, ivec2(b.x, a.y)).r, f.x);
     float lower = mix(imageLoad(levels, ivec2(a.x, b.y)).r, imageLoad(levels, b).r, f.x);
     vec2 u = vec2(look.x, y) * (2.0 / float(MASK_SIDE)) - 1.0;
-    return dot(u, u) < 1.0 ? mix(upper, lower, f.y) : 0.0;
+    float value = mix(upper, lower, f.y);
+    bool has_octaves = OCTAVES == 0u ? false : look.footprint < 0.25 * FIRST_OCTAVE;
+    if (has_octaves) {
+        // As high as the cone, like the rest of the noise, and no higher than the mask is anywhere.
+        float cone = max(1.0 - sqrt(dot(u, u)), 0.0);
+        value += cone * octaves_at(look.word, vec2(look.x, y), look.footprint);
+        value = clamp(value, 0.0, min(cone, params.max_alpha));
+    }
+    return dot(u, u) < 1.0 ? value : 0.0;
 }
 
 float mask_value(Look look, float y) {

@@ -17,6 +17,10 @@ const uint MASK_SIDE = 64u;     // texels of the mask along a side
 const uint MASK_LEVELS = 7u;
 const float NOISE_CELLS = 4.0;  // of the mask's noise, across a sprite
 
+const uint MOST_OCTAVES = 8u;   // of finer noise
+const float FIRST_OCTAVE = 4.0; // texels of the first of them from wave to wave; each next has half
+const float OCTAVE = 0.7;       // alpha of an octave, where the mask would be 1 without noise
+
 const float COLDEST = 700.0;        // what is colder emits nothing, in kelvin
 const float MOST_COUNT = 32768.0;   // render particles of a particle in a repetition
 const float LIGHT_STEPS = 65535.0;  // of a colour's component, up to the brightest of the frame
@@ -24,6 +28,7 @@ const float LIGHT_STEPS = 65535.0;  // of a colour's component, up to the bright
 const uint COUNT_KEY = 0xffffffffu;  // keys of draws that are no repetition's: the fraction of a count,
 const uint PHASE_KEY = 0xffffffffu;  // when the flicker renews a render particle,
 const uint SOBOL_KEY = 0xfffffffeu;  // its Sobol sequence
+const uint OCTAVE_KEY = 0xfffffffdu; // the finer noise of a variant of the mask
 const uint RENEWAL = 0x9e3779b9u;    // what is added to the words of a draw that is renewed
 
 const uint NOTHING = 0xffffffffu;  // the minimum of no numbers
@@ -84,6 +89,8 @@ layout(binding = 0) uniform FlameParams {
     float sprite_size;        // side of a sprite
     float spread;             // radius of the ball, or half side of the cube, of a particle's render particles, in metres
     float bounding_radius;    // of what they fill, in metres
+    float relative_size;      // side of a sprite in spreads; 0 without a spread
+    float slabs;              // of depth, a metre: in each the hottest sprite gives the colour; 0: the nearest does
     float alpha_scale;
     float threshold;
     float count;              // mean number of render particles of a particle at `hottest`

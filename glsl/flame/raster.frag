@@ -1,6 +1,7 @@
 // The alpha test of a sprite; what passes leaves its row and depth.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "params.glsl"
 layout(binding = 4, r32f) uniform readonly image2D levels;
 layout(std430, binding = 5) readonly buffer Scene { float scene[]; };
@@ -11,6 +12,7 @@ layout(location = 1) flat in uvec4 sprite;
 layout(location = 2) flat in vec2 stretch;
 layout(location = 0) out uvec2 winner;
 #include "../common/bits.glsl"
+#include "../common/random.glsl"
 #include "common/fragment.glsl"
 #include "depth_range.glsl"
 #include "mask_value.glsl"
@@ -18,8 +20,9 @@ layout(location = 0) out uvec2 winner;
 
 void main() {
     uint level = sprite.w;
+    vec2 scale = place.w * vec2(1.0, params.squash);
     vec2 t = mask_way(gl_FragCoord.xy - place.xy, stretch, params.squash) * place.w + 0.5 * float(MASK_SIDE >> level);
-    float value = mask_value(begin_look(t.x, sprite.y, level), t.y);
+    float value = mask_value(begin_look(t.x, sprite.y, level, scale), t.y);
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {
         passes = passes && place.z < from_base(scene[pixel_index(pixel_of(gl_FragCoord.xy, uvec2(0u), params.size))]);

@@ -68,10 +68,6 @@ impl Desc {
     pub(super) fn validate(&self) -> Result<()> {
         self.settings.validate()?;
         self.temporal.validate()?;
-        if self.settings.spread.is_none() {
-            let allowed = "metres, 0 or above; celfx::flame::mean_spacing finds the usual one";
-            return Err(Error::setting("flame.spread", "none", allowed));
-        }
         if self.size.contains(&0) {
             return Err(Error::setting("size", format!("{:?}", self.size), "at least 1 pixel a side"));
         }

@@ -43,6 +43,11 @@ pub struct Frame {
     /// This frame's particles; none if they are those of the last one recorded. The first frame needs some (their number
     /// may be 0).
     pub particles: Option<ParticleInput>,
+    /// How far sprites are from their particle at most in this frame, in metres, 0 to 1e6: what
+    /// [`crate::flame::mean_spacing`] finds, smoothed in time. Instead of the settings' `spread`; sprites are as large where the
+    /// settings have no `size`. None: the settings' spread, or without one that of the last frame recorded. Nothing is made
+    /// anew for it but, in the mode "expected" with a `size`, a table.
+    pub spread: Option<f32>,
     /// Number of the frame: with `flicker`, what draws are taken from.
     pub number: u32,
     /// Adds this frame's repetitions to those of the frame before, of which nothing else may have changed: particles,
@@ -109,6 +114,7 @@ impl Frame {
         Frame {
             view,
             particles: Some(particles),
+            spread: None,
             number: 0,
             accumulate: false,
             target,
@@ -127,6 +133,9 @@ impl Frame {
                 return Err(Error::HostResource { name: "particles", why });
             }
             None => {}
+        }
+        if let Some(spread) = self.spread.filter(|spread| !(0.0..=1e6).contains(spread)) {
+            return Err(Error::setting("frame.spread", spread, "metres, 0 to 1e6"));
         }
         if self.accumulate && !desc.accumulates {
             return Err(Error::setting(

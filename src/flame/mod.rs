@@ -39,7 +39,7 @@ use crate::plan::{Pass, Plan};
 use crate::view::View;
 use layout::Layout;
 use mask::Mask;
-use params::{FlameParams, Given};
+use params::{FlameParams, Given, Space};
 use passes::Passes;
 use settings::MOST_REPETITIONS;
 use steps::{FrameDelta, Steps};
@@ -66,11 +66,13 @@ pub struct FlameKind {
 pub struct State {
     /// The view of the last frame; none before the first.
     view: Option<View>,
-    /// The view of the last frame that could see fire.
-    lit: Option<View>,
+    /// The view of the last frame that could see fire, and its sprites' size in spreads: what the expected image's table is of.
+    lit: Option<(View, f32)>,
     /// Whether tables and mask are on the device.
     has_tables: bool,
     given: Given,
+    /// The spread of its frame, if one has been said.
+    spread: Option<f32>,
     /// A bound of its particles' temperatures.
     hottest: f32,
     /// Repetitions that the sums on the device hold.
@@ -177,41 +179,52 @@ impl FlameKind {
         let mut state = self.state;
         if let Some(particles) = &frame.particles {
             let ParticleInput { count, ids, velocity, .. } = particles;
-            state.given = Given { count: *count, ids: ids.is_some(), velocities: velocity.is_some(), before: 0 };
+            let velocities = velocity.is_some();
+            state.given = Given { count: *count, ids: ids.is_some(), velocities, ..state.given };
             state.hottest = particles.hottest.min(desc.hottest);
         }
+        state.spread = frame.spread.or(desc.settings.spread).or(self.state.spread);
+        let Some(spread) = state.spread else {
+            let allowed = "metres, 0 or above, there or in the frame; celfx::flame::mean_spacing finds the usual one";
+            return Err(Error::setting("flame.spread", "none", allowed));
+        };
+        state.given.spread = spread;
+        let space = Space::new(&desc.settings, spread);
         let repetitions = desc.settings.repetitions;
         state.given.before = if frame.accumulate { self.state.repetitions } else { 0 };
         if frame.accumulate {
-            self.check_accumulation(frame, state.given.before + repetitions)?;
+            self.check_accumulation(frame, &state, state.given.before + repetitions)?;
         }
         state.repetitions = state.given.before + repetitions;
         state.view = Some(frame.view);
-        let dark = self.dark(desc, &state);
+        let dark = self.dark(desc, &state, &space);
         // The mask is a layer of frames without fire, too.
         let make_tables = !state.has_tables && (dark.is_none() || desc.layers);
         state.has_tables |= make_tables;
-        state.lit = if dark.is_none() { Some(frame.view) } else { state.lit };
+        state.lit = if dark.is_none() { Some((frame.view, space.relative)) } else { state.lit };
         let view_before = frame.temporal.previous.or(self.state.view);
-        Ok((FrameDelta { given: state.given, view: self.state.lit, view_before, make_tables, dark }, state))
+        let (view, has_size) =
+            (self.state.lit.map(|lit| lit.0), self.state.lit.is_some_and(|lit| lit.1 == space.relative));
+        Ok((FrameDelta { given: state.given, view, has_size, view_before, make_tables, dark }, state))
     }
 
     /// Only what is the same can be added to.
-    fn check_accumulation(&self, frame: &Frame, repetitions: u32) -> Result<()> {
+    fn check_accumulation(&self, frame: &Frame, state: &State, repetitions: u32) -> Result<()> {
         let refuse = |allowed: &str| Err(Error::setting("frame.accumulate", true, allowed));
         match () {
             _ if self.state.repetitions == 0 => refuse("false in the first frame: there is nothing to add to"),
             _ if frame.particles.is_some() => refuse("not with new particles"),
             _ if self.state.view != Some(frame.view) => refuse("not with another view"),
+            _ if self.state.spread != state.spread => refuse("not with another spread"),
             _ if repetitions > MOST_REPETITIONS => refuse("up to 1048576 repetitions in all"),
             _ => Ok(()),
         }
     }
 
     /// Why no fire can be seen, as far as the host can tell.
-    fn dark(&self, desc: &Desc, state: &State) -> Option<&'static str> {
+    fn dark(&self, desc: &Desc, state: &State, space: &Space) -> Option<&'static str> {
         let settings = &desc.settings;
-        let size = settings.size_pixels.unwrap_or(settings.sprite());
+        let size = settings.size_pixels.unwrap_or(space.sprite);
         let alpha = settings.alpha_scale * state.hottest / settings.hottest * self.max_alpha;
         match () {
             _ if state.given.count == 0 => Some("no particles"),

@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use crate::flame::desc::Desc;
 use crate::flame::frame::Frame;
 use crate::flame::layout::Layout;
-use crate::flame::settings::{MOST_REPETITIONS, Mode, Shape};
+use crate::flame::settings::{MOST_REPETITIONS, Mode, Settings, Shape};
 use crate::flame::tables::Tables;
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;
@@ -44,6 +44,29 @@ pub struct Given {
     pub velocities: bool,
     /// Repetitions that earlier frames have added.
     pub before: u32,
+    /// How far sprites are from their particle at most, in metres.
+    pub spread: f32,
+}
+
+/// The space that a particle's render particles fill, and their size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Space {
+    /// How far they are from the particle at most, in metres.
+    pub spread: f32,
+    /// Side of a sprite in metres, unless it is given in pixels.
+    pub sprite: f32,
+    /// The same in spreads: all that the table of the expected image depends on; 0 without a spread.
+    pub relative: f32,
+}
+
+impl Space {
+    /// Of a frame with that spread: sprites are as large unless the settings say their size.
+    pub fn new(settings: &Settings, spread: f32) -> Space {
+        let sprite = settings.size.unwrap_or(spread);
+        // The table is over the depth of a particle's space, which must have one.
+        let spread = if settings.is_expected() { spread.max(sprite / 256.0) } else { spread };
+        Space { spread, sprite, relative: if spread > 0.0 { sprite / spread } else { 0.0 } }
+    }
 }
 
 impl FlameParams {
@@ -54,12 +77,10 @@ impl FlameParams {
         let projection = &Projection::of_valid(&frame.view, desc.size);
         // Draws are renewed as a whole, and the fraction is those particles' whose phases make one more of it.
         let flickered = u64::from(frame.number) * (f64::from(settings.flicker) * 65536.0).round() as u64;
-        let (iterations, least) = match settings.mode {
-            Mode::Stochastic => (settings.repetitions, 0.0),
-            // The table is over the depth of a particle's space, which must have one.
-            Mode::Expected => (settings.bins, settings.sprite() / 256.0),
-        };
-        let spread = settings.spread.unwrap_or_default().max(least);
+        let iterations = if settings.is_expected() { settings.bins } else { settings.repetitions };
+        let Space { spread, sprite, relative } = Space::new(settings, given.spread);
+        // Sprites of given pixels have no depth of their own.
+        let slab = settings.shines() * if settings.size_pixels.is_some() { spread } else { sprite };
         let [red, green, blue] = table.shift;
         let mut cell_levels = [CellLevel::zeroed(); MAX_CELL_LEVELS as usize];
         cell_levels.iter_mut().zip(&layout.levels).for_each(|(to, level)| *to = *level);
@@ -91,9 +112,11 @@ impl FlameParams {
             is_skipping: 1,
             is_in_pixels: settings.size_pixels.is_some().into(),
             has_ids: given.ids.into(),
-            sprite_size: settings.size_pixels.unwrap_or(settings.sprite()),
+            sprite_size: settings.size_pixels.unwrap_or(sprite),
             spread,
             bounding_radius: if settings.shape == Shape::Cube { spread * 3.0_f32.sqrt() } else { spread },
+            relative_size: relative,
+            slabs: if slab > 0.0 { slab.recip().min(1e30) } else { 0.0 },
             alpha_scale: settings.alpha_scale,
             threshold: settings.threshold,
             count: settings.count,

@@ -119,7 +119,7 @@ fn resolved(desc: &Desc) -> [bool; 5] {
 }
 
 /// Specialisation constants of kernels that make sprites; a workgroup has so many invocations.
-fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 7] {
+fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 9] {
     let settings = &desc.settings;
     [
         invocations,
@@ -128,6 +128,9 @@ fn variant(desc: &Desc, look_up: u32, invocations: u32) -> [u32; 7] {
         u32::from(settings.flickers()),
         look_up,
         u32::from(desc.scene.is_some()),
+        // Sprites that are not magnified have none.
+        if look_up == MINIFIED { 0 } else { settings.detail() },
+        u32::from(settings.shines() > 0.0),
         u32::from(settings.stretches()),
     ]
 }

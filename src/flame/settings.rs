@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::settings::{Dial, Rule, Setting, settings, words};
-use crate::shaders::flame::constants::{COLDEST, MOST_COUNT};
+use crate::shaders::flame::constants::{COLDEST, MOST_COUNT, MOST_OCTAVES};
 use crate::toon::Line;
 use crate::view::{BRIGHTEST, FARTHEST};
 
@@ -94,7 +94,8 @@ settings! {
         /// Render particles, sprites, that a particle as hot as `hottest` has; cooler ones have fewer.
         count: f32 = 20.0, "sprites of a particle", 0.0..=MOST_COUNT;
         /// How far sprites are from their particle at most. Without it a shot takes the mean distance of particles to their
-        /// 8th neighbour, and a host has to say it: `flame::mean_spacing` finds that.
+        /// 8th neighbour, in each frame anew, smoothed over five frames; and a host has to say it with each frame:
+        /// `flame::mean_spacing` finds that.
         spread: Option<f32> = None, "metres", 0.0..=1e6;
         /// Where sprites are: uniform in a "ball" of radius `spread` or in a "cube" of that half side.
         shape: Shape = Shape::default();
@@ -110,18 +111,25 @@ settings! {
         alpha_scale: f32 = 4.0, "", 0.0..=1e6;
         /// What alpha, at most 1, must reach to be drawn. Low: round, soft sprites; high: torn spots, so that the fire
         /// frays; above 1: no fire at all.
-        threshold: f32 = 0.4, "", f32::MIN..=f32::MAX;
+        threshold: f32 = 0.45, "", f32::MIN..=f32::MAX;
         /// Different patches of noise.
         variants: u32 = 16, "", 1..=64;
+        /// Octaves of finer noise below the texels of a sprite's noise, which appear as the camera comes near; 0: near
+        /// sprites are smooth. Only with the mode "stochastic".
+        octaves: u32 = 6, "", 0..=MOST_OCTAVES;
+        /// How far through the fire the hottest sprite shines, in sprites: of two sprites, one behind the other, the hotter
+        /// one gives the colour, the less often the farther they are apart, and beyond so many sprites never. 0: the
+        /// nearest does. Without it, 2 in the mode "stochastic" with the method "tiles"; others have none.
+        emission: Option<f32> = None, "sprites", 0.0..=1e3;
         /// The temperature that is white.
         hottest: f32 = 3000.0, "kelvin", COLDEST..=HOTTEST;
         /// What temperature looks like: a black body's hue, darker as falloff says, "displayable"; its radiance, "physical",
         /// 1200 K has 1e-5 of white; or the first row of an image, the colours from 0 K to `hottest`.
         colour: Colour = Colour::default();
         /// With "displayable" colour, brightness is (temperature / hottest)^falloff.
-        falloff: f32 = 2.0, "", 0.0..=16.0;
+        falloff: f32 = 2.2, "", 0.0..=16.0;
         /// The eye's to the hottest fire. 1: it is white; 0: all is seen as in daylight, orange.
-        adaptation: f32 = 1.0, "", 0.0..=1.0;
+        adaptation: f32 = 0.15, "", 0.0..=1.0;
         /// Multiplies the light of the fire.
         intensity: f32 = 1.0, "", 0.0..=1e6;
         /// How repetitions draw the offsets of sprites: "independent", or with less noise, "shuffled_sobol".
@@ -176,6 +184,8 @@ impl Glow {
 
 /// The highest temperature that is taken, of particles as of settings, in kelvin.
 pub const HOTTEST: f32 = 1e6;
+/// How far the hottest sprite shines where nothing is said, in sprites.
+const USUAL_EMISSION: f32 = 2.0;
 /// The most repetitions.
 pub const MOST_REPETITIONS: u32 = 1 << 20;
 
@@ -183,11 +193,6 @@ impl Settings {
     /// Whether the image is the one that repetitions converge to.
     pub fn is_expected(&self) -> bool {
         self.mode == Mode::Expected
-    }
-
-    /// The defaults of the look "light", the paper's way.
-    pub fn light() -> Settings {
-        Settings { look: Look::Light, ..Settings::default() }
     }
 
     /// Whether it is drawn in tones.
@@ -225,9 +230,38 @@ impl Settings {
         self.light > 0.0
     }
 
+    /// The paper's own look: it glows, the nearest sprite gives the colour, near ones are smooth, the hottest fire is white.
+    pub fn paper() -> Settings {
+        Settings {
+            look: Look::Light,
+            threshold: 0.4,
+            octaves: 0,
+            emission: Some(0.0),
+            falloff: 2.0,
+            adaptation: 1.0,
+            ..Settings::default()
+        }
+    }
+
     /// Side of a sprite in metres, unless it is given in pixels.
     pub fn sprite(&self) -> f32 {
         self.size.or(self.spread).unwrap_or_default()
+    }
+
+    /// How far the hottest shines, in sprites.
+    pub fn shines(&self) -> f32 {
+        let usual = if self.can_shine() && !self.is_cel() { USUAL_EMISSION } else { 0.0 };
+        self.emission.unwrap_or(usual)
+    }
+
+    /// Whether the hottest sprite can give the colour of those before it: repetitions must be made tile by tile.
+    fn can_shine(&self) -> bool {
+        (self.mode, self.method) == (Mode::Stochastic, Method::Tiles)
+    }
+
+    /// Octaves that repetitions have: the expected image has none.
+    pub fn detail(&self) -> u32 {
+        if self.is_expected() { 0 } else { self.octaves }
     }
 
     /// The keys of `[flame]`, in order.
@@ -239,6 +273,11 @@ impl Settings {
     pub fn validate(&self) -> Result<()> {
         self.check("flame", &())?;
         self.tones.check_ascending(self.hottest)?;
+        if let Some(emission) = self.emission.filter(|emission| *emission > 0.0 && !self.can_shine()) {
+            let allowed = "0, or left out, with mode = \"expected\" and with method = \"raster\": only the tiles of repetitions \
+                           find the hottest sprite";
+            return Err(Error::setting("flame.emission", emission, allowed));
+        }
         let Some(pixels) = self.size_pixels else { return Ok(()) };
         if self.size.is_some() {
             return Err(Error::setting("flame.size_pixels", pixels, "not together with flame.size"));

@@ -28,6 +28,8 @@ pub struct FrameDelta {
     pub given: Given,
     /// The view of the last frame that saw fire.
     pub view: Option<View>,
+    /// Whether its sprites had as many spreads.
+    pub has_size: bool,
     /// The view of the frame before.
     pub view_before: Option<View>,
     /// Tables and mask are not on the device yet, and asked for.
@@ -211,9 +213,10 @@ impl Steps<'_> {
         if !settings.is_expected() {
             return self.plan.skip(self.passes.kernel, "mode is \"stochastic\"");
         }
-        // A cube is seen from another side through another view.
+        // It is in spreads: nothing of it changes while sprites grow as their spread does. A cube is seen from another side
+        // through another view.
         let turned = settings.shape == Shape::Cube && self.delta.view != Some(frame.view);
-        let force = u32::from(self.delta.view.is_none() || turned);
+        let force = u32::from(self.delta.view.is_none() || turned || !self.delta.has_size);
         let once = one_group(&glsl::rebuild::SHADER);
         self.plan.step_with(self.passes.rebuild, once, &RebuildConstants { force });
     }

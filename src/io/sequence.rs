@@ -89,6 +89,11 @@ impl<I: Input> Sequence<I> {
         Ok(input)
     }
 
+    /// Whether two frames have the same input.
+    pub fn is_same(&self, one: u32, other: u32) -> Result<bool, ReadError> {
+        Ok(self.source(one)? == self.source(other)?)
+    }
+
     /// The file that a frame's input comes from; none where the program makes it.
     pub fn file(&self, frame: u32) -> Result<Option<PathBuf>, ReadError> {
         Ok(match self.source(frame)? {

@@ -9,7 +9,7 @@ use crate::determinism::bits;
 use crate::oracle::{Shot, control};
 
 fn base() -> Settings {
-    Settings { repetitions: 60, count: 5.0, spread: Some(0.15), size: Some(0.25), ..Settings::light() }
+    Settings { repetitions: 60, count: 5.0, spread: Some(0.15), size: Some(0.25), ..Settings::paper() }
 }
 
 #[test]

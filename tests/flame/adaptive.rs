@@ -18,7 +18,7 @@ const MOST: u32 = 300;
 const STAGES: [u32; 6] = [16, 32, 64, 128, 256, MOST];
 
 fn base() -> Settings {
-    Settings { repetitions: MOST, count: 2.0, spread: Some(0.15), size: Some(0.3), ..Settings::light() }
+    Settings { repetitions: MOST, count: 2.0, spread: Some(0.15), size: Some(0.3), ..Settings::paper() }
 }
 
 fn pixels(tile: u32) -> impl Iterator<Item = usize> {

@@ -19,7 +19,7 @@ const SIZE: [u32; 2] = [60, 45];
 const PARTICLES: u32 = 120;
 
 fn base() -> Settings {
-    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::light() }
+    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::paper() }
 }
 
 fn effect(settings: Settings) -> Desc {

@@ -15,7 +15,7 @@ const SHARE: f64 = 1e-5;
 const SIZE: [u32; 2] = [48, 36];
 
 fn base() -> Settings {
-    Settings { repetitions: 16, count: 6.0, spread: Some(0.15), size: Some(0.3), ..Settings::light() }
+    Settings { repetitions: 16, count: 6.0, spread: Some(0.15), size: Some(0.3), ..Settings::paper() }
 }
 
 /// Looks along -z from the origin, 90 degrees high.
@@ -218,7 +218,7 @@ fn cameras_and_particles_at_the_ends_of_what_is_allowed() {
 
 /// A sprite that covers the picture and always passes.
 fn opaque() -> Settings {
-    Settings { spread: Some(0.0), size: Some(100.0), threshold: 0.0, count: 1.0, ..Settings::light() }
+    Settings { spread: Some(0.0), size: Some(100.0), threshold: 0.0, count: 1.0, ..Settings::paper() }
 }
 
 /// Sums above 2^32, squares above 2^48; and as many turns of a dispatch's outer loop as there can be.

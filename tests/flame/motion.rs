@@ -39,7 +39,7 @@ struct Rig {
 
 fn settings(mode: Mode) -> Settings {
     let (spread, size) = (Some(0.15), Some(0.25));
-    Settings { mode, repetitions: 20, count: 6.0, bins: 8, spread, size, ..Settings::light() }
+    Settings { mode, repetitions: 20, count: 6.0, bins: 8, spread, size, ..Settings::paper() }
 }
 
 impl Rig {

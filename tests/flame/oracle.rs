@@ -200,7 +200,7 @@ pub fn level(rig: &mut FlameRig, shot: &Shot, prepared: &Prepared) -> u32 {
 pub fn expected(rig: &mut FlameRig, shot: &Shot, repetitions: std::ops::Range<u32>) -> Sums {
     let prepared = prepared(rig, shot);
     let level = level(rig, shot, &prepared);
-    let desc = rig.desc();
+    let desc = rig.desc().clone();
     let mask = Mask::new(desc.seed, desc.settings.variants);
     let frame = Frame {
         settings: &desc.settings,
@@ -211,6 +211,7 @@ pub fn expected(rig: &mut FlameRig, shot: &Shot, repetitions: std::ops::Range<u3
         scene: shot.depth,
         mask: &mask,
         level,
+        base: if is_dark(rig) { 0.0 } else { f32::from_bits(control(rig).base).into() },
     };
     render(&frame, &prepared.particles, repetitions, Rounding::default())
 }

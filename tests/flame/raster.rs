@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [96, 72];
 const PARTICLES: u32 = 100;
 
 fn base() -> Settings {
-    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::light() }
+    Settings { repetitions: 20, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::paper() }
 }
 
 /// Samples, those with a winner, and pixels whose sums differ.
@@ -50,6 +50,7 @@ fn raster_makes_the_same_picture() {
         ("tiles", base(), camera(0.0)),
         ("magnified", Settings { size: Some(1.2), ..base() }, camera(30.0)),
         ("close", base(), close),
+        ("octaves", Settings { size: Some(2.4), octaves: 6, count: 2.0, ..base() }, close),
         ("Sobol", sobol, camera(0.0)),
         ("pixels", Settings { size: None, size_pixels: Some(3.0), count: 40.0, ..base() }, camera(0.0)),
         ("small", Settings { size: Some(0.01), count: 200.0, repetitions: 8, ..base() }, camera(0.0)),

@@ -48,7 +48,7 @@ fn frames(desc: &Desc, poison: Option<u32>) -> Option<Vec<Bits>> {
 
 #[test]
 fn frames_need_nothing_of_scratch() {
-    let base = Settings { repetitions: 12, count: 4.0, spread: Some(0.15), size: Some(0.3), ..Settings::light() };
+    let base = Settings { repetitions: 12, count: 4.0, spread: Some(0.15), size: Some(0.3), ..Settings::paper() };
     let base = desc(SIZE, 50, base);
     let with = |settings: Settings| Desc { settings, ..base.clone() };
     let own = || base.settings.clone();

@@ -38,7 +38,7 @@ fn compare(name: &str, desc: &Desc, scene: &Scene) {
 }
 
 fn base() -> Settings {
-    Settings { repetitions: 9, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::light() }
+    Settings { repetitions: 9, count: 6.0, spread: Some(0.15), size: Some(0.25), ..Settings::paper() }
 }
 
 #[test]

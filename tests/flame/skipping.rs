@@ -17,7 +17,7 @@ const SIZE: [u32; 2] = [40, 30];
 const PARTICLES: u32 = 50;
 
 fn base() -> Settings {
-    Settings { repetitions: 8, count: 4.0, spread: Some(0.15), size: Some(0.3), ..Settings::light() }
+    Settings { repetitions: 8, count: 4.0, spread: Some(0.15), size: Some(0.3), ..Settings::paper() }
 }
 
 fn effect(settings: Settings) -> Desc {

@@ -19,7 +19,7 @@ const PARTICLES: u32 = 150;
 const SHARE: f64 = 1e-5;
 
 pub fn base() -> Settings {
-    Settings { repetitions: 24, count: 8.0, spread: Some(0.15), size: Some(0.2), ..Settings::light() }
+    Settings { repetitions: 24, count: 8.0, spread: Some(0.15), size: Some(0.2), ..Settings::paper() }
 }
 
 fn rig(settings: Settings) -> Option<FlameRig> {
@@ -224,4 +224,99 @@ fn worlds() {
         total.add(tally);
     }
     total.assert_few("worlds", SHARE);
+}
+
+/// The hottest of what is in the nearest slab of depth gives the colour.
+#[test]
+fn emission() {
+    let mut total = Tally::default();
+    let near = from(0.2, 0.1, 1.25);
+    for (name, settings, camera) in [
+        ("thin slabs", Settings { emission: Some(0.2), ..base() }, camera(0.0)),
+        ("usual slabs", Settings { emission: None, ..base() }, camera(0.0)),
+        ("one slab, or two", Settings { emission: Some(100.0), ..base() }, camera(-20.0)),
+        ("near", Settings { emission: Some(1.5), shape: Shape::Cube, ..base() }, near),
+        ("small", Settings { emission: Some(8.0), size: Some(0.04), count: 60.0, ..base() }, camera(0.0)),
+        ("pixels", Settings { emission: Some(2.0), size: None, size_pixels: Some(9.0), ..base() }, camera(0.0)),
+        // Then depths are all that there is.
+        (
+            "no depth",
+            Settings { emission: Some(2.0), spread: Some(0.0), size: None, size_pixels: Some(9.0), ..base() },
+            camera(0.0),
+        ),
+    ] {
+        look(name, settings, camera, &mut total);
+    }
+    total.assert_few("emission", SHARE);
+}
+
+#[test]
+fn emission_before_a_scene() {
+    let particles = ball(PARTICLES, 1);
+    let depth: Vec<f32> = (0..SIZE[0] * SIZE[1]).map(|i| 3.0 + 0.02 * (i % SIZE[0]) as f32).collect();
+    let desc = desc(SIZE, PARTICLES, Settings { emission: Some(3.0), ..base() });
+    let Some(mut rig) = FlameRig::new(Desc { scene: Some(SceneFormat::Buffer), ..desc }) else { return };
+    let tally = check("scene", &mut rig, &Shot { depth: Some(&depth), ..Shot::new(&particles, camera(0.0)) });
+    assert!(tally.hits * 50 > tally.samples, "{tally:?}");
+    tally.assert_few("scene", SHARE);
+}
+
+/// What a cooler shell hides shines through it.
+#[test]
+fn a_hot_core_shines_through_what_is_cooler() {
+    let mut rows: Vec<[f32; 4]> = Vec::new();
+    let particles = ball(600, 1);
+    for [x, y, z] in &particles.position {
+        rows.push([*x, *y, *z, if x.hypot(*y).hypot(*z) < 0.6 { 2900.0 } else { 1200.0 }]);
+    }
+    let particles = crate::common::flame::particles(&rows);
+    let middle = |emission: f32| {
+        let settings = Settings { emission: Some(emission), count: 20.0, ..base() };
+        let mut rig = FlameRig::new(desc(SIZE, 600, settings))?;
+        rig.frame(&particles, camera(0.0));
+        let mean = rig.mean();
+        let brightness = |[r, g, b, a]: [f32; 4]| if a > 0.0 { (r + g + b) / a } else { 0.0 };
+        let middle = (30..42).flat_map(|y| (42..54).map(move |x| y * SIZE[0] as usize + x));
+        Some(middle.map(|i| brightness(mean[i])).sum::<f32>() / 144.0)
+    };
+    let (Some(paper), Some(half), Some(through)) = (middle(0.0), middle(1.0), middle(6.0)) else { return };
+    println!("brightness {paper}, {half}, {through}");
+    assert!(half > paper && through > 1.3 * half && through > 2.0 * paper, "{paper} {half} {through}");
+}
+
+/// Finer noise in sprites that are magnified.
+#[test]
+fn octaves() {
+    let mut total = Tally::default();
+    let close = Camera { near: 0.01, ..from(0.1, 0.05, 0.5) };
+    for (name, settings, camera) in [
+        ("one", Settings { size: Some(2.4), octaves: 1, count: 2.0, ..base() }, camera(0.0)),
+        ("all", Settings { size: Some(2.4), octaves: 6, count: 2.0, ..base() }, close),
+        ("low threshold", Settings { size: Some(1.2), octaves: 6, threshold: 0.05, count: 2.0, ..base() }, close),
+        ("high threshold", Settings { size: Some(1.2), octaves: 6, threshold: 1.0, count: 4.0, ..base() }, close),
+        ("pixels", Settings { size: None, size_pixels: Some(90.0), octaves: 3, count: 2.0, ..base() }, camera(0.0)),
+        (
+            "as users have it",
+            Settings { size: Some(0.6), count: 4.0, spread: base().spread, ..Settings::default() },
+            close,
+        ),
+    ] {
+        look(name, settings, camera, &mut total);
+    }
+    total.assert_few("octaves", SHARE);
+}
+
+/// Where no sprite is magnified there are none, to the bit.
+#[test]
+fn octaves_are_for_near_sprites() {
+    let particles = ball(PARTICLES, 1);
+    let light = |octaves: u32, size: f32| {
+        let mut rig = rig(Settings { octaves, size: Some(size), ..base() })?;
+        rig.frame(&particles, camera(0.0));
+        Some(crate::oracle::sums(&mut rig, base().repetitions).light)
+    };
+    // At the nearest particle a metre is some 41 pixels, of which 64 have a texel each.
+    assert_eq!(light(0, 1.5), light(6, 1.5));
+    let (Some(none), Some(some)) = (light(0, 3.0), light(6, 3.0)) else { return };
+    assert_ne!(none, some);
 }

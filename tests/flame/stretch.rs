@@ -15,7 +15,7 @@ const SIZE: [u32; 2] = [65, 47];
 const PARTICLES: u32 = 60;
 
 fn base() -> Settings {
-    Settings { repetitions: 12, count: 6.0, spread: Some(0.1), size: Some(0.15), stretch: 0.15, ..Settings::light() }
+    Settings { repetitions: 12, count: 6.0, spread: Some(0.1), size: Some(0.15), stretch: 0.15, ..Settings::paper() }
 }
 
 #[test]

@@ -39,7 +39,7 @@ pub fn settings() -> Settings {
         size: Some(0.25),
         count: 10.0,
         variants: 4,
-        ..Settings::light()
+        ..Settings::paper()
     }
 }
 
@@ -130,7 +130,7 @@ pub fn near() -> Case {
 pub fn usual() -> Case {
     let particles = ball(300, 3);
     let spread = celfx::flame::mean_spacing(&particles.position);
-    let settings = Settings { mode: Mode::Expected, spread, ..Settings::light() };
+    let settings = Settings { mode: Mode::Expected, spread, ..Settings::paper() };
     Case { particles, ..Case::new("usual", [40, 30], 300, settings, scenes::camera(25.0)) }
 }
 
@@ -216,6 +216,7 @@ impl Case {
             scene: self.depth.as_deref(),
             mask,
             level,
+            base: 0.0,
         }
     }
 }

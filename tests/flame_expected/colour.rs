@@ -34,12 +34,12 @@ fn ways() -> Vec<(Settings, Formula)> {
     let mut all: Vec<(Settings, Formula)> = Vec::new();
     for adaptation in [0.0_f32, 0.5, 1.0] {
         let a = f64::from(adaptation);
-        let physical = Settings { colour: Colour::Physical, adaptation, ..Settings::light() };
+        let physical = Settings { colour: Colour::Physical, adaptation, ..Settings::paper() };
         all.push((physical, Box::new(move |t| colour::physical(t, 3000.0, a))));
-        let displayable = Settings { adaptation, ..Settings::light() };
+        let displayable = Settings { adaptation, ..Settings::paper() };
         all.push((displayable, Box::new(move |t| colour::displayable(t, 3000.0, 2.0, a))));
     }
-    let settings = Settings { colour: Colour::Ramp(ramp()), ..Settings::light() };
+    let settings = Settings { colour: Colour::Ramp(ramp()), ..Settings::paper() };
     all.push((settings, Box::new(|t| colour::ramp(t, 3000.0, &ramp()))));
     all
 }
@@ -83,7 +83,7 @@ fn colours_are_never_negative_and_end_where_they_should() {
         }
     }
     // A host's promise holds for all of them: what is hotter is as hot as it says.
-    let physical = Settings { colour: Colour::Physical, ..Settings::light() };
+    let physical = Settings { colour: Colour::Physical, ..Settings::paper() };
     let Some(found) = colours(&physical, 2000.0, &temperatures) else { return };
     let hot = |(t, c): &(f32, [f32; 3])| (*t > 2000.0).then_some(c[0]);
     let exact = colour::physical(2000.0, 3000.0, 1.0)[0];

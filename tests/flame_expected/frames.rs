@@ -2,13 +2,16 @@
 
 use celfx::data::Particles;
 use celfx::effect::Effort;
-use celfx::flame::Settings;
-use celfx::flame::settings::Shape;
+use celfx::flame::settings::{Mode, Shape};
+use celfx::flame::{Desc, FlameKind, Settings};
+use celfx::low_level::flame::layout;
+use celfx::low_level::flame::params::KernelTable;
+use celfx::offline::{EffectBuffer, Scene};
 use celfx::view::Camera;
 use glam::DVec3;
 
 use crate::cases::{Case, control, near, plain, settings};
-use crate::common::flame::{FlameRig, ball};
+use crate::common::flame::{FlameRig, ball, scene};
 use crate::common::rig::Bits;
 use crate::common::scenes;
 
@@ -124,4 +127,28 @@ fn temperatures_that_come_later_are_as_they_are_alone() {
         assert!(burning > 50, "frame {number}: {burning} pixels");
     }
     assert_ne!(picture(&mut rig).differences(&picture(&mut frames[0].render().expect("a device"))), []);
+}
+
+/// The table is in spreads: frames with a spread of their own make nothing anew while sprites grow with it.
+#[test]
+fn a_frame_may_have_a_spread_of_its_own() {
+    for (mode, size) in [(Mode::Expected, None), (Mode::Expected, Some(0.2)), (Mode::Stochastic, None)] {
+        let case = plain().with(|s| (s.mode, s.spread, s.size, s.bins) = (mode, None, size, 16));
+        let settings = Settings { spread: None, ..case.desc.settings.clone() };
+        let Some(mut rig) = FlameRig::new(Desc { settings, ..case.desc.clone() }) else { return };
+        for (number, spread) in (0..).zip([0.2_f32, 0.17, 0.23, 0.2]) {
+            rig.render(&Scene { spread: Some(spread), ..scene(Some(&case.particles), case.camera) });
+            let Some(mut alone) = case.with(|s| s.spread = Some(spread)).render() else { return };
+            assert_eq!(picture(&mut rig).differences(&picture(&mut alone)), [], "{mode:?} {size:?}: frame {number}");
+            if mode == Mode::Expected && number > 0 {
+                let state = EffectBuffer::of::<FlameKind>(layout::KERNEL_STATE);
+                let state: KernelTable = rig.offline().read_as(state, 1).expect("the buffer can be read")[0];
+                assert_eq!(state.new_classes != 0, size.is_some(), "frame {number}");
+            }
+        }
+        // None: that of the last frame.
+        let last = picture(&mut rig);
+        rig.render(&scene(None, case.camera));
+        assert_eq!(picture(&mut rig).differences(&last), []);
+    }
 }

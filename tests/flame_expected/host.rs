@@ -67,6 +67,7 @@ impl Slot {
         Frame {
             view: scenes::camera(25.0 + 3.0 * f64::from(number)).view(self.place.size),
             particles: Some(given),
+            spread: None,
             number,
             accumulate: false,
             target: self.image(&self.target, CLEARED, COPIED_FROM),

@@ -17,7 +17,7 @@ fn camera() -> Camera {
 #[test]
 fn the_mask_is_that_of_the_definition() {
     for (seed, variants) in [(1, 16), (0, 1), (u32::MAX, 64)] {
-        let of_seed = celfx::flame::Desc { seed, ..desc([16, 16], 1, Settings { variants, ..Settings::light() }) };
+        let of_seed = celfx::flame::Desc { seed, ..desc([16, 16], 1, Settings { variants, ..Settings::paper() }) };
         let Some(mut rig) = FlameRig::new(of_seed) else { return };
         rig.frame(&particles(&[[0.0, 0.0, -1.0, 2000.0]]), camera());
         let (device, exact) = (rig.mask(), Mask::new(seed, variants));
@@ -52,7 +52,7 @@ fn texels_of_every_level_pass_as_often_as_their_alphas() {
             alpha_scale: 1.0,
             threshold: 0.2,
             variants: 4,
-            ..Settings::light()
+            ..Settings::paper()
         };
         let Some(mut rig) = FlameRig::new(desc([32, 32], 1, settings)) else { return };
         // Texels meet pixels: a sprite of an odd width lies on a pixel's middle, and a metre away half is 16 pixels.

@@ -68,6 +68,19 @@ fn the_mean_is_as_bright_as_that_of_repetitions() {
     }
 }
 
+/// The expected image has no octaves. Repetitions that have them keep the mean of the mask, not quite what passes of it.
+#[test]
+fn octaves_change_little_of_the_light() {
+    let case = crate::cases::near().with(|s| s.size = Some(1.0));
+    let Some(mut expected) = case.render() else { return };
+    for octaves in [0, 6] {
+        let Some(mut rig) = repeated(&case, 1024).with(|s| s.octaves = octaves).render() else { return };
+        let [all, own] = [light(&mut rig), light(&mut expected)];
+        println!("{octaves} octaves: the expected image has {:.4} of their light", own / all);
+        assert!((own / all - 1.0).abs() < if octaves == 0 { 0.01 } else { 0.1 }, "{own} of {all}");
+    }
+}
+
 #[test]
 fn variance_is_that_of_repetitions() {
     let case = Case::new("variance", [32, 24], 40, settings(), crate::common::scenes::camera(25.0));

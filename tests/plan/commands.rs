@@ -92,6 +92,7 @@ fn a_frame_of_fire() {
         let first = flame::Frame {
             view: Camera::default().view(SIZE),
             particles: Some(particles),
+            spread: None,
             number: 0,
             accumulate: false,
             target: image(FORMAT),

@@ -341,6 +341,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                 let first = flame::Frame {
                     view: Camera::default().view(SIZE),
                     particles: Some(input),
+                    spread: None,
                     number: 3,
                     accumulate: false,
                     target: image(FORMAT),

@@ -103,7 +103,7 @@ impl Scene {
             }
         };
         let kelvin = particles.temperature.iter().map(|t| f64::from(*t)).sum::<f64>() / f64::from(count.max(1));
-        let defaults = Settings::light();
+        let defaults = Settings::paper();
         let settings = Settings {
             spread,
             size: Some((workload.sprite * pixel) as f32),

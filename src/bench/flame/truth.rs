@@ -44,7 +44,7 @@ impl Truth {
         let mask = Mask::new(SEED, settings.variants);
         let level = mask_level(settings, &view, scene.size, nearest);
         let size = scene.size;
-        let frame = Frame { settings, seed: SEED, number: 0, view, size, scene: None, mask: &mask, level };
+        let frame = Frame { settings, seed: SEED, number: 0, view, size, scene: None, mask: &mask, level, base: 0.0 };
         let places = scene.places(PIXELS[usize::from(quick)]);
         let at = |bins, places: &[usize]| {
             render_at(&frame, &particles, Bins::around(&frame, &particles, bins), CELLS, places)

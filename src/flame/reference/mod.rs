@@ -6,6 +6,7 @@ pub mod draws;
 pub mod expected;
 pub mod kernel;
 pub mod mask;
+pub mod octaves;
 pub mod prepare;
 pub mod stochastic;
 pub mod sums;

@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 
 use super::draws::{Draw, Draws};
-use super::mask::{Mask, SIDE};
+use super::mask::{Look, Mask, SIDE};
+use super::octaves::Octaves;
 use super::prepare::Particle;
 use super::sums::Sums;
 use super::{drawn_back, drawn_out, enlarged, half_sides, world};
@@ -32,6 +33,8 @@ pub struct Frame<'a> {
     pub mask: &'a Mask,
     /// Its level.
     pub level: u32,
+    /// The view depth from where slabs of depth are counted, in metres: 0 unless the fire is far away.
+    pub base: f64,
 }
 
 /// How far another's numbers may be off.
@@ -73,13 +76,50 @@ pub fn render(frame: &Frame, particles: &[Particle], repetitions: Range<u32>, ro
 #[derive(Clone, Copy)]
 struct Nearest {
     z: f64,
+    /// The slab of depth of the winner, or its depth.
+    slab: f64,
     /// Place in the list of particles.
     winner: usize,
     /// Nearest depth at which rounding decides.
     doubt: f64,
 }
 
-const NOTHING: Nearest = Nearest { z: f64::INFINITY, winner: usize::MAX, doubt: f64::INFINITY };
+const NOTHING: Nearest = Nearest { z: f64::INFINITY, slab: f64::INFINITY, winner: usize::MAX, doubt: f64::INFINITY };
+
+/// Slabs of depth in a repetition, in each of which the hottest wins.
+#[derive(Clone, Copy, Debug)]
+pub struct Slabs {
+    /// Their depth in metres; 0: depths themselves.
+    pub depth: f64,
+    /// Where the first begins is as much before `base` as this share of a slab.
+    pub begin: f64,
+    /// View depth from where they are counted, in metres.
+    pub base: f64,
+}
+
+impl Slabs {
+    /// Of a repetition: they begin at multiples of the golden ratio.
+    pub fn new(settings: &Settings, base: f64, repetition: u32) -> Slabs {
+        let side = if settings.size_pixels.is_some() { settings.spread.unwrap_or_default() } else { settings.sprite() };
+        let turned = repetition.wrapping_add(1).wrapping_mul(0x9E37_79B9) >> 8;
+        Slabs { depth: f64::from(settings.shines() * side), begin: f64::from(turned) / 16_777_216.0, base }
+    }
+
+    /// The one that a view depth lies in; the depth without slabs.
+    pub fn at(&self, z: f64) -> f64 {
+        if self.depth > 0.0 { self.place(z).floor() } else { z }
+    }
+
+    fn place(&self, z: f64) -> f64 {
+        (z - self.base).max(0.0) / self.depth + self.begin
+    }
+
+    /// The first and the last that it may lie in where depths, and places among slabs, are off by as much relative to themselves.
+    fn around(&self, z: f64, slack: f64) -> [f64; 2] {
+        let place = self.place(z);
+        [-1.0, 1.0].map(|side| (place + side * slack * (z / self.depth + place)).floor())
+    }
+}
 
 /// A render particle on the screen.
 struct Sprite {
@@ -126,6 +166,8 @@ struct Work<'a> {
     projection: Projection,
     /// The mask's level, each texel's alphas in descending order.
     sorted: Vec<f64>,
+    /// The largest alpha of the mask.
+    largest: f64,
     /// Particles that can pass, and their centres in view space.
     able: Vec<(usize, DVec3)>,
 }
@@ -144,6 +186,7 @@ impl<'a> Work<'a> {
             draws: Draws::new(frame.settings, frame.seed, frame.number),
             projection,
             sorted: frame.mask.sorted(frame.level),
+            largest: frame.mask.largest(),
             able: able.map(|(i, p)| (i, projection.to_view(world(p.centre)))).collect(),
         }
     }
@@ -155,20 +198,21 @@ impl<'a> Work<'a> {
         let mut nearest = vec![NOTHING; pixels];
         for repetition in repetitions {
             nearest.fill(NOTHING);
+            let slabs = Slabs::new(self.frame.settings, self.frame.base, repetition);
             for &(index, centre) in &self.able {
                 for k in 0..self.particles[index].count {
                     let draw = self.draws.draw(self.particles[index].id, k, repetition);
                     if let Some(sprite) = self.sprite(&self.particles[index], centre, &draw) {
-                        self.splat(index, &sprite, &mut nearest);
+                        self.splat(index, &sprite, &slabs, &mut nearest);
                     }
                 }
             }
-            self.count(&nearest, &mut sums);
+            self.count(&nearest, &slabs, &mut sums);
         }
         sums
     }
 
-    fn count(&self, nearest: &[Nearest], sums: &mut Sums) {
+    fn count(&self, nearest: &[Nearest], slabs: &Slabs, sums: &mut Sums) {
         for (i, seen) in nearest.iter().enumerate() {
             if let Some(winner) = self.particles.get(seen.winner) {
                 for c in 0..3 {
@@ -179,7 +223,9 @@ impl<'a> Work<'a> {
                 sums.hits[i] += 1;
                 sums.depth[i] += seen.z;
             }
-            if seen.doubt.is_finite() && seen.doubt <= seen.z * (1.0 + self.rounding.depth) {
+            // What is in no farther slab than the winner could have won.
+            let doubt = seen.doubt * (1.0 - self.rounding.depth);
+            if seen.doubt.is_finite() && (doubt <= seen.z || slabs.at(doubt) <= seen.slab) {
                 sums.near[i] += 1;
             }
         }
@@ -211,7 +257,7 @@ impl<'a> Work<'a> {
     }
 
     /// Tests a sprite in every pixel that it may touch.
-    fn splat(&self, index: usize, sprite: &Sprite, nearest: &mut [Nearest]) {
+    fn splat(&self, index: usize, sprite: &Sprite, slabs: &Slabs, nearest: &mut [Nearest]) {
         let outside = sprite.z < self.projection.near || sprite.z > self.projection.far;
         let range = |axis: usize| {
             let n = f64::from(self.frame.size[axis]);
@@ -227,7 +273,8 @@ impl<'a> Work<'a> {
                 let place = y * self.frame.size[0] as usize + x;
                 let seen = &mut nearest[place];
                 let slack = self.rounding.depth * sprite.z;
-                if sprite.z > seen.z + slack {
+                // Without slabs they are the same.
+                if sprite.z - slack > seen.z && slabs.at(sprite.z - slack) > seen.slab {
                     continue;
                 }
                 let scene = self.frame.scene.map_or(f64::INFINITY, |scene| f64::from(scene[place]));
@@ -243,25 +290,41 @@ impl<'a> Work<'a> {
                     seen.doubt = seen.doubt.min(sprite.z);
                 }
                 if test.passes && !outside && sprite.z < scene {
-                    self.meet(seen, index, sprite.z, slack);
+                    self.meet(seen, index, sprite.z, slabs);
                 }
             }
         }
     }
 
-    /// Nearest wins, then the smaller id, then the first row.
-    fn meet(&self, seen: &mut Nearest, index: usize, z: f64, slack: f64) {
+    /// The nearest slab wins, in it the hottest, then the nearest, then the smaller id, then the first row.
+    fn meet(&self, seen: &mut Nearest, index: usize, z: f64, slabs: &Slabs) {
+        let slab = slabs.at(z);
         if let Some(winner) = self.particles.get(seen.winner) {
             let own = &self.particles[index];
-            // Equal light: whichever wins, the sums are the same. Equal depths are equal for everyone.
-            if own.light != winner.light && z != seen.z && (z - seen.z).abs() <= slack {
+            // Equal light: whichever wins, the sums are the same.
+            if own.light != winner.light && self.is_doubtful([(own, z), (winner, seen.z)], slabs) {
                 seen.doubt = seen.doubt.min(z).min(seen.z);
             }
-            if z > seen.z || (z == seen.z && (own.id, own.row) >= (winner.id, winner.row)) {
+            let heat = |particle: &Particle| if slabs.depth > 0.0 { particle.alpha } else { 0.0 };
+            let order = slab.total_cmp(&seen.slab).then(heat(winner).total_cmp(&heat(own))).then(z.total_cmp(&seen.z));
+            if order.then((own.id, own.row).cmp(&(winner.id, winner.row))).is_ge() {
                 return;
             }
         }
-        (seen.z, seen.winner) = (z, index);
+        (seen.z, seen.slab, seen.winner) = (z, slab, index);
+    }
+
+    /// Whether rounding may decide between two particles' sprites. Equal depths are equal for everyone.
+    fn is_doubtful(&self, [(a, z), (b, other)]: [(&Particle, f64); 2], slabs: &Slabs) -> bool {
+        let slack = self.rounding.depth;
+        let close = z != other && (z - other).abs() <= slack * z.abs().max(other.abs());
+        let ([low, high], [other_low, other_high]) = (slabs.around(z, slack), slabs.around(other, slack));
+        match () {
+            _ if slabs.depth == 0.0 || slack == 0.0 => close,
+            _ if high < other_low || other_high < low => false,
+            _ if [low, other_low, other_high] != [high; 3] => true,
+            _ => (a.alpha - b.alpha).abs() <= self.rounding.alpha * a.alpha.max(b.alpha) && close,
+        }
     }
 
     fn test(&self, sprite: &Sprite, pixel: [f64; 2]) -> Test {
@@ -292,7 +355,11 @@ impl<'a> Work<'a> {
             return Test::FAILS;
         }
         let texels = SIDE as f64 / 2.0;
-        let look = self.frame.mask.bilinear(sprite.variant, (u + 1.0) * texels, (v + 1.0) * texels);
+        let look = self.detailed(
+            sprite,
+            [u, v],
+            self.frame.mask.bilinear(sprite.variant, (u + 1.0) * texels, (v + 1.0) * texels),
+        );
         let uncertain = if look.empty { 0.0 } else { look.slope * texels * error + self.rounding.alpha };
         let test = self.compare(sprite.alpha, look.alpha, uncertain);
         if beyond >= 0.0 {
@@ -300,6 +367,22 @@ impl<'a> Work<'a> {
         } else {
             Test { can_fail: test.can_fail || beyond >= -slack && slack > 0.0, ..test }
         }
+    }
+
+    /// With finer noise where the mask is magnified: as high as the cone, and no higher than the mask is anywhere.
+    fn detailed(&self, sprite: &Sprite, [u, v]: [f64; 2], look: Look) -> Look {
+        let footprint = SIDE as f64 / 2.0 / sprite.half[0].min(sprite.half[1]);
+        let place = [u, v].map(|c| (c + 1.0) / 2.0 * SIDE as f64);
+        let settings = self.frame.settings;
+        let octaves = Octaves::new(settings.detail(), self.frame.seed, sprite.variant as u32, place, footprint);
+        if octaves.slope == 0.0 {
+            return look;
+        }
+        let cone = (1.0 - u.hypot(v)).max(0.0);
+        let alpha = (look.alpha + cone * octaves.value).clamp(0.0, cone.min(self.largest));
+        // The cone falls by the half side in 32 texels.
+        let slope = look.slope + octaves.slope + 2.0 * (1.0 + octaves.value.abs()) / (SIDE as f64 / 2.0);
+        Look { alpha, slope, empty: false }
     }
 
     /// Level 1 and above: the alpha of a quantile of the texel.
@@ -360,7 +443,7 @@ mod tests {
     }
 
     fn settings() -> Settings {
-        Settings { spread: Some(0.0), size: Some(1.0), count: 1.0, threshold: 0.5, ..Settings::default() }
+        Settings { spread: Some(0.0), size: Some(1.0), count: 1.0, threshold: 0.5, ..Settings::paper() }
     }
 
     /// One variant, alpha 1 everywhere.
@@ -399,6 +482,7 @@ mod tests {
                 scene: self.depth.as_deref(),
                 mask: &self.mask,
                 level: self.level.unwrap_or(level),
+                base: 0.0,
             };
             render(&frame, &prepared.particles, repetitions, Rounding::default())
         }
@@ -527,7 +611,7 @@ mod tests {
             threshold: 0.4,
             repetitions: 64,
             sampling: Sampling::ShuffledSobol,
-            ..Settings::default()
+            ..Settings::paper()
         };
         let scene = Scene { mask: Mask::new(7, 16), ..Scene::new(settings, [160, 120]) };
         let positions = cloud(300);

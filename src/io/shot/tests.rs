@@ -159,6 +159,8 @@ fn built_in_shots_say_the_defaults() {
                 look,
                 stretch,
                 repetitions,
+                octaves,
+                emission,
                 ..
             } = *settings;
             let expected = crate::flame::Settings {
@@ -173,6 +175,8 @@ fn built_in_shots_say_the_defaults() {
                 look,
                 stretch,
                 repetitions,
+                octaves,
+                emission,
                 ..flame_of(&defaults).settings.clone()
             };
             assert_eq!(*settings, expected, "{name}");
@@ -233,6 +237,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         if let Some(Flame { settings, .. }) = shot.part() {
             expected.extend(["flame.on", "flame.size_pixels"]);
             expected.extend(settings.reach.is_none().then_some("flame.reach"));
+            expected.extend(settings.emission.is_none().then_some("flame.emission"));
         }
         if shot.has("blur") {
             expected.extend(keys::INSTEAD_OF_FILE);

@@ -57,6 +57,7 @@ impl Feed for FlameFeed {
         Some(Frame {
             view: scene.seen(flame.desc().size),
             particles: self.particles,
+            spread: scene.spread,
             number: scene.drawing.unwrap_or(scene.number),
             accumulate: scene.accumulate,
             target: place.target?,

@@ -6,12 +6,13 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::fire_lights_smoke;
 use super::shot::Flame;
+use super::spread::Spreads;
 use crate::data::{ParticleExtent, Particles};
+use crate::flame::Desc;
 use crate::flame::settings::Colour;
-use crate::flame::{Desc, Settings, fire_light, mean_spacing};
+use crate::flame::{Settings, fire_light};
 use crate::interrupt;
 use crate::io::ReadError;
-use crate::io::particles::ParticleSequence;
 use crate::io::shot::Shot;
 use crate::offline::{Effects, Scene, TARGET_FORMAT};
 use crate::program::hash::builtin;
@@ -19,25 +20,20 @@ use crate::program::input::Fresh;
 use crate::program::{Brought, Files, Input, InputError, Opened, add};
 use crate::view::FireLight;
 
-/// Spread of a flame without one in a shot none of whose frames has two particles, in metres.
-const DEFAULT_SPREAD: f32 = 0.1;
-
 /// A shot's particles.
 struct FlameInput {
     shot: Arc<Shot>,
     flame: Flame,
     particles: Fresh<Particles>,
-    fire: Fire,
+    /// Where the table of physical colours ends: at the hottest particle of the whole shot, so that a frame alone looks as it does
+    /// in the sequence. None where colours are others.
+    hottest: Option<f32>,
+    /// Finds the spread of each frame; none where the shot says it.
+    spreads: Option<Spreads>,
+    /// The first frame that is rendered, and its spread.
+    first: Option<(u32, f32)>,
     /// The extent that the effect was made for, which all particles must be within.
     extent: Option<ParticleExtent>,
-}
-
-/// Values of a fire that follow from its whole shot, so that a frame alone looks as it does in the sequence.
-#[derive(Clone, Copy, Debug)]
-struct Fire {
-    /// Where the table of physical colours ends: at the hottest particle. None where colours are others.
-    hottest: Option<f32>,
-    spread: f32,
 }
 
 /// A frame's particles.
@@ -48,6 +44,8 @@ pub(super) struct FlameBrought {
     pub(super) count: usize,
     /// The frame whose drawing it has.
     drawing: u32,
+    /// Their spread, where the shot has none.
+    spread: Option<f32>,
     /// Their light on the shot's smoke.
     fire: Option<FireLight>,
 }
@@ -55,41 +53,32 @@ pub(super) struct FlameBrought {
 /// Looks at all of the shot's particles where that is what its fire follows from.
 pub(super) fn open(shot: &Arc<Shot>) -> Opened {
     let Some(flame) = shot.part::<Flame>() else { return Ok(None) };
-    let mut particles = flame.particles(shot)?;
+    let particles = flame.particles(shot)?;
     let (flame, [first, last]) = (flame.clone(), shot.frames);
     let hottest = match flame.settings.colour {
         Colour::Physical => Some(particles.extent(interrupt::until(first..=last))?.hottest),
         _ => None,
     };
-    let spread = match flame.settings.spread {
-        Some(spread) => spread,
-        None => spread(&mut particles, shot.frames)?,
-    };
     interrupt::check()?;
-    let fire = Fire { hottest, spread };
+    let spreads = flame.settings.spread.is_none().then(|| Spreads::new(particles.clone(), shot.frames));
     let particles = Fresh::new(particles);
-    Ok(Some(Box::new(FlameInput { shot: shot.clone(), flame, particles, fire, extent: None })))
-}
-
-/// The spread of a flame that has none: the mean distance to the 8th neighbour in the shot's first frame that has one.
-fn spread(particles: &mut ParticleSequence, [first, last]: [u32; 2]) -> Result<f32, ReadError> {
-    for frame in interrupt::until(first..=last) {
-        if let Some(spacing) = mean_spacing(&particles.frame(frame)?.position) {
-            return Ok(spacing);
-        }
-    }
-    Ok(DEFAULT_SPREAD)
+    let (shot, first, extent) = (shot.clone(), None, None);
+    Ok(Some(Box::new(FlameInput { shot, flame, particles, hottest, spreads, first, extent })))
 }
 
 impl Input for FlameInput {
     fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
         let Flame { particles, exposure, settings, .. } = &self.flame;
-        add(hash, ("flame", builtin(particles), self.fire, exposure, settings));
+        add(hash, ("flame", builtin(particles), self.hottest, exposure, settings));
         Ok(())
     }
 
     fn add_frame(&self, hash: &mut Xxh3, files: &mut Files, frame: u32) -> Result<(), ReadError> {
-        add(hash, files.digest_of(&self.particles.sequence, self.flame.exposure.drawing(frame))?);
+        let drawing = self.flame.exposure.drawing(frame);
+        add(hash, files.digest_of(&self.particles.sequence, drawing)?);
+        for (frame, weight) in self.spreads.iter().flat_map(|spreads| spreads.window(drawing)) {
+            add(hash, (frame, weight, files.digest_of(&self.particles.sequence, frame)?));
+        }
         Ok(())
     }
 
@@ -97,8 +86,10 @@ impl Input for FlameInput {
         let drawings = rendered.iter().map(|frame| self.flame.exposure.drawing(*frame));
         let extent = self.particles.sequence.extent(interrupt::until(drawings))?;
         interrupt::check()?;
-        let Fire { hottest, spread } = self.fire;
-        let extent = ParticleExtent { hottest: hottest.unwrap_or(extent.hottest), ..extent };
+        let extent = ParticleExtent { hottest: self.hottest.unwrap_or(extent.hottest), ..extent };
+        if let (Some(spreads), Some(first)) = (&mut self.spreads, rendered.first()) {
+            self.first = Some((*first, spreads.of(self.flame.exposure.drawing(*first))?));
+        }
         self.extent = Some(extent);
         let light = if fire_lights_smoke(&self.shot) { 0.0 } else { self.flame.settings.light };
         Ok(effects.with(Desc {
@@ -109,14 +100,14 @@ impl Input for FlameInput {
             particles: extent.most,
             hottest: extent.hottest,
             seed: self.shot.seed,
-            settings: Settings { spread: Some(spread), light, ..self.flame.settings.clone() },
+            settings: Settings { light, ..self.flame.settings.clone() },
             layers,
             temporal: Default::default(),
         }))
     }
 
     fn choices(&self) -> Option<String> {
-        self.flame.settings.spread.is_none().then(|| format!("flame.spread = {} m", self.fire.spread))
+        self.first.map(|(frame, spread)| format!("flame.spread = {spread} m in frame {frame}"))
     }
 
     fn read(&mut self, frame: u32, rendered: bool) -> Result<Option<Box<dyn Brought>>, InputError> {
@@ -126,7 +117,8 @@ impl Input for FlameInput {
         let (extent, drawing) = (self.extent, self.flame.exposure.drawing(frame));
         let particles = self.particles.read(drawing, |some, path| extent.map_or(Ok(()), |e| e.check(some, path)))?;
         let count = self.particles.last().map_or(0, |last| last.position.len());
-        Ok(Some(Box::new(FlameBrought { particles, count, drawing, fire: self.light() })))
+        let spread = self.spreads.as_mut().map(|spreads| spreads.of(drawing)).transpose()?;
+        Ok(Some(Box::new(FlameBrought { particles, count, drawing, spread, fire: self.light() })))
     }
 }
 
@@ -144,14 +136,13 @@ impl FlameInput {
 impl FlameBrought {
     /// So many, which are those of the frame before.
     pub(super) fn of(count: usize) -> FlameBrought {
-        FlameBrought { particles: None, count, drawing: 1, fire: None }
+        FlameBrought { particles: None, count, drawing: 1, spread: None, fire: None }
     }
 }
 
 impl Brought for FlameBrought {
     fn put<'a>(&'a self, scene: &mut Scene<'a>) {
-        scene.particles = self.particles.as_deref();
-        scene.drawing = Some(self.drawing);
-        scene.fire = self.fire;
+        (scene.particles, scene.spread) = (self.particles.as_deref(), self.spread);
+        (scene.drawing, scene.fire) = (Some(self.drawing), self.fire);
     }
 }

@@ -4,6 +4,7 @@ mod feed;
 mod input;
 mod layers;
 mod shot;
+mod spread;
 mod variants;
 
 pub use feed::FlameFeed;

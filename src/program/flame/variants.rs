@@ -28,6 +28,9 @@ fn variant(
         glow: Glow { strength: if flicker { 1.0 } else { 0.0 }, ..Glow::default() },
         stretch: if sobol { 0.1 } else { 0.0 },
         colour,
+        // Each way with them and without.
+        emission: if cube || expected { Some(0.0) } else { None },
+        octaves: if sobol { 0 } else { 2 },
         spread: Some(0.1),
         ..Settings::default()
     };
