@@ -202,6 +202,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             expected.extend(["smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth"]);
             expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
+            expected.extend(settings.detail.is_none().then_some("smoke.detail"));
             expected.extend(LINES);
         }
         expected.extend(shot.has("flame").then_some("flame.size_pixels"));

@@ -2,6 +2,7 @@
 //! benchmark compare the GPU with. Clear before fast.
 
 pub mod birth;
+pub mod detail;
 pub mod gaussian;
 pub mod grid;
 pub mod groups;
@@ -10,6 +11,7 @@ pub mod outline;
 pub mod particles;
 pub mod render;
 pub mod shadow;
+pub mod surface;
 pub mod tone;
 
 pub use grid::Grid;
