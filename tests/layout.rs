@@ -13,7 +13,7 @@ use celfx::low_level::smoke::layout::{self, Layout};
 use celfx::low_level::smoke::limits::{LOOP_BUDGET, LUMINANCE_ENTRIES};
 use celfx::low_level::smoke::params::{Particle, SLOT_PIXELS, TILE, TILE_BLOCKS};
 use celfx::low_level::smoke::search::{Pyramid, growth_rows};
-use celfx::smoke::settings::{Emitter, Grow, LINES, Mask, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Emitter, Grow, LINES, Mask, Outline, Radius, RadiusFrom, Shadow};
 use celfx::smoke::{Desc, Settings, Shape, Smoke};
 use celfx::toon::Tone;
 
@@ -204,7 +204,7 @@ fn loops_stay_within_their_budget() {
 fn searches_have_as_many_dispatches_as_they_may_need() {
     for dimensions in [[1; 3], [256; 3], [8, 256, 256], [500, 30, 200]] {
         for (grow, radius) in [(Grow::Pyramid, Radius::Ball), (Grow::Growth, Radius::Ball)] {
-            let settings = Settings { grow, radius, ..many(10, 0) };
+            let settings = Settings { grow, radius, radius_from: RadiusFrom::Voxels, ..many(10, 0) };
             let layout =
                 Layout::new(&Desc { velocity: false, ..desc([64, 64], dimensions, settings) }, &TRAITS).unwrap();
             let pyramid = Pyramid::new(dimensions);
@@ -233,7 +233,9 @@ fn settings_out_of_range_are_refused_by_key() {
         ("smoke.lifetime", Settings { lifetime: Some(0), ..s() }),
         ("smoke.fade", Settings { fade: 65, ..s() }),
         ("smoke.scale", Settings { scale: 0.0, ..s() }),
-        ("smoke.grow", Settings { grow: Grow::Field, radius: Radius::Ball, ..s() }),
+        ("smoke.grow", Settings { radius_from: RadiusFrom::Voxels, grow: Grow::Field, radius: Radius::Ball, ..s() }),
+        ("smoke.detail", Settings { detail: Some(-1.0), ..s() }),
+        ("smoke.radius_smoothing", Settings { radius_smoothing: 0.96, ..s() }),
         ("smoke.softness", Settings { softness: 1.1, ..s() }),
         ("smoke.gradient", Settings { gradient: [1.0, 0.5], ..s() }),
         ("smoke.gradient", Settings { gradient: [f32::NAN, 0.5], ..s() }),

@@ -21,7 +21,7 @@ use celfx::low_level::smoke::params::SmokeParams;
 use celfx::low_level::smoke::passes::Passes;
 use celfx::low_level::smoke::steps::{FrameDelta, Steps};
 use celfx::low_level::smoke::tables::Tables;
-use celfx::smoke::settings::{Grow, Integrator, LINES, Operator, Outline, Radius, Shadow};
+use celfx::smoke::settings::{Grow, Integrator, LINES, Operator, Outline, Radius, RadiusFrom, Shadow};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Shape};
 use celfx::view::{Camera, Light};
 
@@ -344,7 +344,12 @@ impl Effect {
 fn the_steps_of_a_frame_in_order() {
     // The search is named, so that the order does not hang on which is fastest for this volume. Steps that do not wait for each
     // other stand beside each other.
-    let mut effect = Effect::new(desc(Settings { grow: Grow::Field, ..Settings::default() }));
+    let mut effect = Effect::new(desc(Settings {
+        radius_from: RadiusFrom::Voxels,
+        detail: Some(0.0),
+        grow: Grow::Field,
+        ..Settings::default()
+    }));
     effect.fill(&effect.frame(), &effect.delta());
     let expected = [
         "smoke.background",
@@ -412,7 +417,7 @@ fn what_is_not_needed_is_left_out_and_says_why() {
     assert_eq!(skipped(Settings { outline, ..settings() }, "smoke.outline", nothing), "strength is 0");
     let lit = Settings { shadow: Shadow::None, ..settings() };
     assert_eq!(skipped(lit, "smoke.shadow", nothing), "shadow is \"none\"");
-    for name in ["smoke.volume", "smoke.occupancy"] {
+    for name in ["smoke.volume", "smoke.detail", "smoke.occupancy"] {
         assert!(skipped(settings(), name, |_, delta| delta.new_volume = false).contains("unchanged"));
     }
     assert_eq!(skipped(settings(), "smoke.tables", |_, delta| delta.new_tables = false), "unchanged");
@@ -440,11 +445,11 @@ fn no_particles_leave_nothing_but_the_background() {
 fn combinations() -> Vec<Desc> {
     let mut all = Vec::new();
     for shadow in [Shadow::Exact, Shadow::Map, Shadow::None] {
-        for (grow, radius) in [
-            (Grow::Chosen, Radius::Box),
-            (Grow::Field, Radius::Box),
-            (Grow::Pyramid, Radius::Ball),
-            (Grow::Growth, Radius::Box),
+        for (radius_from, grow, radius) in [
+            (RadiusFrom::Surface, Grow::Chosen, Radius::Box),
+            (RadiusFrom::Voxels, Grow::Field, Radius::Box),
+            (RadiusFrom::Voxels, Grow::Pyramid, Radius::Ball),
+            (RadiusFrom::Voxels, Grow::Growth, Radius::Box),
         ] {
             for (sigma, strength, operator) in
                 [(4.0, 1.0, Operator::Step), (4.0, 1.0, Operator::Roberts), (0.0, 0.0, Operator::Second)]
@@ -452,8 +457,19 @@ fn combinations() -> Vec<Desc> {
                 for (flag, integrator) in [(false, Integrator::Euler), (true, Integrator::Rk2)] {
                     let outline = Outline { strength, operator, ..Outline::default() };
                     let fade = if flag { 0 } else { 6 };
-                    let settings =
-                        Settings { shadow, grow, radius, sigma, outline, integrator, fade, ..Settings::default() };
+                    let detail = if flag { Some(0.0) } else { None };
+                    let settings = Settings {
+                        detail,
+                        radius_from,
+                        shadow,
+                        grow,
+                        radius,
+                        sigma,
+                        outline,
+                        integrator,
+                        fade,
+                        ..Settings::default()
+                    };
                     let lit = Desc { rim: flag, second_light: flag, fire_light: flag, ..desc(settings) };
                     all.push(Desc { layers: flag, velocity: flag, point_light: flag, ..lit });
                 }
@@ -469,8 +485,12 @@ fn dispatches_stay_within_every_devices_limit() {
     for (dimensions, particles) in
         [([256; 3], 1_000_000), ([320, 320, 319], 500), ([17, 1300, 1300], 500), ([16_384, 2048, 1], 1_000_000)]
     {
-        for grow in [Grow::Chosen, Grow::Pyramid] {
-            let settings = Settings { particles, fade: 0, grow, ..Settings::default() };
+        for (radius_from, grow) in [
+            (RadiusFrom::Surface, Grow::Chosen),
+            (RadiusFrom::Voxels, Grow::Chosen),
+            (RadiusFrom::Voxels, Grow::Pyramid),
+        ] {
+            let settings = Settings { particles, fade: 0, radius_from, grow, ..Settings::default() };
             let mut effect = Effect::new(Desc { dimensions, velocity: false, ..desc(settings) });
             effect.fill(&effect.frame(), &effect.delta());
             for step in &effect.plan.steps {

@@ -8,6 +8,8 @@ mod common;
 mod coverage;
 #[path = "smoke/depth.rs"]
 mod depth;
+#[path = "smoke/detail.rs"]
+mod detail;
 #[path = "smoke/extremes.rs"]
 mod extremes;
 #[path = "smoke/frame.rs"]
@@ -42,6 +44,8 @@ mod soft;
 mod spheres;
 #[path = "smoke/subresources.rs"]
 mod subresources;
+#[path = "smoke/surface.rs"]
+mod surface;
 #[path = "smoke/tone.rs"]
 mod tone;
 #[path = "smoke/views.rs"]

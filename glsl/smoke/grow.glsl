@@ -3,6 +3,7 @@
 
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) writeonly buffer Spheres { vec4 spheres[]; };
+layout(std430, binding = 6) buffer Radii { float radii[]; };  // before `scale` and growth
 #include "voxels.glsl"
 
 vec3 position_of(uint slot) {
@@ -13,9 +14,24 @@ bool is_alive(uint slot) {
     return particles[slot].age != DEAD;
 }
 
+const float MOST_OUTSIDE = 0.25;  // that a kept radius may leave the smoke by, in smallest sides of a voxel
+const float AT_REST = 1e-3;       // a smoothed radius this near to its goal is there, in smallest sides of a voxel
+
+// While a particle lives, its radius keeps a share of the last frame's.
+float smoothed_radius(uint slot, float radius) {
+    if (params.radius_smoothing == 0.0 || params.frames == 0u || particles[slot].age == 0u) {
+        return radius;
+    }
+    float kept = mix(radius, radii[slot], params.radius_smoothing);
+    kept = abs(kept - radius) <= AT_REST * params.smallest_side ? radius : kept;
+    return min(kept, radius + MOST_OUTSIDE * params.smallest_side);
+}
+
 // Newborn spheres grow by smoothstep over `fade` frames.
-void put_sphere(uint slot, vec3 p, float radius) {
+void put_sphere(uint slot, vec3 p, float raw) {
     uint age = particles[slot].age;
+    float radius = smoothed_radius(slot, raw);
+    radii[slot] = radius;
     float t = min(float(age + 1u) / float(params.fade + 1u), 1.0);
     float grown = (age & FULL_SIZE) != 0u ? 1.0 : t * t * (3.0 - 2.0 * t);
     spheres[slot] = vec4(p, radius * params.scale * grown);

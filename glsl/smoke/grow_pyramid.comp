@@ -6,14 +6,7 @@
 #include "../common/bits.glsl"
 layout(local_size_x = 64) in;
 #include "search.glsl"
-
-uint even_bits(uint v) {
-    v &= 0x55555555u;
-    v = (v | v >> 1) & 0x33333333u;
-    v = (v | v >> 2) & 0x0f0f0f0fu;
-    v = (v | v >> 4) & 0x00ff00ffu;
-    return (v | v >> 8) & 0x0000ffffu;
-}
+#include "morton.glsl"
 
 // Distance from p to the nearest centre of voxels first .. last along an axis.
 float to_range(vec3 p, int first, int last, int axis) {

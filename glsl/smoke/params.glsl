@@ -15,10 +15,11 @@ const uint MAX_LIGHT_LEVELS = 16u;  // levels of light-space tiles: more than th
 const uint LIST_RUN = 16u;             // sphere slots that one invocation counts and lists
 const uint LIVE_LANES = 64u;           // invocations of a workgroup of kernels over live spheres
 const uint QUAD_VERTICES = 4u;         // what a draw of a sphere or tile has
-const float HELD_RANGE = -1.0;       // instead of a share
-const uint MAX_LEVELS = 12u;           // levels that the occupancy pyramid can have
+const float HELD_RANGE = -1.0;         // instead of a share
+const uint MOST_DETAIL_WINDOW = 24u;   // voxels to each side that the Gaussian of the density can have
+const uint MAX_LEVELS = 12u;           // levels that a pyramid can have
 
-// A level of the occupancy pyramid.
+// A level of the pyramid that radii are searched in: of occupancy, or of the cells that the threshold crosses.
 struct PyramidLevel {
     uint first_word;
     uint rows_y;  // rows along y
@@ -109,6 +110,12 @@ layout(binding = 0) uniform SmokeParams {
     uint piece_reach;        // pixels along a line that are looked at
     float pixel_footprint;  // metres at depth 1; orthographic: at any depth
     uint occlusion_side;    // of a block of the occlusion test, pixels
+    vec4 detail_weights[MOST_DETAIL_WINDOW + 1u];  // of the Gaussian of the density, by distance in voxels; w: unused
+    uvec4 detail_window;    // where it ends, voxels to each side; w: unused
+    uint crossing_row_words;  // words of a row of the cells that the threshold crosses
+    float radius_smoothing;   // share of the last frame's radius that is kept
+    uint unused_detail;
+    uint unused_levels;
     PyramidLevel levels[MAX_LEVELS];
 } params;
 

@@ -10,7 +10,6 @@ struct Search {
 };
 
 layout(std430, binding = 4) buffer Searches { Search searches[]; };
-layout(std430, binding = 5) buffer Continuations { uvec4 continuations[]; };  // dispatches that go on
 layout(push_constant) uniform SearchConstants {
     uint part;        // 0 begins, others go on
     uint iterations;  // of the outer loop in this dispatch
@@ -19,26 +18,7 @@ layout(push_constant) uniform SearchConstants {
 } constants;
 
 #include "occupancy.glsl"
-
-const uint FINISHED = 0xffffffffu;  // instead of a cursor
-
-// Distances are combined as they are measured: along each axis, then the largest, or the root of the sum of squares.
-float combined(float a, float b, float c) {
-    return constants.is_ball != 0u ? sqrt(a * a + b * b + c * c) : max(a, max(b, c));
-}
-
-float along(vec3 p, int index, int axis) {
-    return abs(p[axis] - voxel_centre(index, axis));
-}
-
-// The nearest voxel outside of the volume lies straight across one of its faces.
-float outside_distance(vec3 p, ivec3 voxel) {
-    vec3 own = vec3(along(p, voxel.x, 0), along(p, voxel.y, 1), along(p, voxel.z, 2));
-    vec3 out_ = vec3(min(along(p, -1, 0), along(p, int(params.dimensions.x), 0)),
-                     min(along(p, -1, 1), along(p, int(params.dimensions.y), 1)),
-                     min(along(p, -1, 2), along(p, int(params.dimensions.z), 2)));
-    return min(combined(out_.x, own.y, own.z), min(combined(own.x, out_.y, own.z), combined(own.x, own.y, out_.z)));
-}
+#include "search_part.glsl"
 
 // Words of a row of the pyramid with a 1 for each empty voxel; beyond the volume's end nothing is found.
 uint empties(uint row, int word, uint level) {
@@ -101,9 +81,6 @@ void keep_search(uint slot, vec3 p, uint cursor, float best) {
     if (finished) {
         put_sphere(slot, p, best);
     } else {
-        uvec3 groups = constants.part == 0u ? gl_NumWorkGroups : continuations[constants.part - 1u].xyz;
-        atomicMax(continuations[constants.part].x, groups.x);
-        atomicMax(continuations[constants.part].y, 1u);
-        atomicMax(continuations[constants.part].z, 1u);
+        ask_for_another();
     }
 }

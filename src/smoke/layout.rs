@@ -11,7 +11,9 @@ use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
 use crate::scan;
 use crate::shaders::smoke as glsl;
-use crate::shaders::smoke::blocks::{Control, Edge, History, Particle, Reach, Search, SmokeParams, Tone};
+use crate::shaders::smoke::blocks::{
+    Control, Edge, History, Particle, Reach, Search, SmokeParams, SurfaceSearch, Tone,
+};
 use crate::shaders::smoke::constants::{
     BIRTH_BLOCK, BLOCK, BUCKETS, FIELD_VOXELS, GROUP_WORDS, INK_WORDS, LIST_RUN, MAX_LEVELS, SLOT_PIXELS, TILE,
     TILE_BLOCKS,
@@ -28,7 +30,10 @@ buffers! {
     PARAMS = "SmokeParams",
     DENSITY = "Density": Sequence,
     VELOCITY = "Velocity": Sequence,
+    DETAIL_SLICES = "DetailSlices",
+    DETAILED = "Detailed": Kept,
     OCCUPANCY = "Occupancy": Sequence,
+    CROSSINGS = "Crossings": Kept,
     BIRTH_COUNTS = "BirthCounts": Sequence,
     CONTROL = "ControlBuffer": Layer,
     HISTORY = "HistoryBuffer": Sequence,
@@ -36,6 +41,7 @@ buffers! {
     DYING = "Dying": Sequence,
     DYING_STEPS = "DyingSteps": Sequence,
     SPHERES = "Spheres": Sequence,
+    RADII = "Radii": Sequence,
     VIEW_SPHERES = "ViewSpheres",
     GROUPS = "Groups": Sequence,
     OCCLUSION = "Occlusion",
@@ -43,6 +49,7 @@ buffers! {
     FIELD = "Field": Kept,
     FIELD_COLUMNS = "FieldColumns",
     SEARCHES = "Searches",
+    SURFACE_SEARCHES = "SurfaceSearches",
     CONTINUATIONS = "Continuations",
     LIST_SUMS = "ListSums",
     BIRTH_SUMS = "BirthSums",
@@ -238,7 +245,10 @@ impl Layout {
         self.set(VIEW_SPHERES, spheres * 16);
         self.set(GROUPS, spheres * 4);
         self.set(QUADS, spheres * 16);
-        self.set(SEARCHES, particles * size_of::<Search>() as u64);
+        let has_surface = desc.settings.has_surface();
+        self.set(RADII, particles * 4);
+        self.set(SEARCHES, if has_surface { 0 } else { particles * size_of::<Search>() as u64 });
+        self.set(SURFACE_SEARCHES, if has_surface { particles * size_of::<SurfaceSearch>() as u64 } else { 0 });
         self.set(LIST_SUMS, spheres.div_ceil(u64::from(LIST_RUN) * lanes(&glsl::count::SHADER)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
@@ -267,19 +277,26 @@ impl Layout {
             let what = "the volume (workgroups of its occupancy)";
             return Err(Error::Limit { what, needed, limit: MOST_GROUPS, advice: "use a smaller volume" });
         }
+        let (has_surface, is_detailed) = (desc.settings.has_surface(), desc.settings.is_detailed());
+        let cells = Pyramid::of_cells(desc.dimensions);
+        let kept = |needed: bool, bytes: u64| if needed { bytes } else { 0 };
         self.set(DENSITY, shape.voxels() * 4);
+        self.set(DETAIL_SLICES, kept(is_detailed, shape.voxels() * 4));
+        self.set(DETAILED, kept(is_detailed, shape.voxels() * 4));
+        self.set(CROSSINGS, kept(has_surface, cells.words * 4));
         self.set(VELOCITY, if desc.velocity { shape.voxels() * 12 } else { 0 });
         self.set(OCCUPANCY, pyramid.words * 4);
         self.set(BIRTH_COUNTS, (words.div_ceil(u64::from(BIRTH_BLOCK)) + 1) * 4);
         self.set(BIRTH_SUMS, scan::sums_bytes(self.size(BIRTH_COUNTS)));
-        self.set(FIELD, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
-        self.set(FIELD_COLUMNS, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4);
+        self.set(FIELD, kept(!has_surface, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4));
+        self.set(FIELD_COLUMNS, kept(!has_surface, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4));
         // A walk of the pyramid also visits the inner nodes.
-        let visits = match desc.settings.grow {
-            Grow::Growth => growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }),
-            _ => pyramid.leaves().saturating_mul(4).div_ceil(3),
+        let (visits, iterations) = match desc.settings.grow {
+            _ if has_surface => (cells.surface_turns(), cells.iterations(traits)),
+            Grow::Growth => (growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }), pyramid.iterations(traits)),
+            _ => (pyramid.leaves().saturating_mul(4).div_ceil(3), pyramid.iterations(traits)),
         };
-        self.search_parts = visits.div_ceil(pyramid.iterations(traits)).max(1);
+        self.search_parts = visits.div_ceil(iterations).max(1);
         self.set(CONTINUATIONS, u64::from(self.search_parts) * 16);
         Ok(())
     }
@@ -331,11 +348,10 @@ impl Layout {
 
     fn check(&self, limit: u64) -> Result<()> {
         let advice = |id: BufferId| match id {
-            DENSITY | VELOCITY | OCCUPANCY | BIRTH_COUNTS | BIRTH_SUMS | FIELD | FIELD_COLUMNS | CONTINUATIONS => {
-                "use a smaller volume"
-            }
-            PARTICLES | DYING | DYING_STEPS | SPHERES | VIEW_SPHERES | QUADS | GROUPS | SEARCHES | LIST_SUMS | LIVE
-            | VISIBLE | MOVED => "use fewer particles or less fade",
+            DENSITY | VELOCITY | DETAIL_SLICES | DETAILED | OCCUPANCY | CROSSINGS | BIRTH_COUNTS | BIRTH_SUMS
+            | FIELD | FIELD_COLUMNS | CONTINUATIONS => "use a smaller volume",
+            PARTICLES | DYING | DYING_STEPS | SPHERES | RADII | VIEW_SPHERES | QUADS | GROUPS | SEARCHES
+            | SURFACE_SEARCHES | LIST_SUMS | LIVE | VISIBLE | MOVED => "use fewer particles or less fade",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "render a smaller picture",
         };

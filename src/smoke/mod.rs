@@ -195,7 +195,9 @@ impl SmokeKind {
         let still = match () {
             _ if restart || !self.effort.skips() && advance => None,
             _ if !advance => Some("the same moment again"),
-            _ if state.quiet > desc.settings.fade => Some("neither velocity nor density changes"),
+            _ if state.quiet > desc.settings.fade + desc.settings.settling() => {
+                Some("neither velocity nor density changes")
+            }
             _ => None,
         };
         let same_light = self.state.shadowed == Some(frame.light) && !new_volume;

@@ -8,7 +8,7 @@ pub use crate::shaders::smoke::constants::*;
 use crate::smoke::desc::Desc;
 use crate::smoke::frame::{Frame, Shape};
 use crate::smoke::layout::Layout;
-use crate::smoke::search::Pyramid;
+use crate::smoke::search::{self, Pyramid};
 use crate::smoke::settings::{Emitter, Settings};
 use crate::view::{FireLight, Light, LightSource, Projection};
 
@@ -72,6 +72,10 @@ impl SmokeParams {
     fn set_volume(&mut self, settings: &Settings, shape: &Shape) {
         let Shape { dimensions: [nx, ny, nz], voxel_size: [hx, hy, hz], origin: [ox, oy, oz] } = *shape;
         let Pyramid { row_words, levels, .. } = Pyramid::new(shape.dimensions);
+        let cells = Pyramid::of_cells(shape.dimensions);
+        // Checked before: none is too wide.
+        let [dx, dy, dz] = search::detail(settings, shape).ok().flatten().unwrap_or_default();
+        let [wx, wy, wz] = [dx, dy, dz].map(search::detail_window);
         let (mut first, mut last) = ([0; 3], [nx, ny, nz].map(|n| n as i32 - 1));
         if let Some(Emitter { min, max }) = settings.emitter {
             for axis in 0..3 {
@@ -84,7 +88,10 @@ impl SmokeParams {
             origin: [ox, oy, oz, 0.0],
             dimensions: [nx, ny, nz, 0],
             row_words,
-            levels,
+            levels: if settings.has_surface() { cells.levels } else { levels },
+            crossing_row_words: cells.row_words,
+            detail_weights: search::detail_weights([dx, dy, dz]),
+            detail_window: [wx, wy, wz, 0],
             smallest_side: hx.min(hy).min(hz),
             threshold: settings.threshold,
             has_emitter: settings.emitter.is_some().into(),
@@ -176,6 +183,7 @@ impl SmokeParams {
             dt,
             still_speed: settings.still * self.smallest_side / dt,
             scale: settings.scale,
+            radius_smoothing: settings.radius_smoothing,
             group_count: settings.group_count(),
             group_depth: settings.group_depth.unwrap_or(0.0),
             range_smoothing: settings.range_smoothing,

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::effect::Effort;
-use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Shader, Topology, passes};
+use crate::plan::{Blend, BufferId, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Shader, Topology, passes};
 use crate::scan;
 use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
@@ -25,10 +25,15 @@ passes! {
         .into_iter()
         .chain(COLOUR_LAYERS)
         .fold(Pass::transfer("smoke.clear"), Pass::fills);
-    occupancy = Pass::compute("smoke.occupancy", &glsl::occupancy::SHADER);
+    /// Along x and y, and along z.
+    detail: [PassId; 2] = [&glsl::detail_across::SHADER, &glsl::detail_along::SHADER]
+        .map(|shader| Pass::compute("smoke.detail", shader));
+    occupancy = Pass::compute("smoke.occupancy", &glsl::occupancy::SHADER)
+        .bind(glsl::occupancy::DENSITY, density(desc));
     /// Where each block of births begins.
     births: [PassId; 2] = scan::passes("smoke.occupancy", BIRTH_COUNTS, BIRTH_SUMS);
     pyramid = Pass::compute("smoke.pyramid", &glsl::pyramid::SHADER).times(MAX_LEVELS as usize);
+    crossings = Pass::compute("smoke.crossings", &glsl::crossings::SHADER).times(MAX_LEVELS as usize);
     field: [PassId; 3] = [&glsl::field_rows::SHADER, &glsl::field_columns::SHADER, &glsl::field_slices::SHADER]
         .map(|shader| Pass::compute("smoke.field", shader));
     advect = Pass::compute("smoke.advect", &glsl::advect::SHADER)
@@ -36,6 +41,9 @@ passes! {
     grow_field = Pass::compute("smoke.grow", &glsl::grow_field::SHADER);
     grow_pyramid = Pass::compute("smoke.grow", &glsl::grow_pyramid::SHADER).times(layout.search_parts as usize);
     grow_growth = Pass::compute("smoke.grow", &glsl::grow_growth::SHADER).times(layout.search_parts as usize);
+    grow_surface = Pass::compute("smoke.grow", &glsl::grow_surface::SHADER)
+        .bind(glsl::grow_surface::DENSITY, density(desc))
+        .times(layout.search_parts as usize);
     grow_reset = Pass::transfer("smoke.grow").fills(CONTINUATIONS);
     count = Pass::compute("smoke.list", &glsl::count::SHADER);
     listing = Pass::compute("smoke.list", &glsl::list::SHADER).specialise([soft(desc)]);
@@ -69,6 +77,11 @@ passes! {
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
     reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
     composite = composite(desc);
+}
+
+/// What the threshold cuts.
+fn density(desc: &Desc) -> BufferId {
+    if desc.settings.is_detailed() { DETAILED } else { DENSITY }
 }
 
 /// The mask, as a specialisation constant.

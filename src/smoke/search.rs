@@ -1,4 +1,4 @@
-//! How radii are searched: the occupancy pyramid, which ways serve a volume, and which of them is taken.
+//! How radii are searched: the pyramids, which ways serve a volume, and which of them is taken.
 
 use bytemuck::Zeroable;
 
@@ -7,11 +7,20 @@ use crate::error::{Error, Result};
 use crate::layout::{LOOP_BUDGET, MOST_GROUPS};
 use crate::shaders::smoke as glsl;
 use crate::shaders::smoke::blocks::PyramidLevel;
-use crate::shaders::smoke::constants::{FIELD_VOXELS, MAX_LEVELS, WORD_VOXELS};
+use crate::shaders::smoke::constants::{
+    CROSSING_LEVELS, CROSSING_ROWS, FIELD_VOXELS, MAX_LEVELS, MOST_DETAIL_WINDOW, WORD_VOXELS,
+};
 use crate::smoke::frame::Shape;
 use crate::smoke::settings::{Grow, Radius, Settings};
 
-/// The occupancy pyramid of a volume: level 0 is a bit a voxel, each further level joins 2 x 2 rows along y and z.
+/// Standard deviations in the width of the Gaussian of the density.
+const DETAIL_DEVIATIONS: f64 = 2.0;
+/// Standard deviations after which it ends: what is cut off is 0.3 % of its weight along an axis.
+const DETAIL_CUTOFF: f64 = 3.0;
+/// Heights of the volume in a width of that Gaussian, unless it is said.
+const DETAILS_OF_HEIGHT: f64 = 40.0;
+
+/// A pyramid over the bits of a volume: level 0 is a bit a voxel, each further level joins 2 x 2 rows along y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pyramid {
     /// From the finest.
@@ -44,6 +53,30 @@ impl Pyramid {
         }
     }
 
+    /// The pyramid over the cells between voxel centres that the threshold crosses, in a volume of so many voxels: one more
+    /// along each axis. Of more levels than there is room for, the upper ones are left out.
+    pub fn of_cells(dimensions: [u32; 3]) -> Pyramid {
+        let all = Pyramid::new(dimensions.map(|n| n + 1));
+        let words = |level: &PyramidLevel| u64::from(all.row_words) * u64::from(level.rows_y) * u64::from(level.rows_z);
+        Pyramid { words: all.levels.iter().map(words).sum(), ..all }
+    }
+
+    /// The dispatches that make the pyramid over cells: the level that each begins with, and its workgroups.
+    pub fn cell_dispatches(&self) -> impl Iterator<Item = (u32, [u32; 3])> + '_ {
+        let made = self.count.min(MAX_LEVELS);
+        (0..made).step_by(CROSSING_LEVELS as usize).filter(move |level| *level == 0 || level + 1 < made).map(|level| {
+            let PyramidLevel { rows_y, rows_z, .. } = self.levels[level as usize];
+            (level, [self.row_words, rows_y.div_ceil(CROSSING_ROWS), rows_z.div_ceil(CROSSING_ROWS)])
+        })
+    }
+
+    /// Turns of a search for the surface that there is room for: all nodes are less than two a row; the rest is for cells and
+    /// their boxes, of which a ball's surface has few a row. A search that needs more ends with the best so far.
+    pub fn surface_turns(&self) -> u32 {
+        let rows = u64::from(self.levels[0].rows_y) * u64::from(self.levels[0].rows_z);
+        u32::try_from(16 * rows + u64::from(LOOP_BUDGET)).unwrap_or(u32::MAX)
+    }
+
     /// Rows of level 0 in the square that the walk in Morton order covers.
     pub fn leaves(&self) -> u32 {
         1 << (2 * (self.count - 1))
@@ -74,7 +107,42 @@ pub fn growth_rows(shape: &Shape) -> u32 {
     ((shells + 1.0) * (4.0 * (shells + 1.0).powi(2) - 1.0) / 3.0).min(f64::from(u32::MAX)) as u32
 }
 
-/// The way a radius is searched in a volume of this shape.
+/// The standard deviation of the Gaussian of the density along each axis, in voxels; none if there is none. Fails if it is
+/// wider than the window.
+pub fn detail(settings: &Settings, shape: &Shape) -> Result<Option<[f32; 3]>> {
+    let side = |a: usize| f64::from(shape.voxel_size[a]);
+    let (smallest, largest) = (side(0).min(side(1)).min(side(2)), side(0).max(side(1)).max(side(2)));
+    let most = smallest * f64::from(MOST_DETAIL_WINDOW) * DETAIL_DEVIATIONS / DETAIL_CUTOFF;
+    let width = match settings.detail {
+        Some(0.0) => return Ok(None),
+        Some(width) if f64::from(width) > most * (1.0 + 1e-6) => {
+            let allowed = format!("at most 16 voxels along each axis, {most} m in this volume");
+            return Err(Error::setting("smoke.detail", width, allowed));
+        }
+        Some(width) => f64::from(width),
+        None => largest.max(side(1) * f64::from(shape.dimensions[1]) / DETAILS_OF_HEIGHT),
+    };
+    Ok(Some([0, 1, 2].map(|a| (width.min(most) / DETAIL_DEVIATIONS / side(a)) as f32)))
+}
+
+/// Where the window of that Gaussian ends, in voxels.
+pub fn detail_window(deviation: f32) -> u32 {
+    ((DETAIL_CUTOFF * f64::from(deviation)).ceil() as u32).min(MOST_DETAIL_WINDOW)
+}
+
+/// Its weights by distance along each axis; both sides together add up to 1.
+pub fn detail_weights(deviations: [f32; 3]) -> [[f32; 4]; MOST_DETAIL_WINDOW as usize + 1] {
+    let mut weights = [[0.0; 4]; MOST_DETAIL_WINDOW as usize + 1];
+    for (axis, deviation) in deviations.into_iter().enumerate().filter(|(_, deviation)| *deviation > 0.0) {
+        let weight = |d: u32| (-0.5 * (f64::from(d) / f64::from(deviation)).powi(2)).exp();
+        let window = detail_window(deviation);
+        let sum = 1.0 + 2.0 * (1..=window).map(weight).sum::<f64>();
+        (0..=window).for_each(|d| weights[d as usize][axis] = (weight(d) / sum) as f32);
+    }
+    weights
+}
+
+/// The way a radius from voxels is searched in a volume of this shape.
 pub fn chosen_grow(settings: &Settings, shape: &Shape, traits: &DeviceTraits) -> Grow {
     let field_works = shape.is_cubic()
         && settings.radius == Radius::Box
@@ -105,6 +173,10 @@ fn cheapest_grow(particles: u32, shape: &Shape, traits: &DeviceTraits) -> Grow {
 
 /// A search that was asked for by name must be able to serve this volume, in at most so many dispatches.
 pub fn check(settings: &Settings, shape: &Shape, traits: &DeviceTraits, parts: u32) -> Result<()> {
+    detail(settings, shape)?;
+    if settings.has_surface() {
+        return Ok(());
+    }
     match chosen_grow(settings, shape, traits) {
         Grow::Field if !shape.is_cubic() => {
             Err(Error::setting("smoke.grow", "field", "needs cubic voxels; \"chosen\" or \"pyramid\" serve all"))

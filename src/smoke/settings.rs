@@ -47,7 +47,19 @@ words! {
 }
 
 words! {
-    /// How the radius is searched. All give the same radius.
+    /// Where smoke ends, as radii see it.
+    pub enum RadiusFrom {
+        /// Where the density between voxel centres, which is trilinear, is no longer above the threshold: radii change as
+        /// smoothly as the smoke does. Too large by at most 0.02 of a voxel's smallest side.
+        #[default]
+        Surface = "surface",
+        /// At the centres of empty voxels (the paper's way, section 3.1).
+        Voxels = "voxels",
+    }
+}
+
+words! {
+    /// How the radius from voxels is searched. All give the same radius.
     pub enum Grow {
         /// The fastest for this number of voxels and particles.
         #[default]
@@ -159,13 +171,22 @@ settings! {
         lifetime: Option<u32> = None, "frames", 1..=1 << 24;
         /// Time over which newborn spheres grow and dying ones shrink.
         fade: u32 = 6, "frames", 0..=64, "they pop, as in the paper";
+        /// Width of the Gaussian that smooths the density before the threshold cuts it, so that the drawing does not depend on
+        /// the grid: twice its standard deviation, at most 16 voxels along any axis. Without one, the larger of a voxel and
+        /// 1/40 of the volume's height, as far as 16 voxels allow.
+        detail: Option<f32> = None, "metres", f32::MIN_POSITIVE..=FARTHEST, "off, as in the paper";
         /// What a sphere's radius is: how far it is to empty space in a "box", or as a "ball" (Euclidean, fills more).
         radius: Radius = Radius::default();
+        /// Where smoke ends for it: at the "surface" where the density between voxels falls to the threshold, or at the
+        /// centres of empty "voxels".
+        radius_from: RadiusFrom = RadiusFrom::default();
+        /// Share of the last frame's radius that a sphere keeps while it lives; it leaves the smoke by at most 1/4 voxel.
+        radius_smoothing: f32 = 0.0, "share of the last frame's radius", 0.0..=0.95, "off";
         /// Multiplies the radius. Below 1: balls apart, froth; above: they swell together into one body.
         scale: f32 = 1.0, "", f32::MIN_POSITIVE..=1e6;
         /// Smaller spheres are not drawn, so that there are no specks: down to half of it they shrink to nothing.
         smallest: f32 = 4.0, "pixels of diameter at 1080 lines", 0.0..=64.0, "all are drawn";
-        /// How the radius is searched, with the same result; "chosen" is the fastest.
+        /// Of radii from voxels: how they are searched, with the same result; "chosen" is the fastest.
         grow: Grow = Grow::default();
         /// How spheres shadow each other: by rays, "exact", or by a shadow map.
         shadow: Shadow = Shadow::default();
@@ -212,6 +233,23 @@ settings! {
 }
 
 impl Settings {
+    /// Whether radii reach to the surface.
+    pub fn has_surface(&self) -> bool {
+        self.radius_from == RadiusFrom::Surface
+    }
+
+    /// Frames after which radii that are smoothed rest: what is left of the farthest way, a thousand million times what
+    /// counts as there, is less than that.
+    pub(super) fn settling(&self) -> u32 {
+        let kept = f64::from(self.radius_smoothing);
+        if kept > 0.0 { (1e-9_f64.ln() / kept.ln()).ceil() as u32 } else { 0 }
+    }
+
+    /// Whether the density is smoothed.
+    pub fn is_detailed(&self) -> bool {
+        self.detail != Some(0.0)
+    }
+
     /// Whether luminance is smoothed.
     pub fn is_filtered(&self) -> bool {
         self.sigma > 0.0
@@ -270,7 +308,7 @@ impl Settings {
     /// Checks every value; the error names the key and what is allowed.
     pub fn validate(&self) -> Result<()> {
         self.check("smoke", &())?;
-        if self.radius == Radius::Ball && self.grow == Grow::Field {
+        if !self.has_surface() && self.radius == Radius::Ball && self.grow == Grow::Field {
             return Err(Error::setting(
                 "smoke.grow",
                 "field",

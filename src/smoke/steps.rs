@@ -15,7 +15,7 @@ use crate::smoke::limits::luminance_entries;
 use crate::smoke::params::*;
 use crate::smoke::passes::Passes;
 use crate::smoke::search::{Pyramid, chosen_grow, growth_rows};
-use crate::smoke::settings::{Grow, Radius, Shadow};
+use crate::smoke::settings::{Grow, Radius, Settings, Shadow};
 use crate::smoke::tables::Tables;
 use crate::view::View;
 
@@ -40,6 +40,31 @@ pub struct FrameDelta {
     pub view_before: Option<View>,
     /// How far particles have moved since then is on the device.
     pub moves: bool,
+}
+
+/// How radii are searched in a frame.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Growth,
+    Field,
+    Pyramid,
+    Surface,
+}
+
+impl Way {
+    fn of(settings: &Settings, shape: &Shape, traits: &DeviceTraits) -> Way {
+        match chosen_grow(settings, shape, traits) {
+            _ if settings.has_surface() => Way::Surface,
+            Grow::Growth => Way::Growth,
+            Grow::Field => Way::Field,
+            _ => Way::Pyramid,
+        }
+    }
+
+    /// Whether a search goes on in further dispatches.
+    fn goes_on(self) -> bool {
+        self != Way::Field
+    }
 }
 
 /// Fills a plan with the steps of a frame.
@@ -96,8 +121,7 @@ impl Steps<'_> {
                 self.plan.step(self.passes.restart, Command::Fill { buffer, word: 0 });
             }
         }
-        if self.delta.still.is_none() && chosen_grow(&self.desc.settings, &self.delta.shape, self.traits) != Grow::Field
-        {
+        if self.delta.still.is_none() && self.way().goes_on() {
             self.plan.step(self.passes.grow_reset, Command::Fill { buffer: CONTINUATIONS, word: 0 });
         }
         if frame.target.is_none() {
@@ -134,9 +158,14 @@ impl Steps<'_> {
         }
     }
 
+    fn way(&self) -> Way {
+        Way::of(&self.desc.settings, &self.delta.shape, self.traits)
+    }
+
     fn volume(&mut self) {
         if !self.delta.new_volume && !self.delta.stale {
             self.plan.skip(self.passes.volume, "unchanged");
+            self.plan.skip(self.passes.detail[0], "volume and detail unchanged");
             self.plan.skip(self.passes.occupancy, "volume and threshold unchanged");
             return;
         }
@@ -148,6 +177,15 @@ impl Steps<'_> {
                 self.plan.step(self.passes.volume, Command::CopyBuffer { from, to, bytes });
             }
         }
+        match self.desc.settings.is_detailed() {
+            true => {
+                let [x, y, z] = shape.dimensions;
+                let [across, along] = self.passes.detail;
+                self.plan.step(across, Command::Dispatch { threads: [x, y.div_ceil(DETAIL_RUN), z] });
+                self.plan.step(along, Command::Dispatch { threads: [x, y, z] });
+            }
+            false => self.plan.skip(self.passes.detail[0], "detail is 0"),
+        }
         let pyramid = Pyramid::new(shape.dimensions);
         let words = pyramid.row_words * shape.dimensions[1] * shape.dimensions[2];
         let births = 4 * u64::from(words.div_ceil(BIRTH_BLOCK) + 1).next_multiple_of(4);
@@ -155,17 +193,27 @@ impl Steps<'_> {
         // Beside what the searches need, of which each step waits for the one before.
         let [sums, add] = self.passes.births;
         scan::step(self.plan, sums, births);
-        let grow = chosen_grow(&self.desc.settings, shape, self.traits);
-        self.search_structure(grow, &pyramid, 0..1);
+        self.search_structure(&pyramid, 0..1);
         scan::step(self.plan, add, births);
-        self.search_structure(grow, &pyramid, 1..usize::MAX);
+        self.search_structure(&pyramid, 1..usize::MAX);
     }
 
     /// Some of the steps that make what radii are searched in.
-    fn search_structure(&mut self, grow: Grow, pyramid: &Pyramid, range: Range<usize>) {
+    fn search_structure(&mut self, pyramid: &Pyramid, range: Range<usize>) {
         let is_first = range.start == 0;
-        match grow {
-            Grow::Field => {
+        match self.way() {
+            Way::Surface => {
+                let cells = Pyramid::of_cells(self.delta.shape.dimensions);
+                for (level, [x, y, z]) in cells.cell_dispatches().skip(range.start).take(range.len()) {
+                    let command = Command::Dispatch { threads: [x * glsl::crossings::SHADER.local_size[0], y, z] };
+                    self.plan.step_with(self.passes.crossings, command, &CrossingsConstants { level });
+                }
+                if is_first {
+                    self.plan.skip(self.passes.field[0], "the surface is searched");
+                    self.plan.skip(self.passes.pyramid, "the surface is searched");
+                }
+            }
+            Way::Field => {
                 let [nx, ny, nz] = self.delta.shape.dimensions;
                 let threads = [nx.div_ceil(FIELD_VOXELS) * ny, nz, 1];
                 let passes = self.passes.field.into_iter().skip(range.start).take(range.len());
@@ -174,7 +222,7 @@ impl Steps<'_> {
                     self.plan.skip(self.passes.pyramid, "the field is searched");
                 }
             }
-            Grow::Pyramid => {
+            Way::Pyramid => {
                 let levels = (0..pyramid.count).zip(&pyramid.levels).skip(1 + range.start).take(range.len());
                 for (level, PyramidLevel { rows_y, rows_z, .. }) in levels {
                     let command = Command::Dispatch { threads: [pyramid.row_words * rows_y * rows_z, 1, 1] };
@@ -184,8 +232,8 @@ impl Steps<'_> {
                     self.plan.skip(self.passes.field[0], "the pyramid is searched");
                 }
             }
-            _ if is_first => self.plan.skip(self.passes.field[0], "voxels are searched one by one"),
-            _ => {}
+            Way::Growth if is_first => self.plan.skip(self.passes.field[0], "voxels are searched one by one"),
+            Way::Growth => {}
         }
     }
 
@@ -197,12 +245,13 @@ impl Steps<'_> {
         } else {
             self.plan.step(self.passes.advect, Command::Dispatch { threads });
             let pyramid = Pyramid::new(self.delta.shape.dimensions);
-            match chosen_grow(&self.desc.settings, &self.delta.shape, self.traits) {
-                Grow::Field => self.plan.step(self.passes.grow_field, Command::Dispatch { threads }),
-                Grow::Growth => {
+            match self.way() {
+                Way::Surface => self.surface(),
+                Way::Field => self.plan.step(self.passes.grow_field, Command::Dispatch { threads }),
+                Way::Growth => {
                     self.search(self.passes.grow_growth, &pyramid, growth_rows(&self.delta.shape));
                 }
-                _ => self.search(self.passes.grow_pyramid, &pyramid, pyramid.leaves()),
+                Way::Pyramid => self.search(self.passes.grow_pyramid, &pyramid, pyramid.leaves()),
             }
         }
         let spheres = [self.layout.spheres.div_ceil(LIST_RUN), 1, 1];
@@ -219,11 +268,27 @@ impl Steps<'_> {
         let is_ball = u32::from(self.desc.settings.radius == Radius::Ball);
         for part in 0..parts {
             let constants = SearchConstants { part, iterations, is_ball, last };
-            let command = match part {
-                0 => Command::Dispatch { threads: [self.desc.settings.particles, 1, 1] },
-                _ => Command::DispatchIndirect { arguments: CONTINUATIONS, offset: 16 * u64::from(part - 1) },
-            };
-            self.plan.step_with(pass, command, &constants);
+            self.plan.step_with(pass, self.part(part), &constants);
+        }
+    }
+
+    /// The same of the search for the surface.
+    fn surface(&mut self) {
+        let cells = Pyramid::of_cells(self.delta.shape.dimensions);
+        let iterations = cells.iterations(self.traits);
+        let parts = cells.surface_turns().div_ceil(iterations).max(1);
+        let is_ball = u32::from(self.desc.settings.radius == Radius::Ball);
+        for part in 0..parts {
+            let constants = SurfaceConstants { part, parts, iterations, is_ball, last: cells.leaves() };
+            self.plan.step_with(self.passes.grow_surface, self.part(part), &constants);
+        }
+    }
+
+    /// The dispatch of a part of a search.
+    fn part(&self, part: u32) -> Command {
+        match part {
+            0 => Command::Dispatch { threads: [self.desc.settings.particles, 1, 1] },
+            _ => Command::DispatchIndirect { arguments: CONTINUATIONS, offset: 16 * u64::from(part - 1) },
         }
     }
 

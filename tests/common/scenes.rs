@@ -3,7 +3,7 @@
 use celfx::data::Volume;
 use celfx::low_level::random::{hash, unit};
 use celfx::offline::TARGET_FORMAT;
-use celfx::smoke::settings::{Antialias, LINES};
+use celfx::smoke::settings::{Antialias, LINES, RadiusFrom};
 use celfx::smoke::{Desc, Settings};
 use celfx::view::{Camera, Light, LightSource};
 use glam::DVec3;
@@ -11,6 +11,11 @@ use glam::DVec3;
 /// A random number in (0, 1), from counters alone.
 pub fn random(key: u32, index: u32, dimension: u32) -> f32 {
     unit(hash(key, index, 0, dimension))
+}
+
+/// Radii and density as the paper has them: whoever tests these, or what hangs on a voxel's being empty, begins with this.
+pub fn of_voxels() -> Settings {
+    Settings { radius_from: RadiusFrom::Voxels, detail: Some(0.0), ..Settings::default() }
 }
 
 /// An effect of this picture and volume size with every layer kept; sizes are pixels of the picture. Small spheres are drawn, too, and

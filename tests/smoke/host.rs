@@ -10,7 +10,7 @@ use celfx::low_level::gpu::image::Image;
 use celfx::low_level::gpu::profiler::Timing;
 use celfx::low_level::gpu::transfer::COPIED_FROM;
 use celfx::offline::TARGET_FORMAT;
-use celfx::smoke::settings::{Grow, Outline, Shadow};
+use celfx::smoke::settings::{Grow, Outline, RadiusFrom, Shadow};
 use celfx::smoke::{Background, Desc, Frame, Sequence, Settings, Smoke, SmokeKind, VolumeInput};
 use celfx::view::{FireLight, Light};
 
@@ -289,7 +289,7 @@ fn a_prepared_frame_is_recorded_in_parts() {
 fn a_sequence_goes_on_through_changes() {
     let Some(mut device) = device() else { return };
     let with = |size, settings| Desc { size, settings, ..effect() };
-    let plain = Settings { grow: Grow::Growth, ..effect().settings };
+    let plain = Settings { grow: Grow::Growth, radius_from: RadiusFrom::Voxels, ..effect().settings };
     let soft = Settings { sigma: 1.5, tone_softness: 2.0, ..plain.clone() };
     let mapped = Settings {
         shadow: Shadow::Map,

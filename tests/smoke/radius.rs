@@ -10,16 +10,16 @@ use celfx::smoke::{Settings, Shape};
 use celfx::view::{Camera, Light};
 
 use crate::common::bench::{Bench, Given, TRAITS};
-use crate::common::scenes::{desc, random, volume};
+use crate::common::scenes::{desc, of_voxels, random, volume};
 
 /// Particles of a frame.
-const COUNT: u32 = 192;
+pub const COUNT: u32 = 192;
 /// The largest volume of most tests.
-const SIDE: u32 = 33;
+pub const SIDE: u32 = 33;
 
 /// The search under test, with a volume of up to `dimensions`; the picture is not made.
 fn bench(grow: Grow, radius: Radius, dimensions: [u32; 3]) -> Option<Bench> {
-    let settings = Settings { particles: COUNT, fade: 0, grow, radius, ..Settings::default() };
+    let settings = Settings { particles: COUNT, fade: 0, grow, radius, ..of_voxels() };
     Bench::new(desc([8, 8], dimensions, settings))
 }
 
@@ -38,7 +38,7 @@ fn serves(bench: &Bench, volume: &Volume) -> bool {
 
 /// Positions anywhere in and around the volume: random, on faces, edges and corners of voxels, on centres, one step of
 /// f32 beside a face.
-fn positions(volume: &Volume, key: u32) -> Vec<[f32; 3]> {
+pub fn positions(volume: &Volume, key: u32) -> Vec<[f32; 3]> {
     let along = |axis: usize, index: u32, kind: u32| {
         let draw = |dimension: u32| random(key, index, 10 * dimension + axis as u32);
         let (n, h, origin) = (volume.dimensions[axis], volume.voxel_size[axis], volume.origin[axis]);
@@ -63,7 +63,7 @@ fn beside(face: f32, step: f32) -> f32 {
 }
 
 /// Runs the search for particles at these places.
-fn radii(bench: &mut Bench, volume: &Volume, positions: &[[f32; 3]]) -> Vec<f32> {
+pub fn radii(bench: &mut Bench, volume: &Volume, positions: &[[f32; 3]]) -> Vec<f32> {
     let particle =
         |position: &[f32; 3]| Particle { position: *position, age: FULL_SIZE, displacement: [0.0; 3], generation: 0 };
     bench.write(layout::PARTICLES, &positions.iter().map(particle).collect::<Vec<_>>());
@@ -79,7 +79,7 @@ fn radii(bench: &mut Bench, volume: &Volume, positions: &[[f32; 3]]) -> Vec<f32>
 }
 
 /// The spacing of f32 at `x`.
-fn ulp(x: f32) -> f64 {
+pub fn ulp(x: f32) -> f64 {
     f64::from(x.abs().next_up()) - f64::from(x.abs())
 }
 
@@ -110,7 +110,7 @@ fn check_at(bench: &mut Bench, name: &str, volume: &Volume, positions: &[[f32; 3
 }
 
 /// Volumes of all sorts, with sides `h`, of up to [`SIDE`] voxels.
-fn volumes(h: [f32; 3], origin: [f32; 3]) -> Vec<(&'static str, Volume)> {
+pub fn volumes(h: [f32; 3], origin: [f32; 3]) -> Vec<(&'static str, Volume)> {
     let make = |n: [u32; 3], density: &dyn Fn(u32, u32, u32) -> f32| volume(n, h, origin, density);
     let noise = |x, y, z| random(7, x + 64 * (y + 64 * z), 0);
     let ball = |x: u32, y: u32, z: u32| {

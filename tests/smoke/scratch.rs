@@ -6,7 +6,7 @@ use celfx::smoke::settings::{Grow, Shadow};
 use celfx::smoke::{Desc, Sequence, Settings};
 
 use crate::common::rig::{Bits, Rig, scene, unaffected_by_poison};
-use crate::common::scenes::{camera, desc, direction, moving_puffs, point, puffs};
+use crate::common::scenes::{camera, desc, direction, moving_puffs, of_voxels, point, puffs};
 
 /// All of each frame; of one that keeps no layers, its picture and depth. Volumes come where they change, holds and frames that
 /// are not rendered stand between, and the light changes and comes back.
@@ -57,8 +57,8 @@ fn frames_need_nothing_of_scratch() {
     let with = |settings: Settings| Settings { particles: 120, shadow_map: 128, ..settings };
     let base = desc([70, 52], [16; 3], with(Settings { fade: 2, ..Settings::default() }));
     let map = with(Settings { shadow: Shadow::Map, fade: 0, ..Settings::default() });
-    let mortal = with(Settings { lifetime: Some(4), grow: Grow::Pyramid, ..Settings::default() });
-    let plain = with(Settings { shadow: Shadow::None, sigma: 0.0, grow: Grow::Growth, ..Settings::default() });
+    let mortal = with(Settings { lifetime: Some(4), grow: Grow::Pyramid, ..of_voxels() });
+    let plain = with(Settings { shadow: Shadow::None, sigma: 0.0, grow: Grow::Growth, ..of_voxels() });
     let cases = [
         base.clone(),
         Desc { layers: false, ..base.clone() },

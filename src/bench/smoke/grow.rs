@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::smoke::Settings;
 use crate::smoke::layout::SPHERES;
 use crate::smoke::reference::grow;
-use crate::smoke::settings::{Grow, Radius, Shadow};
+use crate::smoke::settings::{Grow, Radius, RadiusFrom, Shadow};
 use crate::view::Camera;
 
 const PASS: &str = "grow";
@@ -94,7 +94,16 @@ pub(in crate::bench) fn searches(
 /// A frame, which compiles every kernel, and the steps of it that lead to radii.
 fn prepare(rig: &mut Rig, grow: Grow, particles: u32, volume: &Volume) -> Result<(EffectId, Plan)> {
     // Everything that has nothing to do with radii is off.
-    let settings = Settings { grow, particles, fade: 0, shadow: Shadow::None, sigma: 0.0, ..Settings::default() };
+    let settings = Settings {
+        radius_from: RadiusFrom::Voxels,
+        detail: Some(0.0),
+        grow,
+        particles,
+        fade: 0,
+        shadow: Shadow::None,
+        sigma: 0.0,
+        ..Settings::default()
+    };
     let effect = rig.effect(scene::desc([16, 16], volume, settings, false))?;
     let first = scene::first_scene(Camera::default(), volume);
     rig.frame(effect, &offline::Scene { rendered: false, ..first })?;

@@ -232,6 +232,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             expected.extend(["smoke.on", "smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth", "smoke.tones_above"]);
             expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
+            expected.extend(settings.detail.is_none().then_some("smoke.detail"));
             expected.extend(LINES);
         }
         if let Some(Flame { settings, .. }) = shot.part() {

@@ -52,6 +52,7 @@ fn drawn(settings: &Settings, exposure: Exposure) -> Settings {
         fade: exposure.drawings(settings.fade),
         still: settings.still * exposure.on() as f32,
         range_smoothing: settings.range_smoothing.powi(exposure.on() as i32),
+        radius_smoothing: settings.radius_smoothing.powi(exposure.on() as i32),
         ..settings.clone()
     }
 }

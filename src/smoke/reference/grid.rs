@@ -24,7 +24,12 @@ impl Grid<'_> {
 
     /// Is the density of voxel (x, y, z) above `threshold`? NaN and everything outside of the volume is empty.
     pub fn occupied(&self, x: i64, y: i64, z: i64, threshold: f32) -> bool {
-        self.index([x, y, z]).and_then(|i| self.density.get(i)).is_some_and(|density| *density > threshold)
+        self.density_of([x, y, z]).is_some_and(|density| density > threshold)
+    }
+
+    /// Density of a voxel; none outside of the volume.
+    pub fn density_of(&self, voxel: [i64; 3]) -> Option<f32> {
+        self.index(voxel).and_then(|i| self.density.get(i)).copied()
     }
 
     /// The voxel that holds `p`: `floor((p - origin) / voxel_size)` as in exact arithmetic on the f32 values;

@@ -3,6 +3,7 @@
 
 pub mod birth;
 pub mod coverage;
+pub mod detail;
 pub mod gaussian;
 pub mod grid;
 pub mod groups;
@@ -11,6 +12,7 @@ pub mod outline;
 pub mod particles;
 pub mod render;
 pub mod shadow;
+pub mod surface;
 pub mod tone;
 
 pub use grid::Grid;

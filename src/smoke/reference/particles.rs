@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::grid::Grid;
-use super::{birth, grow};
+use super::{birth, detail, grow, surface};
 use crate::random::hash;
 use crate::shaders::smoke::constants::FIRST_AGE;
-use crate::smoke::settings::{Integrator, Settings};
+use crate::smoke::settings::{Integrator, RadiusFrom, Settings};
 
 /// The particles of one effect. A new one starts afresh: its first [`Particles::step`] is the first frame.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +33,8 @@ pub struct Slot {
     pub position: [f32; 3],
     /// Displacement into the next frame, in metres.
     pub displacement: [f32; 3],
+    /// Radius in metres before `scale` and fade, of which the next one keeps a share.
+    pub kept: f64,
     /// Displayed radius in metres: after `scale` and fade.
     pub radius: f64,
 }
@@ -66,6 +68,8 @@ pub enum Origin {
 impl Particles {
     /// Advances by one frame of `dt` seconds into the volume `grid`. `settings` stay the same from frame to frame.
     pub fn step(&mut self, grid: &Grid, settings: &Settings, dt: f32, seed: u32) {
+        let density = detail::smoothed(grid, settings);
+        let grid = &Grid { density: &density, ..*grid };
         let columns = settings.particles as usize;
         let rows = settings.fade as usize;
         let first = self.frames == 0;
@@ -93,7 +97,7 @@ impl Particles {
         }
         for slot in &mut self.slots {
             slot.displacement = displacement(grid, slot.position, settings.integrator, dt);
-            slot.radius = slot.displayed_radius(grid, settings);
+            slot.grow(grid, settings, first);
         }
         for ghost in self.ghosts.iter_mut().flatten() {
             ghost.displacement = displacement(grid, ghost.position, settings.integrator, dt);
@@ -173,12 +177,22 @@ impl Slot {
         }
     }
 
-    fn displayed_radius(&self, grid: &Grid, settings: &Settings) -> f64 {
+    /// While it lives, its radius keeps a share of the last frame's; it leaves the smoke by at most a quarter of a voxel.
+    fn grow(&mut self, grid: &Grid, settings: &Settings, first: bool) {
         if !self.alive {
-            return 0.0;
+            self.radius = 0.0;
+            return;
         }
+        let searched = match settings.radius_from {
+            RadiusFrom::Surface => surface::radius,
+            RadiusFrom::Voxels => grow::radius,
+        };
+        let radius = searched(grid, settings.threshold, self.position, settings.radius);
+        let share = if first || self.newborn { 0.0 } else { f64::from(settings.radius_smoothing) };
+        let smoothed = share * self.kept + (1.0 - share) * radius;
+        self.kept = smoothed.min(radius + 0.25 * grid.smallest_side());
         let fade = if self.grows { ramp(self.age, settings.fade) } else { 1.0 };
-        grow::radius(grid, settings.threshold, self.position, settings.radius) * f64::from(settings.scale) * fade
+        self.radius = self.kept * f64::from(settings.scale) * fade;
     }
 }
 
@@ -237,7 +251,8 @@ mod tests {
     }
 
     fn settings(particles: u32) -> Settings {
-        Settings { particles, fade: 3, scale: 2.0, ..Settings::default() }
+        let (radius_from, detail) = (RadiusFrom::Voxels, Some(0.0));
+        Settings { particles, fade: 3, scale: 2.0, radius_from, detail, ..Settings::default() }
     }
 
     fn smoothstep(x: f64) -> f64 {
