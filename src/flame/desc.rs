@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::flame::settings::{HOTTEST, Settings};
+use crate::flame::settings::{HOTTEST, Pixels, Settings};
 use crate::host::{DepthFormat, TemporalFormats};
 
 /// Description of a flame effect. All of it is fixed until `Effect::change` or `resize`.
@@ -11,6 +11,9 @@ use crate::host::{DepthFormat, TemporalFormats};
 pub struct Desc {
     /// Pixels of the picture, each at least 1.
     pub size: [u32; 2],
+    /// Lines of the whole picture where this one is a part of it, as a tile is: what settings give in pixels at 1080 lines
+    /// scales with them. None: those of `size`.
+    pub lines: Option<u32>,
     /// Format of the target images; one that can be a colour attachment, blended, sampled and copied both ways.
     pub target_format: vk::Format,
     /// The scene in front of the fire and behind it, if frames say so.
@@ -47,6 +50,7 @@ impl Desc {
     pub fn new(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
         Desc {
             size,
+            lines: None,
             target_format: vk::Format::R32G32B32A32_SFLOAT,
             scene: None,
             particles,
@@ -57,6 +61,11 @@ impl Desc {
             layers: false,
             temporal: TemporalFormats::default(),
         }
+    }
+
+    /// The settings' sizes in pixels of this picture.
+    pub(super) fn pixels(&self) -> Pixels {
+        self.settings.pixels(self.lines.unwrap_or(self.size[1]))
     }
 
     /// Whether the mean depth of each pixel is kept: as a layer, or for motion vectors.

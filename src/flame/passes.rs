@@ -9,7 +9,7 @@ use crate::flame::limits::is_raster;
 use crate::flame::params::{
     CHROMATICITY, Control, EITHER, FlameParams, MAGNIFIED, MASK_LEVELS, MINIFIED, RADIANCE, RAMP, TILE, Tone,
 };
-use crate::flame::settings::{Mode, Sampling, Shape};
+use crate::flame::settings::{Mode, Pixels, Sampling, Shape};
 use crate::flame::tables::Tables;
 use crate::plan::{Blend, ColourAttachment, DepthAttachment, Pass, PassId, Raster, Shader, Topology, passes};
 use crate::scan;
@@ -46,7 +46,7 @@ passes! {
     /// Sums of blocks, and what follows from them.
     tiles: [PassId; 2] = [
         Pass::compute("flame.bin", &glsl::tiles_sum::SHADER),
-        Pass::compute("flame.bin", &glsl::tiles::SHADER).specialise([reach(desc)]),
+        Pass::compute("flame.bin", &glsl::tiles::SHADER).specialise([reach(desc, &tables.pixels)]),
     ];
     /// One for all repetitions, or one where the mask is minified and one where it is magnified.
     accumulate: Vec<PassId> = accumulate(desc, layout, tuning);
@@ -93,14 +93,14 @@ fn form(table: &Table) -> u32 {
 
 /// Tiles around one with fire that it is smoothed into, and glows into. Differences between pixels reach one farther; and
 /// where a scene hides pixels, their weights are asked for as far again.
-fn reach(desc: &Desc) -> u32 {
-    let window = desc.settings.window();
+fn reach(desc: &Desc, pixels: &Pixels) -> u32 {
+    let window = pixels.window();
     let smoothed = match (desc.settings.is_cel(), desc.scene) {
         (false, _) => 0,
         (true, None) => window + 1,
         (true, Some(_)) => 2 * window + 1,
     };
-    (smoothed + desc.settings.glow.window()).div_ceil(TILE)
+    (smoothed + pixels.glow.window()).div_ceil(TILE)
 }
 
 fn glow(desc: &Desc) -> Vec<Pass> {

@@ -6,8 +6,10 @@ use crate::shaders::flame::constants::{COLDEST, MOST_COUNT, MOST_OCTAVES};
 use crate::toon::Line;
 use crate::view::{BRIGHTEST, FARTHEST};
 
+mod pixels;
 mod tones;
 
+pub use pixels::Pixels;
 pub use tones::Tones;
 
 words! {
@@ -147,11 +149,12 @@ settings! {
         reach: Option<f32> = None, "metres", 1e-6..=FARTHEST;
         /// Of the look "cel": standard deviation of the Gaussian that heat is smoothed by. Heat is the temperature that a
         /// pixel sees, averaged over repetitions, 0 where there is no fire.
-        sigma: f32 = 2.0, "pixels", 0.1..=64.0, "off";
+        sigma: f32 = 4.0, "pixels at 1080 lines", 0.1..=64.0, "off";
         /// Of the look "cel": what smoothed heat becomes. Below the first tone is no fire.
         tones: Tones = Tones::default();
-        /// Of the look "cel": width of the antialiased border between tones, and around the fire.
-        tone_softness: f32 = 0.5, "pixels", 0.0..=16.0, "hard";
+        /// Of the look "cel": half the width of the border between tones, and around the fire; at least half a pixel of the
+        /// picture, so that it is antialiased.
+        tone_softness: f32 = 0.5, "pixels at 1080 lines", 0.0..=16.0, "hard";
         /// Of the look "cel": the ink line around the fire.
         outline: Line = Line::default();
         /// Light around what is brighter than 1.
@@ -166,7 +169,7 @@ settings! {
         /// How strong it is; 1 gives back all of the light.
         strength: f32 = 0.0, "", 0.0..=100.0, "off";
         /// Standard deviation of the Gaussian.
-        sigma: f32 = 24.0, "pixels", 1.0..=64.0;
+        sigma: f32 = 48.0, "pixels at 1080 lines", 1.0..=64.0;
     }
 }
 
@@ -208,11 +211,6 @@ impl Settings {
     /// Whether sprites are drawn out along their motion.
     pub fn stretches(&self) -> bool {
         self.stretch > 0.0
-    }
-
-    /// Window of the Gaussian to each side in pixels, three times `sigma`; 0 if it is off.
-    pub fn window(&self) -> u32 {
-        (3.0 * self.sigma).ceil() as u32
     }
 
     /// Whether tiles end when their pixels are exact enough.

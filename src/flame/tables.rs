@@ -2,7 +2,7 @@
 
 use crate::flame::colour::Table;
 use crate::flame::desc::Desc;
-use crate::flame::settings::{Colour, Settings};
+use crate::flame::settings::{Colour, Pixels, Settings};
 use crate::shaders::flame::blocks::Tone;
 use crate::toon;
 
@@ -13,6 +13,8 @@ const TAPS: u32 = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tables {
     pub(super) colours: Table,
+    /// Sizes of the look in pixels of the picture.
+    pub(super) pixels: Pixels,
     pub(super) weights: Vec<f32>,
     /// Place of their sums behind them.
     pub(super) half_sums: u32,
@@ -26,10 +28,11 @@ impl Tables {
     /// From what the effect is made for.
     pub fn new(desc: &Desc) -> Tables {
         let settings = &desc.settings;
-        let window = settings.window();
-        let mut weights = weights(settings.sigma, window);
+        let pixels = desc.pixels();
+        let window = pixels.window();
+        let mut weights = weights(pixels.sigma, window);
         let half_sums = weights.len() as u32;
-        let glow_weights = self::weights(settings.glow.sigma, settings.glow.window());
+        let glow_weights = self::weights(pixels.glow.sigma, pixels.glow.window());
         let along: f64 = glow_weights.iter().skip(1).map(|weight| 2.0 * f64::from(*weight)).sum::<f64>() + 1.0;
         let mut sum = 0.0;
         for distance in 0..=window as usize {
@@ -39,6 +42,7 @@ impl Tables {
         let tones = settings.tones.shares(settings.hottest).map(|tone| Tone { colour: tone.colour, from: tone.from });
         let glow_scale = along.powi(-2) as f32;
         Tables {
+            pixels,
             glow_weights,
             glow_scale,
             colours: if settings.is_cel() { Table::heat(settings.hottest.into()) } else { colours(settings, desc.hottest) },

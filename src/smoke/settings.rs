@@ -10,7 +10,8 @@ mod outline;
 mod pixels;
 
 pub use outline::{Line, Operator, Outline};
-pub use pixels::{LINES, Pixels};
+pub use crate::toon::LINES;
+pub use pixels::Pixels;
 
 /// The most depth groups.
 pub const MAX_GROUPS: u32 = GROUP_MASK - 1;

@@ -1,7 +1,10 @@
 //! Common parts of cel-shaded effects: flat tones and the ink line.
 
+mod pixels;
 pub mod settings;
 
+pub use pixels::LINES;
+pub(crate) use pixels::Scale;
 pub use settings::{Line, Operator, Outline, Tone};
 
 /// Weights of a Gaussian by distance, `count` of them; 0 beyond the window.

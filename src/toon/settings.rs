@@ -56,8 +56,8 @@ settings! {
     pub struct Line {
         /// Its opacity.
         strength: f32 = 1.0, "", 0.0..=1.0, "off";
-        /// How broad it is; 1 is the thinnest.
-        width: f32 = 1.5, "pixels", 1.0..=BROADEST;
+        /// How broad it is; at least a pixel of the picture.
+        width: f32 = 3.0, "pixels at 1080 lines", 1.0..=BROADEST;
         /// What it is drawn with.
         colour: [f32; 3] = [0.045, 0.002, 0.004], "linear [red, green, blue]", 0.0..=BRIGHTEST;
     }

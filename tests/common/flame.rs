@@ -8,6 +8,7 @@ use celfx::low_level::flame::layout;
 use celfx::low_level::flame::params::{MASK_SIDE, Particle};
 use celfx::low_level::plan::BufferId;
 use celfx::offline::{EffectBuffer, Offline, Scene, TARGET_FORMAT};
+use celfx::toon::LINES;
 use celfx::view::Camera;
 
 use super::rig::Bits;
@@ -23,11 +24,13 @@ pub struct FlameRig {
     pub poison: Option<u32>,
 }
 
-/// An effect of this picture size for at most so many particles, with every layer kept, and without a scene. Particles
+/// An effect of this picture size for at most so many particles, with every layer kept, and without a scene; sizes are pixels of
+/// the picture. Particles
 /// above `settings.hottest` count as that hot; a spread that is not given is 0.1 m.
 pub fn desc(size: [u32; 2], particles: u32, settings: Settings) -> Desc {
     Desc {
         size,
+        lines: Some(LINES),
         target_format: TARGET_FORMAT,
         scene: None,
         accumulates: true,

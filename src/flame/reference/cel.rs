@@ -18,7 +18,7 @@ pub struct Drawn {
 /// The definition: heat averaged over the window around a pixel by weights `exp(-d^2 / 2 sigma^2)`, of what lies in the
 /// picture and is not hidden. Heat is 0 where there is no fire.
 pub fn smooth(size: [u32; 2], heat: &[f64], hidden: &[bool], settings: &Settings) -> Vec<f64> {
-    let window = i64::from(settings.window());
+    let window = i64::from((3.0 * settings.sigma).ceil() as u32);
     let sigma = f64::from(settings.sigma);
     let weight = |d: i64| if d == 0 { 1.0 } else { (-((d * d) as f64) / (2.0 * sigma * sigma)).exp() };
     let pixel = |place: usize| {

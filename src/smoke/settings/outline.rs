@@ -2,7 +2,7 @@
 
 use crate::settings::{settings, words};
 use crate::shaders::smoke::constants::PIECE_REACH;
-use crate::toon::ink_reach;
+use crate::toon::{Scale, ink_reach};
 use crate::toon::settings::{BROADEST, STRONGEST};
 use crate::view::BRIGHTEST;
 
@@ -79,14 +79,14 @@ impl Outline {
         self.operator == Operator::Step
     }
 
-    /// With sizes in pixels of a picture of so many times 1080 lines. Lines are as broad as a pixel at least, and what is
+    /// With sizes in pixels of a picture. Lines are as broad as a pixel at least, and what is
     /// looked at along them has an end.
-    pub(super) fn scaled(&self, scale: f32) -> Outline {
-        let width = |width: f32| (width * scale).max(1.0);
+    pub(super) fn scaled(&self, scale: Scale) -> Outline {
+        let width = |width: f32| scale.line(width);
         let line = |line: &Line| Line { width: line.width.map(width), ..*line };
         Outline {
             width: width(self.width),
-            shortest: (self.shortest * scale).min(PIECE_REACH as f32),
+            shortest: scale.size(self.shortest).min(PIECE_REACH as f32),
             silhouette: line(&self.silhouette),
             inner: line(&self.inner),
             ..*self

@@ -1,11 +1,7 @@
-//! Sizes of the look in pixels of a picture: settings give them at 1080 lines, so that a picture of any size is drawn alike.
+//! Sizes of the look in pixels of a picture.
 
 use crate::smoke::settings::{Outline, Settings};
-
-/// Lines of the picture that settings mean.
-pub const LINES: u32 = 1080;
-/// Least half width of the border between tones, in pixels: that of an antialiased one.
-const SOFTEST: f32 = 0.5;
+use crate::toon::Scale;
 
 /// What settings give at 1080 lines, in pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,13 +29,9 @@ impl Settings {
     /// Sizes in a picture of so many lines. What is on stays on: a soft border is half a pixel broad to each side at least, a
     /// line a pixel.
     pub fn pixels(&self, lines: u32) -> Pixels {
-        let scale = lines as f32 / LINES as f32;
-        let tone_softness = match self.tone_softness > 0.0 {
-            true => (self.tone_softness * scale).max(SOFTEST),
-            false => 0.0,
-        };
-        let outline = self.outline.scaled(scale);
-        let (sigma, smallest) = (self.sigma * scale, self.smallest * scale);
+        let scale = Scale::of(lines);
+        let (sigma, smallest) = (scale.size(self.sigma), scale.size(self.smallest));
+        let (tone_softness, outline) = (scale.softness(self.tone_softness), self.outline.scaled(scale));
         Pixels { sigma, cutoff: self.cutoff, tone_softness, smallest, outline }
     }
 
