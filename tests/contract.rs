@@ -140,6 +140,7 @@ fn flame_desc() -> flame::Desc {
     let (hottest, scene) = (settings.hottest, Some(SceneFormat::Image(REVERSED)));
     flame::Desc {
         size: SIZE,
+        lines: None,
         target_format: FORMAT,
         scene,
         accumulates: false,

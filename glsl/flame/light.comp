@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
-#include "toon/tone.glsl"
+#include "fire_tone.glsl"
 layout(local_size_x = 256) in;
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) writeonly buffer LampBuffer { Lamp lamp; };

@@ -4,14 +4,8 @@
 #extension GL_GOOGLE_include_directive : require
 layout(constant_id = 2) const uint LAYERS = 0u;  // 1: heat, tone and line are kept
 #include "params.glsl"
+#include "fire_tone.glsl"
 #include "toon/tone.glsl"
-
-// From a value `from` upwards fire has this colour.
-struct Tone {
-    float colour[3];  // linear RGB
-    float from;
-};
-
 layout(local_size_x = 128) in;
 layout(std430, binding = 1) readonly buffer ControlBuffer { Control control; };
 layout(std430, binding = 2) readonly buffer OccupiedTiles { uint occupied_tiles[]; };

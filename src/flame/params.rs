@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use crate::flame::desc::Desc;
 use crate::flame::frame::Frame;
 use crate::flame::layout::Layout;
-use crate::flame::settings::{MOST_REPETITIONS, Mode, Settings, Shape};
+use crate::flame::settings::{MOST_REPETITIONS, Settings, Shape};
 use crate::flame::tables::Tables;
 pub use crate::shaders::flame::blocks::*;
 pub use crate::shaders::flame::constants::*;

@@ -56,7 +56,7 @@ fn compare(name: &str, rig: &mut FlameRig, depth: Option<&[f32]>) {
 fn stages_are_those_of_the_reference() {
     let given = embers(40, 1);
     let fat = Line { strength: 0.7, width: 5.5, colour: [0.5, 0.25, 2.0] };
-    let one = Tones(vec![Tone { from: 900.0, colour: [3.0, 2.0, 1.0] }]);
+    let one = Tones(vec![Tone::new(900.0, [3.0, 2.0, 1.0])]);
     for (name, settings, size) in [
         ("usual", base(), SIZE),
         ("expected", Settings { mode: Mode::Expected, ..base() }, SIZE),
@@ -148,7 +148,7 @@ fn skipping_changes_no_bit() {
         (Settings { sigma: 0.0, adaptive: 0.1, repetitions: 60, ..base() }, None),
         (Settings { mode: Mode::Expected, ..base() }, None),
     ] {
-        let tones = Tones(vec![Tone { from: 0.01, colour: [1.0; 3] }]);
+        let tones = Tones(vec![Tone::new(0.01, [1.0; 3])]);
         let settings = Settings { spread: Some(0.02), size: Some(0.2), count: 20.0, tones, ..settings };
         let desc = Desc { scene: format, ..desc([160, 120], 2, settings) };
         let frame = |effort, poison| {

@@ -76,6 +76,7 @@ fn a_frame_of_fire() {
         let hottest = settings.hottest;
         let desc = flame::Desc {
             size: SIZE,
+            lines: None,
             target_format: FORMAT,
             scene: None,
             accumulates: false,

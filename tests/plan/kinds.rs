@@ -320,6 +320,7 @@ fn flame_with_everything_that_a_frame_may_bring() {
                 let (formats, outputs) = temporal(layers);
                 let desc = flame::Desc {
                     size: SIZE,
+                    lines: None,
                     target_format: FORMAT,
                     scene: format,
                     accumulates: true,

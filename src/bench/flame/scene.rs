@@ -115,18 +115,8 @@ impl Scene {
 
     /// Description of an effect with such settings.
     pub(super) fn desc(&self, settings: Settings) -> Desc {
-        Desc {
-            size: self.size,
-            target_format: FORMAT,
-            scene: None,
-            accumulates: false,
-            particles: self.particles.position.len() as u32,
-            hottest: settings.hottest,
-            seed: SEED,
-            settings,
-            layers: false,
-            temporal: Default::default(),
-        }
+        let new = Desc::new(self.size, self.particles.position.len() as u32, settings);
+        Desc { target_format: FORMAT, seed: SEED, ..new }
     }
 
     /// A frame of it.

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::flame::settings::HOTTEST;
-use crate::settings::{Number, Rule, Setting, three};
+use crate::settings::{Number, Rule, Setting, listed_in_brackets};
 use crate::shaders::toon::constants::MOST_TONES;
 use crate::toon::Tone;
 use crate::view::BRIGHTEST;
@@ -14,12 +14,11 @@ pub struct Tones(pub Vec<Tone>);
 
 impl Default for Tones {
     fn default() -> Self {
-        let tone = |from, colour| Tone { from, colour };
         Tones(vec![
-            tone(0.22, [0.19, 0.010, 0.012]),
-            tone(0.40, [0.72, 0.045, 0.020]),
-            tone(0.52, [1.00, 0.300, 0.020]),
-            tone(0.66, [1.00, 0.860, 0.330]),
+            Tone::new(0.22, [0.19, 0.010, 0.012]),
+            Tone::new(0.40, [0.72, 0.045, 0.020]),
+            Tone::new(0.52, [1.00, 0.300, 0.020]),
+            Tone::new(0.66, [1.00, 0.860, 0.330]),
         ])
     }
 }
@@ -54,6 +53,9 @@ impl Setting for Tones {
             if !(tone.from > 0.0 && tone.from <= HOTTEST) {
                 return refuse(tone.from.to_string(), "heats above 0, at most 1e6");
             }
+            if tone.shadow.is_some() {
+                return refuse("a colour in shadow".to_owned(), "[from, [red, green, blue]]: no shadow falls on fire");
+            }
             tone.colour.check(key, &Rule::new("linear RGB", 0.0..=BRIGHTEST))?;
         }
         Ok(())
@@ -68,7 +70,7 @@ impl Setting for Tones {
     }
 
     fn shown(&self) -> Option<String> {
-        let one = |tone: &Tone| format!("[{}, {}]", Number::shown(tone.from), three(tone.colour));
+        let one = |tone: &Tone| format!("[{}, {}]", Number::shown(tone.from), listed_in_brackets(tone.colour));
         Some(format!("[{}]", self.0.iter().map(one).collect::<Vec<_>>().join(", ")))
     }
 }
@@ -79,7 +81,7 @@ mod tests {
     use crate::flame::Settings;
 
     fn checked(froms: &[f32]) -> Result<()> {
-        let tones = Tones(froms.iter().map(|&from| Tone { from, colour: [1.0; 3] }).collect());
+        let tones = Tones(froms.iter().map(|&from| Tone::new(from, [1.0; 3])).collect());
         Settings { tones, hottest: 2000.0, ..Settings::default() }.validate()
     }
 
@@ -90,7 +92,7 @@ mod tests {
         for refused in [&[0.0, 0.5][..], &[-0.1], &[f32::NAN], &[0.5, 0.5], &[0.6, 1000.0], &[2e6], &[]] {
             checked(refused).expect_err("refused");
         }
-        let tones = Tones(vec![Tone { from: 500.0, colour: [0.0; 3] }]);
+        let tones = Tones(vec![Tone::new(500.0, [0.0; 3])]);
         assert_eq!(tones.shares(2000.0).next().expect("a tone").from, 0.25);
     }
 }

@@ -94,6 +94,7 @@ impl Input for FlameInput {
         let light = if fire_lights_smoke(&self.shot) { 0.0 } else { self.flame.settings.light };
         Ok(effects.with(Desc {
             size: self.shot.size,
+            lines: None,
             target_format: TARGET_FORMAT,
             scene: None,
             accumulates: false,

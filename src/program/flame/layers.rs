@@ -104,6 +104,7 @@ mod tests {
         let settings = Settings { variants: 2, ..Settings::default() };
         let desc = Desc {
             size: [2, 1],
+            lines: None,
             target_format: TARGET_FORMAT,
             scene: None,
             accumulates: false,

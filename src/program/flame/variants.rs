@@ -36,6 +36,7 @@ fn variant(
     };
     let desc = Desc {
         size: SIZE,
+        lines: None,
         target_format: TARGET_FORMAT,
         scene: scene.then_some(SceneFormat::Buffer),
         accumulates: false,
