@@ -76,9 +76,8 @@ fn what_is_switched_off_takes_no_room() {
         layout::CHANNELS,
         layout::SMOOTH_CHANNELS,
         layout::TONE_LAYER,
-        layout::OUTLINE_LAYER,
+        layout::OVERLAY_LAYER,
         layout::MATTE_LAYER,
-        layout::LIGHT_LAYER,
     ] {
         assert_eq!(layout.size(id), 16, "{id:?}");
     }

@@ -38,14 +38,13 @@ layout(std430, binding = 4) readonly buffer Lines { float lines[]; };
 layout(std430, binding = 5) readonly buffer Tones { Tone tones[]; };
 layout(std430, binding = 6) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 7) writeonly buffer ToneLayer { vec4 tone_layer[]; };
-layout(std430, binding = 8) writeonly buffer OutlineLayer { vec2 outline_layer[]; };
+layout(std430, binding = 8) writeonly buffer OverlayLayer { vec4 overlay_layer[]; };
 layout(std430, binding = 9) readonly buffer Channels { float channels[]; };
 layout(std430, binding = 10) readonly buffer SmoothChannels { float smooth_channels[]; };
 layout(std430, binding = 11) readonly buffer Depth { float depth[]; };
 layout(std430, binding = 12) writeonly buffer MatteLayer { vec4 matte_layer[]; };
-layout(std430, binding = 13) writeonly buffer LightLayer { vec2 light_layer[]; };
-layout(std430, binding = 14) readonly buffer ViewSpheres { vec4 view_spheres[]; };
-layout(binding = 15, r32ui) uniform readonly uimage2D seen;
+layout(std430, binding = 13) readonly buffer ViewSpheres { vec4 view_spheres[]; };
+layout(binding = 14, r32ui) uniform readonly uimage2D seen;
 #include "coverage.glsl"
 
 const uint LUMINANCE = NO_CHANNEL;
@@ -220,10 +219,9 @@ void work_on(uvec2 at) {
     picture[index] = coverage * vec4(tone * (1.0 - ink) + colour, 1.0);
     if (LAYERS != 0u) {
         tone_layer[index] = coverage * vec4(tone, 1.0);
-        outline_layer[index] = coverage * vec2(ink, line.y);
         matte_layer[index] = coverage * mattes_of(luminance);
         float plain = plain_luminance(pixel_index(uvec2(source)), pixel);
         float rim = RIM != NO_CHANNEL ? rim_matte(luminance, plain) : 0.0;
-        light_layer[index] = coverage * vec2(1.0 - unshaded, rim);
+        overlay_layer[index] = coverage * vec4(ink, line.y, 1.0 - unshaded, rim);
     }
 }

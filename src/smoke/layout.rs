@@ -81,9 +81,8 @@ buffers! {
     TONES = "Tones": Kept,
     PICTURE = "Picture": Layer,
     TONE_LAYER = "ToneLayer": Layer,
-    OUTLINE_LAYER = "OutlineLayer": Layer,
+    OVERLAY_LAYER = "OverlayLayer": Layer,
     MATTE_LAYER = "MatteLayer": Layer,
-    LIGHT_LAYER = "LightLayer": Layer,
     EDGES = "Edges",
     MOVED = "Moved": Kept,
 }
@@ -106,7 +105,7 @@ pub const HOST_VELOCITY: BufferId = BufferId(BUFFERS + 1);
 /// The host's partial coverage of pixels.
 pub const HOST_EDGES: BufferId = BufferId(BUFFERS + 2);
 /// Layers that the kernel of tones writes beside the picture.
-pub(super) const COLOUR_LAYERS: [BufferId; 4] = [TONE_LAYER, OUTLINE_LAYER, MATTE_LAYER, LIGHT_LAYER];
+pub(super) const COLOUR_LAYERS: [BufferId; 3] = [TONE_LAYER, OVERLAY_LAYER, MATTE_LAYER];
 /// Buffers of the host's.
 pub const HOST_BUFFERS: usize = 3;
 /// Sphere and group seen at each pixel.
@@ -336,9 +335,8 @@ impl Layout {
         self.set(TONES, (settings.all_tones().count() * size_of::<Tone>()) as u64);
         self.set(PICTURE, pixels * 16);
         self.set(TONE_LAYER, kept(desc.layers, pixels * 16));
-        self.set(OUTLINE_LAYER, kept(desc.layers, pixels * 8));
+        self.set(OVERLAY_LAYER, kept(desc.layers, pixels * 16));
         self.set(MATTE_LAYER, kept(desc.layers, pixels * 16));
-        self.set(LIGHT_LAYER, kept(desc.layers, pixels * 8));
     }
 
     /// Whether shares of the light that arrives outlive the kernel that finds them.
@@ -428,7 +426,7 @@ mod tests {
             (PICTURE, "Picture", "render a smaller picture"),
             (BLOCK_MASKS, "BlockMasks", "render a smaller picture"),
             (ROW_ITEMS, "RowItems", "render a smaller picture"),
-            (OUTLINE_LAYER, "OutlineLayer", "render a smaller picture"),
+            (OVERLAY_LAYER, "OverlayLayer", "render a smaller picture"),
             (SPHERES, "Spheres", "use fewer particles or less fade"),
             (CASTERS, "Casters", "use fewer particles, less fade, or shadow = \"map\""),
             (FIELD, "Field", "use a smaller volume"),

@@ -126,14 +126,8 @@ impl Rig {
         self.read(id, count)
     }
 
-    /// A layer of four values a pixel: `PICTURE`, `TONE_LAYER`, `MATTE_LAYER`.
+    /// A layer of four values a pixel: `PICTURE`, `TONE_LAYER`, `MATTE_LAYER`, `OVERLAY_LAYER`.
     pub fn colours(&mut self, id: BufferId) -> Vec<[f32; 4]> {
-        let count = self.pixel_count();
-        self.read(id, count)
-    }
-
-    /// A layer of two values a pixel: `OUTLINE_LAYER`, `LIGHT_LAYER`.
-    pub fn pairs(&mut self, id: BufferId) -> Vec<[f32; 2]> {
         let count = self.pixel_count();
         self.read(id, count)
     }
@@ -164,8 +158,7 @@ impl Rig {
             ("effect", layout::PICTURE, 4 * count),
             ("tone", layout::TONE_LAYER, 4 * count),
             ("mattes", layout::MATTE_LAYER, 4 * count),
-            ("light", layout::LIGHT_LAYER, 2 * count),
-            ("lines", layout::OUTLINE_LAYER, 2 * count),
+            ("overlay", layout::OVERLAY_LAYER, 4 * count),
         ] {
             bits.push(name, &self.read::<u32>(id, words));
         }

@@ -27,8 +27,8 @@ fn assert_finite(name: &str, rig: &mut Rig) {
         let worst = rig.layer(id).into_iter().find(|v| !(0.0..=1.0).contains(v));
         assert_eq!(worst, None, "{name}: {id:?}");
     }
-    let pairs = [rig.pairs(layout::OUTLINE_LAYER), rig.pairs(layout::LIGHT_LAYER)].concat();
-    assert!(pairs.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)), "{name}: a line, a shadow or a rim");
+    let overlay = rig.colours(layout::OVERLAY_LAYER);
+    assert!(overlay.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)), "{name}: a line, a shadow or a rim");
     let colours = [rig.colours(layout::PICTURE), rig.colours(layout::TONE_LAYER), rig.picture()].concat();
     assert!(colours.as_flattened().iter().all(|c| (0.0..=1.0).contains(c)), "{name}: a colour");
     assert!(rig.spheres().as_flattened().iter().all(|v| v.is_finite()), "{name}: a sphere");

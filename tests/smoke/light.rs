@@ -78,7 +78,7 @@ fn assert_lit(name: &str, rig: &mut Rig, camera: Camera, light: &Light, fire: Op
     let shaded = canvas.shaded(&expected.channels.shade);
     let rim = canvas.rim(&luminance, &expected.smooth, &settings.tones);
     let pairs = shaded.iter().zip(&rim).map(|(shaded, rim)| [*shaded, *rim, 0.0, 0.0]).collect::<Vec<_>>();
-    let found = rig.pairs(layout::LIGHT_LAYER).into_iter().map(|[shaded, rim]| [shaded, rim, 0.0, 0.0]);
+    let found = rig.colours(layout::OVERLAY_LAYER).into_iter().map(|[.., shaded, rim]| [shaded, rim, 0.0, 0.0]);
     let found: Vec<[f32; 4]> = found.collect();
     for (layer, actual, expected_layer) in [
         ("picture", rig.picture(), &expected.image),
@@ -208,13 +208,12 @@ fn layers_add_up() {
         (mattes.iter().sum::<f32>() - if *id > 0 { 1.0 } else { 0.0 }).abs() < 1e-6 && mattes[3] == 0.0
     };
     assert!(mattes.iter().zip(&id).all(is_whole));
-    let lines = rig.pairs(layout::OUTLINE_LAYER);
-    assert!(lines.iter().all(|[ink, silhouette]| silhouette <= ink && (0.0..=1.0).contains(ink)));
-    assert!(lines.iter().any(|[ink, silhouette]| *ink > 0.9 && *silhouette == 0.0), "inner lines");
-    assert!(lines.iter().any(|[_, silhouette]| *silhouette > 0.9), "silhouettes");
-    let light = rig.pairs(layout::LIGHT_LAYER);
-    for layer in [0, 1] {
-        let [dark, lit] = [0.05, 0.95].map(|limit| light.iter().filter(|pair| pair[layer] > limit).count());
+    let overlay = rig.colours(layout::OVERLAY_LAYER);
+    assert!(overlay.iter().all(|[ink, silhouette, ..]| silhouette <= ink && (0.0..=1.0).contains(ink)));
+    assert!(overlay.iter().any(|[ink, silhouette, ..]| *ink > 0.9 && *silhouette == 0.0), "inner lines");
+    assert!(overlay.iter().any(|[_, silhouette, ..]| *silhouette > 0.9), "silhouettes");
+    for layer in [2, 3] {
+        let [dark, lit] = [0.05, 0.95].map(|limit| overlay.iter().filter(|all| all[layer] > limit).count());
         assert!(lit > 20 && lit < 1500 && dark > lit, "layer {layer}: {dark} and {lit} pixels");
     }
 }

@@ -72,7 +72,7 @@ fn assert_drawn(name: &str, settings: Settings) {
     let lines: Vec<f64> = both.iter().map(|[inner, silhouette]| inner.max(*silhouette)).collect();
     let drawn: Vec<[f32; 4]> = bench.read(layout::PICTURE, COUNT);
     let tone_layer: Vec<[f32; 4]> = bench.read(layout::TONE_LAYER, COUNT);
-    let line_layer: Vec<[f32; 2]> = bench.read(layout::OUTLINE_LAYER, COUNT);
+    let line_layer: Vec<[f32; 4]> = bench.read(layout::OVERLAY_LAYER, COUNT);
     let mattes: Vec<[f32; 4]> = bench.read(layout::MATTE_LAYER, COUNT);
     let canvas = Canvas { size: SIZE, id: &id, mask: settings.mask, softness: settings.tone_softness.into() };
     let expected_mattes = canvas.mattes(&smooth, &settings.tones);

@@ -1,13 +1,10 @@
 //! The layers of the smoke effect.
 
-use bytemuck::AnyBitPattern;
-
 use crate::plan::BufferId;
 use crate::program::layers::{LayerData, LayerEntry, Made};
 use crate::smoke::Desc;
 use crate::smoke::layout::{
-    CONTROL, DEPTH, GROUPS, LIGHT_LAYER, MATTE_LAYER, OUTLINE_LAYER, PICTURE, PIXELS, SHADOW, SMOOTH, SPHERES,
-    TONE_LAYER, VISIBLE,
+    CONTROL, DEPTH, GROUPS, MATTE_LAYER, OVERLAY_LAYER, PICTURE, PIXELS, SHADOW, SMOOTH, SPHERES, TONE_LAYER, VISIBLE,
 };
 use crate::smoke::params::{Control, GROUP_BITS, GROUP_MASK, LUMINANCE_ONE};
 
@@ -21,31 +18,26 @@ pub(super) const LAYERS: &[LayerEntry] = &[
     LayerEntry::image("smoke.shadow", &[SHADOW], |made| LayerData::Value(made.image(SHADOW))),
     LayerEntry::image("smoke.smooth", &[SMOOTH, PIXELS], smooth),
     LayerEntry::image("smoke.tone", &[TONE_LAYER], |made| LayerData::Colour(made.image(TONE_LAYER))),
-    LayerEntry::image("smoke.matte_1", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[m, ..]: [f32; 4]| m)),
-    LayerEntry::image("smoke.matte_2", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[_, m, ..]: [f32; 4]| m)),
-    LayerEntry::image("smoke.matte_3", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[.., m, _]: [f32; 4]| m)),
-    LayerEntry::image("smoke.matte_4", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[.., m]: [f32; 4]| m)),
-    LayerEntry::image("smoke.cast_shadow", &[LIGHT_LAYER], |made| {
-        value_of(made, LIGHT_LAYER, |[shadow, _]: [f32; 2]| shadow)
+    LayerEntry::image("smoke.matte_1", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[m, ..]| m)),
+    LayerEntry::image("smoke.matte_2", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[_, m, ..]| m)),
+    LayerEntry::image("smoke.matte_3", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[.., m, _]| m)),
+    LayerEntry::image("smoke.matte_4", &[MATTE_LAYER], |made| value_of(made, MATTE_LAYER, |[.., m]| m)),
+    LayerEntry::image("smoke.cast_shadow", &[OVERLAY_LAYER], |made| {
+        value_of(made, OVERLAY_LAYER, |[.., shadow, _]| shadow)
     }),
-    LayerEntry::image("smoke.rim", &[LIGHT_LAYER], |made| value_of(made, LIGHT_LAYER, |[_, rim]: [f32; 2]| rim)),
-    LayerEntry::image("smoke.outline", &[OUTLINE_LAYER], |made| {
-        value_of(made, OUTLINE_LAYER, |[ink, _]: [f32; 2]| ink)
+    LayerEntry::image("smoke.rim", &[OVERLAY_LAYER], |made| value_of(made, OVERLAY_LAYER, |[.., rim]| rim)),
+    LayerEntry::image("smoke.outline", &[OVERLAY_LAYER], |made| value_of(made, OVERLAY_LAYER, |[ink, ..]| ink)),
+    LayerEntry::image("smoke.outline.silhouette", &[OVERLAY_LAYER], |made| {
+        value_of(made, OVERLAY_LAYER, |[_, silhouette, ..]| silhouette)
     }),
-    LayerEntry::image("smoke.outline.silhouette", &[OUTLINE_LAYER], |made| {
-        value_of(made, OUTLINE_LAYER, |[_, silhouette]: [f32; 2]| silhouette)
-    }),
-    LayerEntry::image("smoke.outline.inner", &[OUTLINE_LAYER], |made| {
-        value_of(made, OUTLINE_LAYER, |[ink, silhouette]: [f32; 2]| ink - silhouette)
+    LayerEntry::image("smoke.outline.inner", &[OVERLAY_LAYER], |made| {
+        value_of(made, OVERLAY_LAYER, |[ink, silhouette, ..]| ink - silhouette)
     }),
     LayerEntry::image("smoke", &[PICTURE], |made| LayerData::Colour(made.image(PICTURE))),
 ];
 
-/// One value a pixel of those that a buffer has.
-fn value_of<const N: usize>(made: &Made, buffer: BufferId, value: fn([f32; N]) -> f32) -> LayerData
-where
-    [f32; N]: AnyBitPattern,
-{
+/// One value a pixel of the four that a buffer has.
+fn value_of(made: &Made, buffer: BufferId, value: fn([f32; 4]) -> f32) -> LayerData {
     LayerData::Value(made.image(buffer).into_iter().map(value).collect())
 }
 
@@ -101,8 +93,7 @@ mod tests {
             (SHADOW, bytemuck::cast_slice(&[1.0f32, 0.0])),
             (SMOOTH, bytemuck::cast_slice(&[0.25f32, 0.0])),
             (TONE_LAYER, bytemuck::cast_slice(&zero)),
-            (OUTLINE_LAYER, bytemuck::cast_slice(&[[0.75f32, 0.25], [0.0; 2]])),
-            (LIGHT_LAYER, bytemuck::cast_slice(&[[0.5f32, 0.125], [0.0; 2]])),
+            (OVERLAY_LAYER, bytemuck::cast_slice(&[[0.75f32, 0.25, 0.5, 0.125], [0.0; 4]])),
             (MATTE_LAYER, bytemuck::cast_slice(&[[0.125f32, 0.5, 0.25, 0.0625], [0.0; 4]])),
             (PICTURE, bytemuck::cast_slice(&zero)),
         ];
