@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     fn draws(shape: Shape, sampling: Sampling, flicker: f32, number: u32) -> Draws {
-        let settings = Settings { shape, sampling, flicker, repetitions: 64, ..Settings::default() };
+        let settings = Settings { shape, sampling, flicker, repetitions: 64, ..Settings::light() };
         Draws::new(&settings, 9, number)
     }
 

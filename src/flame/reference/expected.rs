@@ -371,7 +371,7 @@ mod tests {
     #[test]
     fn one_render_particle_that_always_passes_is_as_deep_as_it_is() {
         // Sprites that cover the whole ball: depths are those of points in a ball, density 3/4 (1 - z^2).
-        let settings = Settings { spread: Some(0.1), size: Some(0.3), count: 1.0, ..Settings::default() };
+        let settings = Settings { spread: Some(0.1), size: Some(0.3), count: 1.0, ..Settings::light() };
         let scene = |count| Scene::pixel(Settings { count, ..settings.clone() });
         let single = scene(1.0).render(&[[0.0, 0.0, -2.0, 3000.0]], 400);
         assert!((single.coverage[0] - 1.0).abs() < 1e-4, "{}", single.coverage[0]);
@@ -396,7 +396,7 @@ mod tests {
             count: 4.0,
             colour: red_and_blue(),
             threshold: 0.1,
-            ..Settings::default()
+            ..Settings::light()
         };
         let mut scene = Scene::pixel(settings);
         let (front, back) = ([0.05, 0.0, -2.0, 750.0], [0.0, 0.1, -3.0, 3000.0]);
@@ -465,7 +465,7 @@ mod tests {
 
     #[test]
     fn repetitions_converge_to_it() {
-        let settings = Settings { spread: Some(0.3), size: Some(0.4), count: 4.0, ..Settings::default() };
+        let settings = Settings { spread: Some(0.3), size: Some(0.4), count: 4.0, ..Settings::light() };
         let camera = Camera {
             eye: DVec3::new(0.3, 0.2, 1.0),
             target: DVec3::new(0.0, 0.1, -1.0),
@@ -489,7 +489,7 @@ mod tests {
 
     #[test]
     fn sprites_below_a_pixel_converge_too() {
-        let settings = Settings { spread: Some(0.5), size: Some(0.05), count: 40.0, ..Settings::default() };
+        let settings = Settings { spread: Some(0.5), size: Some(0.05), count: 40.0, ..Settings::light() };
         let scene = Scene { mask: Mask::new(7, 4), level: 6, ..Scene::new(settings, [16, 12]) };
         let [rms, largest] = scores(&scene, &cloud(10, [0.0, 0.0, -2.0], 0.5), 8192);
         assert!((0.7..1.3).contains(&rms) && largest < 4.5, "{rms} {largest}");
@@ -502,7 +502,7 @@ mod tests {
 
     #[test]
     fn bins_and_cells_converge() {
-        let settings = Settings { spread: Some(0.25), size: Some(0.25), count: 10.0, ..Settings::default() };
+        let settings = Settings { spread: Some(0.25), size: Some(0.25), count: 10.0, ..Settings::light() };
         let scene = Scene { mask: Mask::new(7, 4), ..Scene::new(settings, [20, 15]) };
         let (frame, prepared) = (scene.frame(), scene.prepare(&cloud(30, [0.0, 0.0, -2.0], 0.7)));
         let run =
@@ -518,7 +518,7 @@ mod tests {
     fn a_slanted_ray_in_steps_along_the_axis_needs_its_own_sum() {
         // What a table can say: in each bin, the ray where it is in the middle of the bin, as if along the view axis.
         // Differences of its G are right to second order; its G itself is that of another ray, and a floor is left.
-        let settings = Settings { spread: Some(0.25), size: Some(0.25), count: 4.0, ..Settings::default() };
+        let settings = Settings { spread: Some(0.25), size: Some(0.25), count: 4.0, ..Settings::light() };
         let scene = Scene { mask: Mask::new(7, 4), ..Scene::new(settings, [12, 9]) };
         let (frame, prepared) = (scene.frame(), scene.prepare(&cloud(30, [0.0, 0.0, -1.5], 0.7)));
         let particles = &prepared.particles;

@@ -170,7 +170,7 @@ mod tests {
             [0.0, 0.0, 1.0, 199.0],
             [0.0, 0.0, -3.0, 9000.0],
         ];
-        let prepared = prepare(&Settings::default(), 6000.0, 1, &camera().view([1, 1]), &given, None);
+        let prepared = prepare(&Settings::light(), 6000.0, 1, &camera().view([1, 1]), &given, None);
         let rows: Vec<u32> = prepared.particles.iter().map(|p| p.row).collect();
         assert_eq!((rows, prepared.nearest), (vec![0, 7, 8], 2.0));
         let [first, cold, hot] = &prepared.particles[..] else { panic!() };
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn colours_are_shares_of_the_brightest() {
-        let settings = Settings { colour: Colour::Ramp(vec![[0.0, 2.0, 8.0], [4.0, 2.0, 0.0]]), ..Settings::default() };
+        let settings = Settings { colour: Colour::Ramp(vec![[0.0, 2.0, 8.0], [4.0, 2.0, 0.0]]), ..Settings::light() };
         let given = [[0.0, 0.0, 9.0, 750.0], [0.0, 0.0, 9.0, 3000.0], [0.0, 0.0, 9.0, 1500.0]];
         let prepared = prepare(&settings, 1e6, 1, &camera().view([1, 1]), &given, Some(&[7, 8, 9]));
         let lights: Vec<[u32; 3]> = prepared.particles.iter().map(|p| p.light).collect();
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn counts_have_their_mean_and_do_not_pop() {
-        let settings = Settings { count: 10.0, ..Settings::default() };
+        let settings = Settings { count: 10.0, ..Settings::light() };
         let mean = mean_count(&settings, 750.0);
         assert_eq!(mean, 2.5);
         let total: u32 = (0..10_000).map(|id| count(mean, 4, id)).sum();
@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn the_level_follows_the_nearest_particle() {
         // 90 degrees over 128 rows: 64 pixels at depth 1.
-        let settings = Settings { size: Some(0.5), ..Settings::default() };
+        let settings = Settings { size: Some(0.5), ..Settings::light() };
         let level =
             |settings: &Settings, nearest| mask_level(settings, &camera().view([200, 128]), [200, 128], nearest);
         let given = [0.1, 0.99, 1.01, 2.01, 50.0, f64::INFINITY];

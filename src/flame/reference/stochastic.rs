@@ -360,7 +360,7 @@ mod tests {
     }
 
     fn settings() -> Settings {
-        Settings { spread: Some(0.0), size: Some(1.0), count: 1.0, threshold: 0.5, ..Settings::default() }
+        Settings { spread: Some(0.0), size: Some(1.0), count: 1.0, threshold: 0.5, ..Settings::light() }
     }
 
     /// One variant, alpha 1 everywhere.
@@ -527,7 +527,7 @@ mod tests {
             threshold: 0.4,
             repetitions: 64,
             sampling: Sampling::ShuffledSobol,
-            ..Settings::default()
+            ..Settings::light()
         };
         let scene = Scene { mask: Mask::new(7, 16), ..Scene::new(settings, [160, 120]) };
         let positions = cloud(300);
