@@ -41,10 +41,9 @@ layout(std430, binding = 7) writeonly buffer ToneLayer { vec4 tone_layer[]; };
 layout(std430, binding = 8) writeonly buffer OverlayLayer { vec4 overlay_layer[]; };
 layout(std430, binding = 9) readonly buffer Channels { float channels[]; };
 layout(std430, binding = 10) readonly buffer SmoothChannels { float smooth_channels[]; };
-layout(std430, binding = 11) readonly buffer Depth { float depth[]; };
+layout(std430, binding = 11) readonly buffer ViewSpheres { vec4 view_spheres[]; };
 layout(std430, binding = 12) writeonly buffer MatteLayer { vec4 matte_layer[]; };
-layout(std430, binding = 13) readonly buffer ViewSpheres { vec4 view_spheres[]; };
-layout(binding = 14, r32ui) uniform readonly uimage2D seen;
+layout(binding = 13, r32ui) uniform readonly uimage2D seen;
 #include "coverage.glsl"
 
 const uint LUMINANCE = NO_CHANNEL;
@@ -134,7 +133,10 @@ vec3 tone_of(Smoothed luminance, float unshaded, uint first, uint count) {
 // How far the colours have changed to those higher up.
 float gradient_at(uvec2 at) {
     Ray ray = pixel_ray(vec2(at) + 0.5);
-    float height = dot(params.height.xyz, ray.from + depth[pixel_index(at)] * ray.way) + params.height.w;
+    float depth;
+    vec3 normal;
+    hit_sphere(ray, view_spheres[(imageLoad(seen, ivec2(at)).x >> GROUP_BITS) - 1u], depth, normal);
+    float height = dot(params.height.xyz, ray.from + depth * ray.way) + params.height.w;
     return params.gradient_height > 0.0 ? clamp(height / params.gradient_height, 0.0, 1.0) : height >= 0.0 ? 1.0 : 0.0;
 }
 

@@ -44,7 +44,7 @@ fn a_frame_of_fire_alone_equals_the_frame_of_the_sequence() {
     if !has_device() {
         return;
     }
-    let folder = assert_alone(FIRE, 9);
+    let folder = assert_alone(FIRE, 12);
     let array = |name: &str| {
         let bytes = fs::read(folder.0.join("all").join(name)).expect(name);
         let shape = NpyFile::new(&bytes[..]).expect(name).shape().to_vec();
@@ -56,7 +56,8 @@ fn a_frame_of_fire_alone_equals_the_frame_of_the_sequence() {
     assert!(rows.chunks(9).all(|row| row[3] > 0.0 && row[4] > 0.0), "temperature and mean count");
     assert_eq!(array("flame.mask.0002.npy").0, [16, 64, 64]);
     let channels = [("mean", "BGR"), ("variance", "BGR"), ("coverage", "Y"), ("depth", "Y"), ("repetitions", "Y")];
-    for (layer, names) in channels {
+    let drawn = [("heat", "Y"), ("tone", "ABGR"), ("outline", "Y")];
+    for (layer, names) in channels.into_iter().chain(drawn) {
         let picture = image::read_exr(&folder.0.join(format!("all/flame.{layer}.0002.exr"))).expect(layer);
         let found: String = picture.channels.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!((found.as_str(), picture.size), (names, [64, 48]), "{layer}");
@@ -69,7 +70,7 @@ fn a_frame_of_fire_and_smoke_alone_equals_the_frame_of_the_sequence() {
     if !has_device() {
         return;
     }
-    let folder = assert_alone(&format!("{FIRE}light = 2\n{SMOKE}"), 26);
+    let folder = assert_alone(&format!("{FIRE}light = 2\n{SMOKE}"), 29);
     succeeds(&folder, &["render", "shot.toml", "-o", "a.png", "--frames", "2", "--profile", "p.csv"]);
     let profile = fs::read_to_string(folder.0.join("p.csv")).expect("a profile");
     assert!(["\n2,smoke.", "\n2,flame."].iter().all(|row| profile.contains(row)), "{profile}");

@@ -102,7 +102,8 @@ fn a_mesh_hides_the_fire_behind_it_and_not_the_fire_before_it() {
     }
     let folder = folder();
     for strength in STRENGTHS {
-        let fire = |place: &str| format!("[flame]\nparticles = \"fire.{place}.npz\"\nspread = 0.05\n{BLUR}");
+        let fire =
+            |place: &str| format!("[flame]\nparticles = \"fire.{place}.npz\"\nspread = 0.05\nlook = \"light\"\n{BLUR}");
         let (shares, alone) = (shares(&folder, strength), render(&folder, "alone", BLUR, &options(strength)));
         let behind = render(&folder, "behind", &fire("behind"), &options(strength));
         let front = render(&folder, "front", &fire("front"), &options(strength));
