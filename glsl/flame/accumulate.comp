@@ -203,20 +203,26 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
         vec2 t = (centre - place.xy) * scale + half_mask;
         Look look = begin_look(t.x, sprite.z, level, scale);
         uint slab = order_of(place.z, slabs);
+        float values[ROWS];
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            float value = mask_value(look, t.y + float(column.row + y) * scale.y);
+            values[y] = mask_value(look, t.y + float(column.row + y) * scale.y);
+        }
+        // What decides for all rows is asked once.
+        if (has_octaves(look)) {
+            [[unroll]] for (int y = 0; y < ROWS; ++y) {
+                values[y] = detailed(look, t.y + float(column.row + y) * scale.y, values[y]);
+            }
+        }
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
+            float value = values[y];
             bool passes = is_one && value > 0.0 && alpha * value >= threshold;
             bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
             bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first_of_equals);
-            if (EMISSION == 1u) {
-                bool hotter = alpha > nearest_heat[y] || (alpha == nearest_heat[y] && nearer);
-                nearer = depth < scene_depth[y] && (slab < nearest_slab[y] || (slab == nearest_slab[y] && hotter));
-            }
-            bool wins = passes && nearer;
-            if (EMISSION == 1u) {
-                nearest_slab[y] = wins ? slab : nearest_slab[y];
-                nearest_heat[y] = wins ? alpha : nearest_heat[y];
-            }
+            bool hotter = alpha > nearest_heat[y] || (alpha == nearest_heat[y] && nearer);
+            bool ahead = depth < scene_depth[y] && (slab < nearest_slab[y] || (slab == nearest_slab[y] && hotter));
+            bool wins = passes && (EMISSION == 1u ? ahead : nearer);
+            nearest_slab[y] = wins ? slab : nearest_slab[y];
+            nearest_heat[y] = wins ? alpha : nearest_heat[y];
             nearest_depth[y] = wins ? depth : nearest_depth[y];
             nearest_id[y] = wins ? sprite.y : nearest_id[y];
             nearest_row[y] = wins ? sprite.x : nearest_row[y];
