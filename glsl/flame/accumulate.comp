@@ -203,6 +203,22 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity,
     }
 }
 
+// Where a pixel of a column meets a sprite.
+struct Meeting {
+    Look look;
+    float y;
+};
+
+// `look`, `y`: in the column's first row; `way`: there, from the sprite's centre, in pixels.
+Meeting meeting_of(Look look, float y, int row, vec2 way, vec2 stretch, vec2 scale, float half_mask) {
+    Meeting at = Meeting(look, y + float(row) * scale.y);
+    if (STRETCHED == 1u) {
+        vec2 place = mask_way(way + vec2(0.0, float(row)), stretch, scale.y / scale.x) * scale.x + half_mask;
+        at = Meeting(moved(look, place.x), place.y);
+    }
+    return at;
+}
+
 // Tests sprites, 32 from `first` on, against a column: those that `left` has a bit for. `centre`: of the column's pixel in the block's first row.
 void test_sprites(uint left, uint first, Column column, vec2 centre, uint level, float half_mask, float squash, float threshold, Slabs slabs) {
     do {
@@ -221,27 +237,28 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
         if (STRETCHED == 1u) {
             stretch = stretch_of(sprite_stretch[i]);
         }
+        float values[ROWS];
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
-            float value;
-            if (STRETCHED == 1u) {
-                vec2 way = centre + vec2(0.0, float(column.row + y)) - place.xy;
-                vec2 at = mask_way(way, stretch, squash) * place.w + half_mask;
-                value = mask_value(begin_look(at.x, sprite.z, level, scale), at.y);
-            } else {
-                value = mask_value(look, t.y + float(column.row + y) * scale.y);
+            Meeting at = meeting_of(look, t.y, column.row + y, centre - place.xy, stretch, scale, half_mask);
+            values[y] = mask_value(at.look, at.y);
+        }
+        // What decides for all rows is asked once.
+        if (has_octaves(look)) {
+            [[unroll]] for (int y = 0; y < ROWS; ++y) {
+                Meeting at = meeting_of(look, t.y, column.row + y, centre - place.xy, stretch, scale, half_mask);
+                values[y] = detailed(at.look, at.y, values[y]);
             }
+        }
+        [[unroll]] for (int y = 0; y < ROWS; ++y) {
+            float value = values[y];
             bool passes = is_one && value > 0.0 && alpha * value >= threshold;
             bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
             bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first_of_equals);
-            if (EMISSION == 1u) {
-                bool hotter = alpha > nearest_heat[y] || (alpha == nearest_heat[y] && nearer);
-                nearer = depth < scene_depth[y] && (slab < nearest_slab[y] || (slab == nearest_slab[y] && hotter));
-            }
-            bool wins = passes && nearer;
-            if (EMISSION == 1u) {
-                nearest_slab[y] = wins ? slab : nearest_slab[y];
-                nearest_heat[y] = wins ? alpha : nearest_heat[y];
-            }
+            bool hotter = alpha > nearest_heat[y] || (alpha == nearest_heat[y] && nearer);
+            bool ahead = depth < scene_depth[y] && (slab < nearest_slab[y] || (slab == nearest_slab[y] && hotter));
+            bool wins = passes && (EMISSION == 1u ? ahead : nearer);
+            nearest_slab[y] = wins ? slab : nearest_slab[y];
+            nearest_heat[y] = wins ? alpha : nearest_heat[y];
             nearest_depth[y] = wins ? depth : nearest_depth[y];
             nearest_id[y] = wins ? sprite.y : nearest_id[y];
             nearest_row[y] = wins ? sprite.x : nearest_row[y];

@@ -21,19 +21,24 @@ struct Look {
     uint word;     // of the variant's finer noise
 };
 
+// The same in another column.
+Look moved(Look look, float x) {
+    int column = int(floor(x));
+    look.column = look.corner.x + (column & look.last);
+    look.x = x;
+    look.inside = uint(column) <= uint(look.last);
+    return look;
+}
+
 // `scale`: texels a pixel across and down.
 Look begin_look(float x, uint texel, uint level, vec2 scale) {
-    int column = int(floor(x));
     Look look;
     look.level = level;
     look.last = int(MASK_SIDE >> level) - 1;
     look.corner = mask_place(level, uvec2(0u), texel >> 16u, texel & 0xffffu);
-    look.column = look.corner.x + (column & look.last);
-    look.x = x;
-    look.inside = uint(column) <= uint(look.last);
     look.footprint = max(scale.x, scale.y);
     look.word = OCTAVES == 0u ? 0u : pcg(OCTAVE_KEY + pcg((texel >> 16u) + pcg(params.seed)));
-    return look;
+    return moved(look, x);
 }
 
 // Between four texels; 0 outside of the disc.
@@ -46,15 +51,20 @@ float magnified(Look look, float y) {
     float upper = mix(imageLoad(levels, a).r, imageLoad(levels, ivec2(b.x, a.y)).r, f.x);
     float lower = mix(imageLoad(levels, ivec2(a.x, b.y)).r, imageLoad(levels, b).r, f.x);
     vec2 u = vec2(look.x, y) * (2.0 / float(MASK_SIDE)) - 1.0;
-    float value = mix(upper, lower, f.y);
-    bool has_octaves = OCTAVES == 0u ? false : look.footprint < 0.25 * FIRST_OCTAVE;
-    if (has_octaves) {
-        // As high as the cone, like the rest of the noise, and no higher than the mask is anywhere.
-        float cone = max(1.0 - sqrt(dot(u, u)), 0.0);
-        value += cone * octaves_at(look.word, vec2(look.x, y), look.footprint);
-        value = clamp(value, 0.0, min(cone, params.max_alpha));
-    }
-    return dot(u, u) < 1.0 ? value : 0.0;
+    return dot(u, u) < 1.0 ? mix(upper, lower, f.y) : 0.0;
+}
+
+// Whether a sprite is magnified so that there is finer noise: its values are then those of `detailed`.
+bool has_octaves(Look look) {
+    return OCTAVES == 0u ? false : look.level == 0u && look.footprint < 0.25 * FIRST_OCTAVE;
+}
+
+// A value with the finer noise: as high as the cone, like the rest of the noise, and no higher than the mask is anywhere.
+float detailed(Look look, float y, float value) {
+    vec2 u = vec2(look.x, y) * (2.0 / float(MASK_SIDE)) - 1.0;
+    float cone = max(1.0 - sqrt(dot(u, u)), 0.0);
+    value += cone * octaves_at(look.word, vec2(look.x, y), look.footprint);
+    return dot(u, u) < 1.0 ? clamp(value, 0.0, min(cone, params.max_alpha)) : 0.0;
 }
 
 float mask_value(Look look, float y) {

@@ -22,7 +22,11 @@ void main() {
     uint level = sprite.w;
     vec2 scale = place.w * vec2(1.0, params.squash);
     vec2 t = mask_way(gl_FragCoord.xy - place.xy, stretch, params.squash) * place.w + 0.5 * float(MASK_SIDE >> level);
-    float value = mask_value(begin_look(t.x, sprite.y, level, scale), t.y);
+    Look look = begin_look(t.x, sprite.y, level, scale);
+    float value = mask_value(look, t.y);
+    if (has_octaves(look)) {
+        value = detailed(look, t.y, value);
+    }
     bool passes = value > 0.0 && uintBitsToFloat(sprite.z) * value >= params.threshold;
     if (HAS_SCENE == 1u) {
         passes = passes && place.z < from_base(scene[pixel_index(pixel_of(gl_FragCoord.xy, uvec2(0u), params.size))]);
