@@ -338,7 +338,8 @@ fn three_effects_share_scratch() {
     let (half, float) = (vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_SFLOAT);
     let [stochastic, expected] = [flame::settings::Mode::Stochastic, flame::settings::Mode::Expected];
     for (mode, toon) in [(stochastic, false), (stochastic, true), (expected, false)] {
-        assert!(all(half, mode, false, toon) <= 500.0);
+        // Of the 8 MiB that the smoothed density takes beside the host's, 2 are made up for by the field that nobody searches.
+        assert!(all(half, mode, false, toon) <= 501.0);
     }
     // The table of the expected image and two drawn frames are kept; images of 16 bytes a pixel, and of four frames instead of
     // two, are larger by themselves.

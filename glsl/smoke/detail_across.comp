@@ -36,9 +36,9 @@ void main() {
     for (int y = max(first - window, 0); y <= min(last + window, int(params.dimensions.y) - 1); ++y) {
         float value = smoothed_along_x(int(at.x), row_of(uint(y), at.z));
         for (uint i = 0u; i < DETAIL_RUN; ++i) {
-            // Beyond the window the weight is 0.
-            uint distance = min(uint(abs(y - first - int(i))), MOST_DETAIL_WINDOW);
-            sums[i] += distance <= uint(window) ? params.detail_weights[distance].y * value : 0.0;
+            int distance = abs(y - first - int(i));
+            float weight = params.detail_weights[min(distance, int(MOST_DETAIL_WINDOW))].y;
+            sums[i] += distance <= window ? weight * value : 0.0;
         }
     }
     for (uint i = 0u; i < DETAIL_RUN; ++i) {

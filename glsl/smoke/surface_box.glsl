@@ -14,6 +14,7 @@
 const float TOLERANCE = 0.015;    // of the smallest side of a voxel
 const float OVERSHOOT = 0.125;    // of that, beyond where the surface is looked for
 const uint BOX_LEVELS = 8u;       // halvings of a cell
+const float LEAST_SIDE = 1e-6;    // of a box whose slopes are asked for, in sides of its cell
 const int TRIES = 3;              // to find a place of the surface in a box
 const float ROUNDING = 2e-6;      // of sums of a box's corners, in the largest of them
 
@@ -40,13 +41,12 @@ float least_of(vec4 v) {
     return min(min(v.x, v.y), min(v.z, v.w));
 }
 
-// Never above the density in a box, and lowest where that is about 0: a unit of the norm that distances are not measured
-// in, and its value at the middle.
+// A function that is linear in space and about the density of a box: distances from where it is 0, in metres.
 struct Plane {
-    vec3 normal;  // per metre
-    float value;
-    float residual;
-    float slope;  // density a unit
+    vec3 normal;     // of length 1, or 0
+    float value;     // at the box's middle
+    float residual;  // added to it, it is nowhere above the density
+    float slope;     // of the density, per metre
 };
 
 Plane plane_of(Corners b, vec3 sides) {
@@ -68,7 +68,7 @@ Plane plane_of(Corners b, vec3 sides) {
         return Plane(vec3(0.0), 0.0, -INFINITY, 1.0);
     }
     vec3 normal = slope / unit / sides;
-    float dual = constants.is_ball != 0u ? length(normal) : abs(normal.x) + abs(normal.y) + abs(normal.z);
+    float dual = length(normal);
     return Plane(normal / dual, middle / unit / dual, residual / unit / dual, unit * dual);
 }
 
@@ -79,28 +79,38 @@ struct Place {
 };
 
 // Whether a box may hold surface nearer than `best`, which what is found lowers.
-bool narrow(Place place, vec3 low, float side, inout float best) {
+bool narrow(Place place, vec3 corner, float side, inout float best) {
+    vec3 low = corner;
     vec3 sides = params.voxel_size.xyz;
     float tolerance = TOLERANCE * params.smallest_side;
-    vec3 high = low + side;
+    float limit = best - tolerance;
+    vec3 apart = max(vec3(0.0), max(low - place.at, place.at - (low + side))) * sides;
+    float reach = norm(apart);
+    if (reach >= limit) {
+        return false;
+    }
+    // What lies nearer than the best is within a smaller box: along each axis as far as the others leave.
+    vec3 squares = apart * apart;
+    vec3 within = sqrt(max(limit * limit - squares.yzx - squares.zxy, 0.0)) / sides;
+    vec3 high = min(low + side, place.at + within);
+    low = max(low, place.at - within);
     vec3 nearest = clamp(place.at, low, high);
-    float reach = norm((place.at - nearest) * sides);
     Corners b = corners_within(place.cell, low, high);
-    if (reach >= best - tolerance || least_of(min(b.low, b.high)) > 0.0) {
+    if (least_of(min(b.low, b.high)) > 0.0) {
         return false;
     }
     if (excess_at(place.cell, nearest) <= 0.0) {
         best = reach;
         return false;
     }
-    Plane plane = plane_of(b, side * sides);
-    float value = plane.value + dot(plane.normal, (place.at - (low + 0.5 * side)) * sides);
-    if (value + plane.residual >= best - tolerance) {
+    Plane plane = plane_of(b, max(high - low, LEAST_SIDE) * sides);
+    float value = plane.value + dot(plane.normal, (place.at - 0.5 * (low + high)) * sides);
+    if (value + plane.residual >= limit) {
         return false;
     }
     // Straight to the plane where the density is about the threshold, and a little beyond; from there as far again as what
     // is left of it says.
-    vec3 way = (constants.is_ball != 0u ? plane.normal : sign(plane.normal)) / sides;
+    vec3 way = plane.normal / sides;
     vec3 tried = place.at;
     float left = max(value, 0.0);
     for (int i = 0; i < TRIES; ++i) {

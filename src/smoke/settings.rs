@@ -175,7 +175,7 @@ settings! {
         /// Width of the Gaussian that smooths the density before the threshold cuts it, so that the drawing does not depend on
         /// the grid: twice its standard deviation, at most 16 voxels along any axis. Without one, the larger of a voxel and
         /// 1/40 of the volume's height, as far as 16 voxels allow.
-        detail: Option<f32> = None, "metres", f32::MIN_POSITIVE..=FARTHEST, "off, as in the paper";
+        detail: Option<f32> = None, "metres", 0.0..=FARTHEST, "off, as in the paper";
         /// What a sphere's radius is: how far it is to empty space in a "box", or as a "ball" (Euclidean, fills more).
         radius: Radius = Radius::default();
         /// Where smoke ends for it: at the "surface" where the density between voxels falls to the threshold, or at the

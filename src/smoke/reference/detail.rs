@@ -36,8 +36,8 @@ pub fn smoothed<'a>(grid: &Grid<'a>, settings: &Settings) -> Cow<'a, [f32]> {
 
 /// Along an axis of `count` voxels that are `stride` apart, by a deviation in voxels.
 fn along(values: &[f64], count: usize, stride: usize, deviation: f64) -> Vec<f64> {
-    // As f32 has it, so that both end their windows at the same voxel.
-    let window = (CUTOFF * f64::from(deviation as f32)).ceil() as i64;
+    // As f32 has it, so that both end their windows at the same voxel; of the widest, rounding may not add one.
+    let window = (CUTOFF * f64::from(deviation as f32)).ceil().min(CUTOFF * MOST / WIDTH) as i64;
     let weight = |d: i64| (-0.5 * (d as f64 / deviation).powi(2)).exp();
     let all: f64 = (-window..=window).map(weight).sum();
     let mean = |(i, _): (usize, &f64)| {
