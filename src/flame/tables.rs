@@ -45,7 +45,11 @@ impl Tables {
             pixels,
             glow_weights,
             glow_scale,
-            colours: if settings.is_cel() { Table::heat(settings.hottest.into()) } else { colours(settings, desc.hottest) },
+            colours: if settings.is_cel() {
+                Table::heat(settings.hottest.into())
+            } else {
+                colours(settings, desc.hottest)
+            },
             half_sums,
             weights,
             tones: tones.collect(),

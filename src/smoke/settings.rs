@@ -9,8 +9,8 @@ use crate::view::FARTHEST;
 mod outline;
 mod pixels;
 
-pub use outline::{Line, Operator, Outline};
 pub use crate::toon::LINES;
+pub use outline::{Line, Operator, Outline};
 pub use pixels::Pixels;
 
 /// The most depth groups.

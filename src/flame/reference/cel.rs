@@ -133,8 +133,7 @@ mod tests {
 
     /// Two tones, at a quarter and at a half, without a line.
     fn settings() -> Settings {
-        let tones =
-            Tones(vec![Tone::new(0.25, [1.0, 0.0, 0.0]), Tone::new(0.5, [0.0, 1.0, 0.0])]);
+        let tones = Tones(vec![Tone::new(0.25, [1.0, 0.0, 0.0]), Tone::new(0.5, [0.0, 1.0, 0.0])]);
         let outline = Line { strength: 0.0, ..Line::default() };
         Settings { tones, outline, tone_softness: 0.0, ..Settings::default() }
     }

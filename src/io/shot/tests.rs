@@ -229,7 +229,13 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         }
         let mut expected = vec!["light.position", "light.second.direction", "light.second.position"];
         if let Some(Smoke { settings, .. }) = shot.part() {
-            expected.extend(["smoke.on", "smoke.density_grid", "smoke.velocity_grid", "smoke.group_depth", "smoke.tones_above"]);
+            expected.extend([
+                "smoke.on",
+                "smoke.density_grid",
+                "smoke.velocity_grid",
+                "smoke.group_depth",
+                "smoke.tones_above",
+            ]);
             expected.extend(settings.emitter.is_none().then_some("smoke.emitter"));
             expected.extend(settings.lifetime.is_none().then_some("smoke.lifetime"));
             expected.extend(settings.detail.is_none().then_some("smoke.detail"));

@@ -2,8 +2,8 @@
 
 use crate::settings::{settings, words};
 use crate::shaders::smoke::constants::PIECE_REACH;
-use crate::toon::{Scale, ink_reach};
 use crate::toon::settings::{BROADEST, STRONGEST};
+use crate::toon::{Scale, ink_reach};
 use crate::view::BRIGHTEST;
 
 /// The most that a line can be asked to reach over, in pixels at 1080 lines.
