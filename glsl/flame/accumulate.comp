@@ -203,6 +203,11 @@ void note_sprite(Optics optics, uint slot, uint t, uint repetition, uint parity,
     }
 }
 
+// Whether `a` is below `b`, or, where they are equal, `next`. Nothing branches here, as `&&` and `||` may.
+bool is_before(uint a, uint b, bool next) {
+    return any(bvec2(a < b, all(bvec2(a == b, next))));
+}
+
 // Where a pixel of a column meets a sprite.
 struct Meeting {
     Look look;
@@ -211,12 +216,10 @@ struct Meeting {
 
 // `look`, `y`: in the column's first row; `way`: there, from the sprite's centre, in pixels.
 Meeting meeting_of(Look look, float y, int row, vec2 way, vec2 stretch, vec2 scale, float half_mask) {
-    Meeting at = Meeting(look, y + float(row) * scale.y);
-    if (STRETCHED == 1u) {
-        vec2 place = mask_way(way + vec2(0.0, float(row)), stretch, scale.y / scale.x) * scale.x + half_mask;
-        at = Meeting(moved(look, place.x), place.y);
-    }
-    return at;
+    vec2 below = vec2(look.x, y + float(row) * scale.y);
+    vec2 drawn = mask_way(way + vec2(0.0, float(row)), stretch, scale.y / scale.x) * scale.x + half_mask;
+    vec2 at = mix(below, drawn, bvec2(STRETCHED == 1u));
+    return Meeting(moved(look, at.x), at.y);
 }
 
 // Tests sprites, 32 from `first` on, against a column: those that `left` has a bit for. `centre`: of the column's pixel in the block's first row.
@@ -251,12 +254,12 @@ void test_sprites(uint left, uint first, Column column, vec2 centre, uint level,
         }
         [[unroll]] for (int y = 0; y < ROWS; ++y) {
             float value = values[y];
-            bool passes = is_one && value > 0.0 && alpha * value >= threshold;
-            bool first_of_equals = sprite.y < nearest_id[y] || (sprite.y == nearest_id[y] && sprite.x < nearest_row[y]);
-            bool nearer = depth < nearest_depth[y] || (depth == nearest_depth[y] && first_of_equals);
-            bool hotter = alpha > nearest_heat[y] || (alpha == nearest_heat[y] && nearer);
-            bool ahead = depth < scene_depth[y] && (slab < nearest_slab[y] || (slab == nearest_slab[y] && hotter));
-            bool wins = passes && (EMISSION == 1u ? ahead : nearer);
+            bool passes = all(bvec3(is_one, value > 0.0, alpha * value >= threshold));
+            bool first_of_equals = is_before(sprite.y, nearest_id[y], sprite.x < nearest_row[y]);
+            bool nearer = is_before(depth, nearest_depth[y], first_of_equals);
+            bool hotter = any(bvec2(alpha > nearest_heat[y], all(bvec2(alpha == nearest_heat[y], nearer))));
+            bool ahead = all(bvec2(depth < scene_depth[y], is_before(slab, nearest_slab[y], hotter)));
+            bool wins = all(bvec2(passes, EMISSION == 1u ? ahead : nearer));
             nearest_slab[y] = wins ? slab : nearest_slab[y];
             nearest_heat[y] = wins ? alpha : nearest_heat[y];
             nearest_depth[y] = wins ? depth : nearest_depth[y];

@@ -56,7 +56,7 @@ float magnified(Look look, float y) {
 
 // Whether a sprite is magnified so that there is finer noise: its values are then those of `detailed`.
 bool has_octaves(Look look) {
-    return OCTAVES == 0u ? false : look.level == 0u && look.footprint < 0.25 * FIRST_OCTAVE;
+    return all(bvec3(OCTAVES != 0u, look.level == 0u, look.footprint < 0.25 * FIRST_OCTAVE));
 }
 
 // A value with the finer noise: as high as the cone, like the rest of the noise, and no higher than the mask is anywhere.
@@ -73,5 +73,5 @@ float mask_value(Look look, float y) {
     }
     int row = int(floor(y));
     float alpha = imageLoad(levels, ivec2(look.column, look.corner.y + (row & look.last))).r;
-    return look.inside && uint(row) <= uint(look.last) ? alpha : 0.0;
+    return mix(0.0, alpha, all(bvec2(look.inside, uint(row) <= uint(look.last))));
 }

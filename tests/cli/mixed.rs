@@ -134,7 +134,8 @@ fn a_mesh_hides_the_smoke_behind_it_and_not_the_smoke_before_it() {
         return;
     }
     let folder = folder();
-    let smoke = |place: &str| format!("[smoke]\nvolume = \"smoke.{place}.npz\"\nparticles = 300\n");
+    let smoke =
+        |place: &str| format!("[smoke]\nvolume = \"smoke.{place}.npz\"\nparticles = 300\nantialias = \"none\"\n");
     let [only_behind, only_front] = ["behind", "front"].map(|place| {
         let only = render(&folder, "only", &smoke(place), &[]);
         let depth = only.layer("smoke.depth").remove(0);

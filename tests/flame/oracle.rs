@@ -83,12 +83,26 @@ pub fn occupied(rig: &mut FlameRig) -> Vec<u32> {
     rig.offline().read_as(EffectBuffer::of::<FlameKind>(layout::OCCUPIED_TILES), count).expect("the buffer can be read")
 }
 
-/// A device's sums over so many repetitions. Those of other than occupied tiles are never written.
+/// Those that have fire, not only such as it is smoothed or glows into.
+fn burning(rig: &mut FlameRig) -> Vec<u32> {
+    let settings = &rig.desc().settings;
+    if !settings.is_cel() && !settings.glow.is_on() {
+        return occupied(rig);
+    }
+    let count = rig.desc().size.map(|side| side.div_ceil(TILE)).iter().product::<u32>() as usize;
+    let shown: Vec<u32> = rig
+        .offline()
+        .read_as(EffectBuffer::of::<FlameKind>(layout::TILE_SHOWN), count)
+        .expect("the buffer can be read");
+    (0..).zip(shown).filter(|(_, shown)| shown & params::BURNING != 0).map(|(tile, _)| tile).collect()
+}
+
+/// A device's sums over so many repetitions. Those of tiles without fire are never written.
 pub fn sums(rig: &mut FlameRig, repetitions: u32) -> Sums {
     let [width, height] = rig.desc().size;
     let tiles_across = width.div_ceil(TILE);
     let is_occupied = {
-        let tiles = if is_dark(rig) { Vec::new() } else { occupied(rig) };
+        let tiles = if is_dark(rig) { Vec::new() } else { burning(rig) };
         move |pixel: u32| tiles.binary_search(&(pixel / width / TILE * tiles_across + pixel % width / TILE)).is_ok()
     };
     let words: Vec<[[u32; 4]; params::SUM_VECTORS as usize]> = rig

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::common::apart;
 use crate::common::rig::{Rig, scene};
-use crate::common::scenes::{camera, desc, direction, moving_puffs, puffs, random, volume};
+use crate::common::scenes::{camera, desc, direction, moving_puffs, of_voxels, puffs, random, volume};
 
 /// No NaN in any layer, and no infinity but the one that means "empty".
 fn assert_finite(name: &str, rig: &mut Rig) {
@@ -98,7 +98,7 @@ fn worlds_of_any_scale() {
 
 #[test]
 fn volumes_of_any_content() {
-    let settings = Settings { particles: 150, ..Settings::default() };
+    let settings = Settings { particles: 150, ..of_voxels() };
     let Some(mut rig) = Rig::new(desc([70, 60], [24, 24, 24], settings)) else { return };
     let kinds = [1e30, 1e-30, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0, 1.0];
     let make = |n: [u32; 3], density: &dyn Fn(u32, u32, u32) -> f32| {
@@ -182,7 +182,7 @@ fn one_particle_lies_over_a_backdrop() {
 fn a_million_particles() {
     let n = 48;
     let noise = volume([n; 3], [2.0 / n as f32; 3], [-1.0; 3], |x, y, z| random(6, x + n * (y + n * z), 0) - 0.2);
-    let settings = Settings { particles: 1_000_000, fade: 0, ..Settings::default() };
+    let settings = Settings { particles: 1_000_000, fade: 0, ..of_voxels() };
     let Some(mut rig) = Rig::new(desc([48, 32], [n; 3], settings.clone())) else { return };
     rig.frame(&scene(Sequence::Restart, camera(0.0), sun(), Some(&noise)));
     assert_finite("a million", &mut rig);

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use crate::common::apart;
 use crate::common::rig::{Bits, Rig, scene};
-use crate::common::scenes::{camera, desc, direction, point, puffs};
+use crate::common::scenes::{camera, desc, direction, of_voxels, point, puffs};
 
 const SIZE: [u32; 2] = [120, 90];
 const FIRE: FireLight = FireLight { position: DVec3::new(0.2, -1.2, 0.3), colour: [0.9, 0.5, 0.2], reach: 1.2 };
@@ -30,7 +30,7 @@ fn settings() -> Settings {
         ],
         tones_above: Some(vec![tone(0.0, [0.2, 0.0, 0.0], None), tone(0.5, [0.5, 0.2, 0.1], Some([0.3, 0.0, 0.2]))]),
         gradient: [-0.4, 0.5],
-        ..Settings::default()
+        ..of_voxels()
     }
 }
 

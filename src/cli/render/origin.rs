@@ -200,8 +200,9 @@ mod tests {
                 .filter(|i| before[shot][*i as usize - 1] != after[shot][*i as usize - 1])
                 .collect::<Vec<_>>()
         });
-        // Smoke goes on from frame to frame, fire does not, and a blur is between its frames and the ones around them.
-        assert_eq!(differ, [vec![3, 4], vec![3], vec![2, 3, 4]]);
+        // Smoke goes on from frame to frame; fire whose spread isn't given is as wide as that of two frames before and behind
+        // says; and a blur is between its frames and the ones around them.
+        assert_eq!(differ, [vec![3, 4], vec![1, 2, 3, 4], vec![2, 3, 4]]);
         // A table of colours that ends elsewhere is another one for all frames.
         let physical = || origins(&folder, "flame.toml", &["flame.colour=physical"], &ALL);
         let before = physical();
