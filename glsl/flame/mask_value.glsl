@@ -51,7 +51,7 @@ float magnified(Look look, float y) {
     float upper = mix(imageLoad(levels, a).r, imageLoad(levels, ivec2(b.x, a.y)).r, f.x);
     float lower = mix(imageLoad(levels, ivec2(a.x, b.y)).r, imageLoad(levels, b).r, f.x);
     vec2 u = vec2(look.x, y) * (2.0 / float(MASK_SIDE)) - 1.0;
-    return dot(u, u) < 1.0 ? mix(upper, lower, f.y) : 0.0;
+    return mix(0.0, mix(upper, lower, f.y), dot(u, u) < 1.0);
 }
 
 // Whether a sprite is magnified so that there is finer noise: its values are then those of `detailed`.
@@ -64,7 +64,7 @@ float detailed(Look look, float y, float value) {
     vec2 u = vec2(look.x, y) * (2.0 / float(MASK_SIDE)) - 1.0;
     float cone = max(1.0 - sqrt(dot(u, u)), 0.0);
     value += cone * octaves_at(look.word, vec2(look.x, y), look.footprint);
-    return dot(u, u) < 1.0 ? clamp(value, 0.0, min(cone, params.max_alpha)) : 0.0;
+    return mix(0.0, clamp(value, 0.0, min(cone, params.max_alpha)), dot(u, u) < 1.0);
 }
 
 float mask_value(Look look, float y) {

@@ -4,10 +4,12 @@
 
 // One of eight directions, times a place: all are as long.
 float octave_gradient(uint h, vec2 p) {
-    vec2 q = (h & 1u) == 0u ? p : -p;
-    float straight = 1.4142135 * ((h & 2u) == 0u ? q.x : q.y);
-    float slanted = (h & 2u) == 0u ? q.x + q.y : q.x - q.y;
-    return (h & 4u) == 0u ? straight : slanted;
+    // Nothing branches here: the loop over sprites has many of these.
+    vec2 q = mix(-p, p, bvec2((h & 1u) == 0u));
+    bool is_first = (h & 2u) == 0u;
+    float straight = 1.4142135 * mix(q.y, q.x, is_first);
+    float slanted = mix(q.x - q.y, q.x + q.y, is_first);
+    return mix(slanted, straight, (h & 4u) == 0u);
 }
 
 float octave_fade(float t) {
