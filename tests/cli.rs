@@ -549,7 +549,7 @@ fn an_interruption_is_answered_while_a_frame_is_rendered() {
     }
     let folder = Folder::new();
     let long = ["--set", "size=[1024, 1024]", "--set", "flame.repetitions=10000", "--frames", "1"];
-    let mut child = celfx(&folder, &[&["render", "builtin:flame", "-v"][..], &long].concat())
+    let mut child = celfx(&folder, &[&["render", "builtin:paper_flame", "-v"][..], &long].concat())
         .stderr(Stdio::piped())
         .spawn()
         .expect("the program runs");
