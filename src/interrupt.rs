@@ -15,9 +15,20 @@ pub(crate) fn install(code: u8) {
     // Where it fails, the system ends the program at once, and files are still whole or not there.
     let _ = ctrlc::set_handler(move || {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
-            std::process::exit(i32::from(code));
+            leave(code);
         }
     });
+}
+
+/// Ends the program at once. Drivers are not taken down: their threads may still work on what nobody waited for.
+pub(crate) fn leave(code: u8) -> ! {
+    #[cfg(unix)]
+    // SAFETY: it does not return, and touches nothing of the program's.
+    unsafe {
+        libc::_exit(i32::from(code))
+    }
+    #[cfg(not(unix))]
+    std::process::exit(i32::from(code))
 }
 
 /// Items until the program is asked to stop; [`check`] says whether these are all.

@@ -224,7 +224,11 @@ pub fn main() -> ExitCode {
                 // Nothing is left to tell where standard error is closed.
                 let _ = writeln!(io::stderr(), "celfx: {}", visible(&message));
             }
-            ExitCode::from(code)
+            match code {
+                // A frame may not have ended.
+                Failure::INTERRUPTED | Failure::DEVICE => interrupt::leave(code),
+                _ => ExitCode::from(code),
+            }
         }
     }
 }
