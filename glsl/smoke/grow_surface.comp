@@ -1,31 +1,58 @@
 // Radius by the surface: the distance to where the trilinear density is no longer above the threshold (`excess.glsl`). The
-// nearest such place is on the surface, which lies in the cells that the threshold crosses: of those, the ones nearer than
-// the best so far are looked at, box by box. They are found in a pyramid of "any crossing" bits: rows (along x) in Morton
-// order of (y, z), counted from the particle's own so that what is near comes first, blocks of rows passed over where they
-// are too far or hold no crossing near enough.
+// nearest such place is on the surface, which lies in the cells that the threshold crosses. A workgroup searches for a particle:
+// from the top of a pyramid of "any crossing" bits down, how far the farthest corner of a crossed cell can be at most; then, of
+// the crossed cells that come nearer than what is known and are not wholly nearer than they can be, how near the surface is.
+// Rows of cells, along x, are dealt out to the invocations. The radius does not depend on which of them comes first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "../common/bits.glsl"
-layout(local_size_x = 64) in;
+layout(local_size_x = 8, local_size_y = 4) in;
 #include "grow.glsl"
 #include "voxel_words.glsl"
-layout(push_constant) uniform SurfaceConstants {
-    uint part;        // 0 begins, others go on
-    uint parts;       // the last one ends
-    uint iterations;  // of the loop in this dispatch
-    uint is_ball;     // 1: Euclidean distance instead of the largest axis
-    uint last;        // end of the cursor's range
-} constants;
-#include "search_part.glsl"
+layout(constant_id = 0) const uint IS_BALL = 0u;  // 1: Euclidean distance instead of the largest axis
+layout(push_constant) uniform SurfaceConstants { uint top; } constants;  // level that the search begins at
+bool is_ball() {
+    return IS_BALL != 0u;
+}
+#include "distance.glsl"
 layout(std430, binding = 3) readonly buffer Density { float density[]; };
 layout(std430, binding = 4) readonly buffer Crossings { uint crossings[]; };
 #include "surface_box.glsl"
-layout(std430, binding = 7) buffer SurfaceSearches { SurfaceSearch surface_searches[]; };
 
-// Distance along an axis from p to cells first .. last.
-float to_cells(vec3 p, int first, int last, int axis) {
-    return max(0.0, max(voxel_centre(first - 1, axis) - p[axis], p[axis] - voxel_centre(last, axis)));
+const int LEVELS_DOWN = 2;         // at once
+const float MARGIN = 1e-3;         // of a side, for rounding: cells that are looked at beyond those that count
+const float MOST_STEPS = 1e6;      // of a cell's diagonal
+const uint CELLS_A_TURN = 12u;     // of an invocation's rows that are looked at with those of others
+const uint LANES = 32u;
+const ivec2 ROWS = ivec2(8, 4);    // along y and z, that they take together
+const uint CELL_BITS = 10u;        // of a queued cell's number along an axis
+const int NO_CELL = -1;
+
+shared uint farthest_bits;  // distance, as bits: no farthest corner of a crossed cell that was seen is nearer
+shared uint nearest_bits;   // distance to the surface, as bits; in the chessboard norm STEPs that it is nearer than `farthest`
+shared uint in_smoke;
+shared uint queued;
+shared uint goes_on;        // some rows have more cells
+shared uint outer_bits;     // distance, as bits, that rows are within
+shared uint queue[CELLS_A_TURN * LANES];
+
+// A search for a particle. Places are in sides, from the low corner of the first cell.
+struct Search {
+    vec3 p;
+    vec3 at;
+    vec3 sides;
+    float farthest;  // than which the surface is not farther
+    float step_;     // in the chessboard norm
+};
+
+// Along an axis, in sides, from a place to cells first .. last: to their near ends and to their far ones.
+float to_cells(float at, int first, int last) {
+    return max(0.0, max(float(first) - at, at - float(last + 1)));
+}
+
+float across_cells(float at, int first, int last) {
+    return max(float(last + 1) - at, at - float(first));
 }
 
 ivec3 cell_of(vec3 p) {
@@ -41,151 +68,223 @@ Place place_in(vec3 p, ivec3 cell) {
     return Place((p - low) / params.voxel_size.xyz, corners_of(cell));
 }
 
-// Of the cells of a row that are crossed, from `left` down or from `right` up, the one nearest along x and how far that is:
-// infinitely if there is none within `limit`.
-int nearest_crossed(uint row, vec3 p, int left, int right, float limit, out float distance) {
-    int found = NO_CELL;
-    distance = INFINITY;
-    uint mask = 0xffffffffu >> uint(31 - (left & 31));
-    for (int w = left >> 5; w >= 0; --w) {
-        uint bits = crossings[row + uint(w)] & mask;
-        mask = 0xffffffffu;
-        int cell = bits != 0u ? w * 32 + findMSB(bits) : w * 32;
-        float at = to_cells(p, cell, cell, 0);
-        found = bits != 0u && at <= limit ? cell : found;
-        if (bits != 0u || at > limit) {
-            distance = found == NO_CELL ? INFINITY : at;
-            break;
-        }
-    }
-    mask = 0xffffffffu << uint(right & 31);
-    for (int w = right >> 5; w < int(params.crossing_row_words); ++w) {
-        uint bits = crossings[row + uint(w)] & mask;
-        mask = 0xffffffffu;
-        int cell = bits != 0u ? w * 32 + findLSB(bits) : w * 32 + 31;
-        float at = to_cells(p, cell, cell, 0);
-        if (bits != 0u && at <= limit && at < distance) {
-            found = cell;
-            distance = at;
-        }
-        if (bits != 0u || at > limit) {
-            break;
-        }
-    }
-    return found;
+// Cells along an axis that come as near as `distance`.
+ivec2 cells_within(float at, float distance, uint last) {
+    return ivec2(floor(clamp(vec2(at - distance, at + distance) + vec2(-MARGIN, MARGIN), 0.0, float(last))));
 }
 
-uint first_word(uint level, ivec2 at) {
+// The crossed cell of a row whose far end along x is nearest, and how far that is, if not farther than `limit`.
+int nearest_crossed(uint row, float at, float limit, out float distance) {
+    int x = int(at);
+    int low = x >> 5;
+    int high = low;
+    uint here = crossings[row + uint(low)];
+    uint left = here & (0xffffffffu >> uint(31 - (x & 31)));
+    uint right = here & (0xffffffffu << uint(x & 31));
+    while (left == 0u && low > 0 && at - float(low * 32 - 1) < limit) {
+        low -= 1;
+        left = crossings[row + uint(low)];
+    }
+    while (right == 0u && high < int(params.crossing_row_words) - 1 && float(high * 32 + 33) - at < limit) {
+        high += 1;
+        right = crossings[row + uint(high)];
+    }
+    ivec2 cells = ivec2(low * 32 + findMSB(left), high * 32 + findLSB(right));
+    vec2 to = vec2(left != 0u ? across_cells(at, cells.x, cells.x) : INFINITY,
+                   right != 0u ? across_cells(at, cells.y, cells.y) : INFINITY);
+    distance = min(to.x, to.y);
+    return isinf(distance) ? NO_CELL : to.x < to.y ? cells.x : cells.y;
+}
+
+// Lowers `farthest_bits` by what the rows of a level say. The cell of the own rows that says most, or NO_CELL along x.
+ivec3 look_at_level(Search s, int level) {
+    float limit = uintBitsToFloat(farthest_bits);
+    barrier();
+    ivec3 best = ivec3(NO_CELL);
+    vec3 limits = limit / s.sides;
+    ivec2 end = ivec2(params.dimensions.yz);
     PyramidLevel rows = params.levels[level];
-    return rows.first_word + (uint(at.y) * rows.rows_y + uint(at.x)) * params.crossing_row_words;
-}
-
-void go_on(inout SurfaceSearch s, uint top) {
-    s.cursor += 1u << 2u * s.level;
-    s.level = min(top, uint(findLSB(s.cursor)) / 2u);
-    s.left = s.right;
-}
-
-// (y, z) of the rows that the search stands at.
-ivec2 rows_at(SurfaceSearch s, uint own) {
-    uint code = s.cursor ^ own;
-    return ivec2(even_bits(code) >> s.level, even_bits(code >> 1) >> s.level);
-}
-
-// Rows of cells, or the next cell of one row.
-void look_at_rows(inout SurfaceSearch s, vec3 p, ivec3 cell, uint own, uint top) {
-    ivec2 at = rows_at(s, own);
-    PyramidLevel rows = params.levels[s.level];
-    float limit = s.nearest - TOLERANCE * params.smallest_side;
-    bool enter = at.x < int(rows.rows_y) && at.y < int(rows.rows_z);
-    int left = s.left < s.right ? s.left : cell.x;
-    int right = s.left < s.right ? s.right : cell.x + 1;
-    int found = NO_CELL;
-    if (enter) {
-        ivec2 first = at << s.level;
-        ivec2 last = min((at + 1 << s.level) - 1, ivec2(params.dimensions.yz));
-        float dy = to_cells(p, first.x, last.x, 1);
-        float dz = to_cells(p, first.y, last.y, 2);
-        enter = combined(0.0, dy, dz) < limit;
-        if (enter) {
-            float dx;
-            found = nearest_crossed(first_word(s.level, at), p, left, right, limit, dx);
-            enter = combined(dx, dy, dz) < limit;
+    ivec2 y = cells_within(s.at.y, limits.y, params.dimensions.y) >> level;
+    ivec2 z = cells_within(s.at.z, limits.z, params.dimensions.z) >> level;
+    ivec2 lane = ivec2(gl_LocalInvocationID.xy);
+    for (int row_z = z.x + lane.y; row_z <= z.y; row_z += ROWS.y) {
+        float far_z = s.sides.z * across_cells(s.at.z, row_z << level, min((row_z + 1 << level) - 1, end.y));
+        for (int row_y = y.x + lane.x; row_y <= y.y; row_y += ROWS.x) {
+            float far_y = s.sides.y * across_cells(s.at.y, row_y << level, min((row_y + 1 << level) - 1, end.x));
+            uint first = rows.first_word + (uint(row_z) * rows.rows_y + uint(row_y)) * params.crossing_row_words;
+            float far_x;
+            int cell = nearest_crossed(first, s.at.x, limits.x, far_x);
+            float far = combined(s.sides.x * far_x, far_y, far_z);
+            best = far < limit ? ivec3(cell, row_y, row_z) : best;
+            limit = min(limit, far);
         }
     }
-    if (!enter) {
-        go_on(s, top);
-    } else if (s.level > 0u) {
-        s.level -= 1u;
+    atomicMin(farthest_bits, floatBitsToUint(limit));
+    barrier();
+    return best;
+}
+
+// A first look into a crossed cell: in the chessboard norm the last, too.
+void look_in(Search s, ivec3 cell) {
+    Place place = place_in(s.p, cell);
+    if (!is_ball()) {
+        vec3 near = max(vec3(0.0), max(-place.at, place.at - 1.0));
+        uint found = nearest_bits;
+        uint most = uint(clamp((s.farthest - norm(s.sides * near)) / s.step_, 0.0, MOST_STEPS));
+        atomicMax(nearest_bits, steps_in_cell(place, s.farthest, s.step_, most, found));
     } else {
-        s.left = found <= left ? found - 1 : left;
-        s.right = found >= right ? found + 1 : right;
-        s.cell = found;
-        s.box_code = 0u;
-        s.box_level = constants.is_ball != 0u ? BOX_LEVELS : 0u;
+        float best = s.farthest;
+        narrow(place, vec3(0.0), 1.0, s.farthest - TOLERANCE * params.smallest_side, best);
+        atomicMin(nearest_bits, floatBitsToUint(best));
     }
 }
 
-// False if there is nothing to search.
-bool resume(uint slot, vec3 p, ivec3 cell, uint top, out SurfaceSearch s) {
-    if (constants.part > 0u) {
-        s = surface_searches[slot];
-        return s.cursor != FINISHED;
-    }
-    s = SurfaceSearch(0u, outside_distance(p, voxel_of(p)), top, 0, 0, NO_CELL, 0u, 0u, 0.0);
-    bool within = all(greaterThanEqual(cell, ivec3(0))) && all(lessThanEqual(cell, ivec3(params.dimensions.xyz)));
-    bool in_smoke = false;
-    if (is_alive(slot) && within) {
-        Place place = place_in(p, cell);
-        in_smoke = excess_at(place.cell, clamp(place.at, 0.0, 1.0)) > 0.0;
-    }
-    if (!in_smoke) {
-        if (is_alive(slot)) {
-            put_sphere(slot, p, 0.0);
-        } else {
-            spheres[slot] = vec4(p, 0.0);
+// What is known of the distance to the surface: it is not farther.
+float known(Search s) {
+    return is_ball() ? uintBitsToFloat(nearest_bits) : s.farthest - float(nearest_bits) * s.step_;
+}
+
+void queue_cell(ivec3 cell) {
+    queue[atomicAdd(queued, 1u)] = uint(cell.x) | uint(cell.y) << CELL_BITS | uint(cell.z) << 2u * CELL_BITS;
+}
+
+// Where an invocation stands in its rows.
+struct Rows {
+    ivec2 row;
+    int word;
+    int last_word;
+    uint bits;  // of cells that are left in the word
+    bool ended;
+};
+
+Rows before_rows(Search s) {
+    float outer = uintBitsToFloat(outer_bits);
+    int y = cells_within(s.at.y, outer / s.sides.y, params.dimensions.y).x;
+    int z = cells_within(s.at.z, outer / s.sides.z, params.dimensions.z).x;
+    return Rows(ivec2(y, z) + ivec2(gl_LocalInvocationID.xy) - ivec2(ROWS.x, 0), 0, 0, 0u, false);
+}
+
+// Queues crossed cells of the own rows whose near ends are nearer than `outer` and whose far ends are not nearer than `inner`,
+// not more than are looked at in a turn. One loop, whose iteration takes the next row, or the next word of it, and a cell.
+void queue_cells(Search s, inout Rows r, float inner, float outer) {
+    float widest = uintBitsToFloat(outer_bits);
+    ivec2 y = cells_within(s.at.y, widest / s.sides.y, params.dimensions.y);
+    int last_z = cells_within(s.at.z, widest / s.sides.z, params.dimensions.z).y;
+    PyramidLevel rows = params.levels[0];
+    uint cells = 0u;
+    while (cells < CELLS_A_TURN && !r.ended) {
+        bool next_row = r.bits == 0u && r.word >= r.last_word;
+        r.word += r.bits == 0u ? 1 : 0;
+        r.row.x += next_row ? ROWS.x : 0;
+        r.row = r.row.x > y.y ? ivec2(y.x + int(gl_LocalInvocationID.x), r.row.y + ROWS.y) : r.row;
+        if (r.row.y > last_z || r.row.x > y.y) {
+            r.ended = true;
+            break;
         }
-        surface_searches[slot].cursor = FINISHED;
+        vec2 near = s.sides.yz * vec2(to_cells(s.at.y, r.row.x, r.row.x), to_cells(s.at.z, r.row.y, r.row.y));
+        vec2 far = s.sides.yz * vec2(across_cells(s.at.y, r.row.x, r.row.x), across_cells(s.at.z, r.row.y, r.row.y));
+        float reach = is_ball() ? sqrt(max(outer * outer - dot(near, near), 0.0)) : outer;
+        float spared = is_ball() ? sqrt(max(inner * inner - dot(far, far), 0.0)) : max(far.x, far.y) < inner ? inner : 0.0;
+        ivec2 wanted = cells_within(s.at.x, reach / s.sides.x, params.dimensions.x);
+        // Wholly nearer: those between the cells that end beyond.
+        float within = spared / s.sides.x - 2.0 * MARGIN;
+        ivec2 beyond = cells_within(s.at.x, max(within, 0.0), params.dimensions.x);
+        beyond = within > 1.0 ? beyond : ivec2(0, 1);
+        r.word = next_row ? wanted.x >> 5 : r.word;
+        r.last_word = next_row ? wanted.y >> 5 : r.last_word;
+        uint at = rows.first_word + (uint(r.row.y) * rows.rows_y + uint(r.row.x)) * params.crossing_row_words + uint(r.word);
+        uint fresh = crossings[at] & voxel_bits(r.word * 32, wanted.x, wanted.y)
+            & ~voxel_bits(r.word * 32, beyond.x + 1, beyond.y - 1);
+        r.bits = r.bits == 0u ? fresh : r.bits;
+        if (r.bits != 0u) {
+            queue_cell(ivec3(r.word * 32 + findLSB(r.bits), r.row));
+            cells += 1u;
+        }
+        r.bits &= r.bits - 1u;
     }
-    return in_smoke;
+}
+
+ivec3 queued_cell(uint i) {
+    uint cell = queue[i];
+    const uint MASK = (1u << CELL_BITS) - 1u;
+    return ivec3(cell & MASK, cell >> CELL_BITS & MASK, cell >> 2u * CELL_BITS & MASK);
+}
+
+float radius_of(vec3 p) {
+    Search s;
+    s.p = p;
+    s.sides = params.voxel_size.xyz;
+    s.at = (p - vec3(voxel_centre(-1, 0), voxel_centre(-1, 1), voxel_centre(-1, 2))) / s.sides;
+    ivec3 cell;
+    for (int level = int(constants.top); level >= 0; level = level == 0 ? -1 : max(level - LEVELS_DOWN, 0)) {
+        cell = look_at_level(s, level);
+    }
+    s.farthest = uintBitsToFloat(farthest_bits);
+    float diagonal = combined(s.sides.x, s.sides.y, s.sides.z);
+    float inner = max(s.farthest - diagonal, 0.0);
+    s.step_ = max(TOLERANCE * params.smallest_side, diagonal / MOST_STEPS);
+    bool is_first = gl_LocalInvocationIndex == 0u;
+    if (is_first) {
+        nearest_bits = is_ball() ? farthest_bits : 0u;
+        queued = 0u;
+        goes_on = 1u;
+    }
+    barrier();
+    if (cell.x != NO_CELL) {
+        queue_cell(cell);
+    }
+    // The first turn is of the cells that said most.
+    Rows rows;
+    for (bool is_first_turn = true, is_last = false; !is_last; is_first_turn = false) {
+        barrier();
+        is_last = goes_on == 0u;
+        for (uint i = gl_LocalInvocationIndex; i < queued; i += LANES) {
+            look_in(s, queued_cell(i));
+        }
+        barrier();
+        float nearest = known(s);
+        barrier();
+        for (uint i = gl_LocalInvocationIndex; i < queued && is_ball(); i += LANES) {
+            atomicMin(nearest_bits, floatBitsToUint(nearest_in_cell(place_in(p, queued_cell(i)), nearest)));
+        }
+        barrier();
+        if (is_first) {
+            queued = 0u;
+            goes_on = 0u;
+            outer_bits = is_first_turn ? floatBitsToUint(known(s)) : outer_bits;
+        }
+        barrier();
+        if (is_first_turn) {
+            rows = before_rows(s);
+        }
+        queue_cells(s, rows, inner, known(s));
+        atomicOr(goes_on, rows.ended ? 0u : 1u);
+    }
+    return known(s);
 }
 
 void main() {
-    uint slot = gl_GlobalInvocationID.x;
+    uint slot = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     if (slot >= params.particles) {
         return;
     }
+    bool is_first = gl_LocalInvocationIndex == 0u;
     vec3 p = position_of(slot);
     ivec3 cell = cell_of(p);
-    uint top = min(uint(findMSB(constants.last)) / 2u, MAX_LEVELS - 1u);
-    SurfaceSearch s;
-    if (!resume(slot, p, cell, top, s)) {
-        return;
-    }
-    uint own = to_even_bits(uint(cell.y)) | to_even_bits(uint(cell.z)) << 1;
-    Place place;
-    if (s.cell != NO_CELL) {
-        place = place_in(p, ivec3(s.cell, rows_at(s, own)));
-    }
-    for (uint iteration = 0u; iteration < constants.iterations && s.cursor < constants.last; ++iteration) {
-        if (s.cell == NO_CELL) {
-            look_at_rows(s, p, cell, own, top);
-            if (s.cell != NO_CELL) {
-                place = place_in(p, ivec3(s.cell, rows_at(s, own)));
-            }
+    if (is_first) {
+        bool within = all(greaterThanEqual(cell, ivec3(0))) && all(lessThanEqual(cell, ivec3(params.dimensions.xyz)));
+        in_smoke = 0u;
+        if (is_alive(slot) && within) {
+            Place place = place_in(p, cell);
+            in_smoke = excess_at(place.cell, clamp(place.at, 0.0, 1.0)) > 0.0 ? 1u : 0u;
         }
-        if (s.cell != NO_CELL && constants.is_ball != 0u) {
-            look_at_box(place, s);
-        } else if (s.cell != NO_CELL) {
-            grow_in_cell(place, s);
-        }
+        farthest_bits = INFINITY_BITS;
     }
-    bool ends = s.cursor >= constants.last || constants.part + 1u == constants.parts;
-    if (ends) {
-        s.cursor = FINISHED;
-        put_sphere(slot, p, s.nearest);
-    } else {
-        ask_for_another();
+    barrier();
+    float radius = in_smoke != 0u ? radius_of(p) : 0.0;
+    if (is_first && is_alive(slot)) {
+        put_sphere(slot, p, radius);
+    } else if (is_first) {
+        spheres[slot] = vec4(p, 0.0);
     }
-    surface_searches[slot] = s;
 }

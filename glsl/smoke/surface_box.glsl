@@ -1,13 +1,14 @@
-// The surface in a cell: where the trilinear density is the threshold. In the Euclidean norm, a cell is halved along each axis,
-// up to eight times; of its boxes, those that hold nothing nearer are passed over.
+// The surface in a cell: where the trilinear density is the threshold. What a cell says does not depend on what others have
+// said, so that cells can be looked at in any order and at once; what others have said only tells which need not be.
 //
-// In a box, the least and the most of what is trilinear are at corners, so the corners say whether it holds surface. How near
-// that can be: the box itself; and with l the linear function through the corners' mean and mean slopes, the density minus l
-// is trilinear too, so it is never below its least r at a corner, and no surface lies where l + r > 0. What lies beyond that
-// plane is as far as the plane. In a box half as large r is a quarter, so boxes need not become small. A point where the
-// density is found not above the threshold bounds the distance from above; a box that can only be nearer by less than
-// TOLERANCE is passed over. A smallest box is as far as its farthest corner: off by at most its diagonal, sqrt(3) / 256 sides.
-// So radii are too large by at most TOLERANCE of the smallest side, or that diagonal.
+// In the Euclidean norm, a cell is halved along each axis, up to eight times; of its boxes, those that hold nothing nearer are
+// passed over. In a box, the least and the most of what is trilinear are at corners, so the corners say whether it holds
+// surface. How near that can be: the box itself; and with l the linear function through the corners' mean and mean slopes, the
+// density minus l is trilinear too, so it is never below its least r at a corner, and no surface lies where l + r > 0. What
+// lies beyond that plane is as far as the plane. In a box half as large r is a quarter, so boxes need not become small. A point
+// where the density is found not above the threshold bounds the distance from above; a box that can only be nearer by less
+// than TOLERANCE is passed over. A smallest box is as far as its farthest corner: off by at most its diagonal, sqrt(3) / 256
+// sides. So radii are too large by at most TOLERANCE of the smallest side, or that diagonal.
 #include "excess.glsl"
 #include "morton.glsl"
 
@@ -16,22 +17,8 @@ const float OVERSHOOT = 0.125;    // of that, beyond where the surface is looked
 const uint BOX_LEVELS = 8u;       // halvings of a cell
 const float LEAST_SIDE = 1e-6;    // of a box whose slopes are asked for, in sides of its cell
 const int TRIES = 3;              // to find a place of the surface in a box
+const uint MOST_BOXES = 4096u;    // of a cell that are looked at; one that needs more says the nearest found so far
 const float ROUNDING = 2e-6;      // of sums of a box's corners, in the largest of them
-
-// Where the search of a radius stands.
-struct SurfaceSearch {
-    uint cursor;   // in Morton order of rows, counted from the particle's own
-    float nearest;  // distance so far
-    uint level;    // of rows that are looked at next
-    int left;      // cells of the row from here on are to be looked at, to the left and to the right; none if these are equal
-    int right;
-    int cell;      // of the row, whose boxes are being looked at; or NO_CELL
-    uint box_code;    // of the cell, in Morton order, counted from the one nearest to the particle
-    uint box_level;  // 0 in the chessboard norm: nothing is known of the cell yet
-    float clear;     // of the cell, in that norm: no surface is as near as this
-};
-
-const int NO_CELL = -1;
 
 float norm(vec3 v) {
     return combined(abs(v.x), abs(v.y), abs(v.z));
@@ -78,12 +65,10 @@ struct Place {
     Corners cell;
 };
 
-// Whether a box may hold surface nearer than `best`, which what is found lowers.
-bool narrow(Place place, vec3 corner, float side, inout float best) {
+// Whether a box may hold surface nearer than `limit`; what is found lowers `best`.
+bool narrow(Place place, vec3 corner, float side, float limit, inout float best) {
     vec3 low = corner;
     vec3 sides = params.voxel_size.xyz;
-    float tolerance = TOLERANCE * params.smallest_side;
-    float limit = best - tolerance;
     vec3 apart = max(vec3(0.0), max(low - place.at, place.at - (low + side))) * sides;
     float reach = norm(apart);
     if (reach >= limit) {
@@ -100,7 +85,7 @@ bool narrow(Place place, vec3 corner, float side, inout float best) {
         return false;
     }
     if (excess_at(place.cell, nearest) <= 0.0) {
-        best = reach;
+        best = min(best, reach);
         return false;
     }
     Plane plane = plane_of(b, max(high - low, LEAST_SIDE) * sides);
@@ -114,7 +99,7 @@ bool narrow(Place place, vec3 corner, float side, inout float best) {
     vec3 tried = place.at;
     float left = max(value, 0.0);
     for (int i = 0; i < TRIES; ++i) {
-        tried = clamp(tried - (left + OVERSHOOT * tolerance) * way, low, high);
+        tried = clamp(tried - (left + OVERSHOOT * TOLERANCE * params.smallest_side) * way, low, high);
         float excess = excess_at(place.cell, tried);
         if (excess <= 0.0) {
             best = min(best, norm((place.at - tried) * sides));
@@ -125,41 +110,56 @@ bool narrow(Place place, vec3 corner, float side, inout float best) {
     return true;
 }
 
-// In the chessboard norm, what a box around the particle has of the cell is a box, so its corners say whether it holds a place
-// that is not above the threshold. A cell that holds none within the best so far is done at once, in others the box is halved
-// and grown until it is known to TOLERANCE.
-void grow_in_cell(Place place, inout SurfaceSearch s) {
-    vec3 sides = params.voxel_size.xyz;
-    float tolerance = TOLERANCE * params.smallest_side;
-    bool is_first = s.box_level == 0u;
-    float tried = is_first ? s.nearest - tolerance : 0.5 * (s.clear + s.nearest);
-    Corners b = corners_within(place.cell, clamp(place.at - tried / sides, 0.0, 1.0),
-                               clamp(place.at + tried / sides, 0.0, 1.0));
-    bool holds = least_of(min(b.low, b.high)) <= 0.0;
-    s.clear = is_first ? norm((place.at - clamp(place.at, 0.0, 1.0)) * sides) : s.clear;
-    s.clear = holds ? s.clear : tried;
-    s.nearest = holds ? tried : s.nearest;
-    s.box_level = 1u;
-    s.cell = s.nearest - s.clear <= 1.001 * tolerance ? NO_CELL : s.cell;
-}
-
-// One box; after the last, the cell is done.
-void look_at_box(Place place, inout SurfaceSearch s) {
+// How near the surface in a cell is, if it is nearer than `farthest`; in the Euclidean norm.
+float nearest_in_cell(Place place, float farthest) {
     const float FINEST = float(1u << BOX_LEVELS);
     uvec3 own = uvec3(min(clamp(place.at, 0.0, 1.0) * FINEST, FINEST - 1.0));
-    uint code = s.box_code ^ (to_third_bits(own.x) | to_third_bits(own.y) << 1 | to_third_bits(own.z) << 2);
-    uvec3 index = uvec3(third_bits(code), third_bits(code >> 1), third_bits(code >> 2)) >> s.box_level;
-    float side = float(1u << s.box_level) / FINEST;
-    vec3 low = vec3(index) * side;
-    if (narrow(place, low, side, s.nearest)) {
-        if (s.box_level > 0u) {
-            s.box_level -= 1u;
-            return;
+    uint nearest_box = to_third_bits(own.x) | to_third_bits(own.y) << 1 | to_third_bits(own.z) << 2;
+    float best = farthest;
+    uint code = 0u;  // in Morton order, counted from the box nearest to the particle
+    uint level = BOX_LEVELS;
+    for (uint box_ = 0u; box_ < MOST_BOXES && code >> 3u * BOX_LEVELS == 0u; ++box_) {
+        uint at = code ^ nearest_box;
+        uvec3 index = uvec3(third_bits(at), third_bits(at >> 1), third_bits(at >> 2)) >> level;
+        float side = float(1u << level) / FINEST;
+        vec3 low = vec3(index) * side;
+        bool holds = narrow(place, low, side, best - TOLERANCE * params.smallest_side, best);
+        if (holds && level > 0u) {
+            level -= 1u;
+            continue;
         }
-        vec3 farthest = max(abs(place.at - low), abs(place.at - (low + side)));
-        s.nearest = min(s.nearest, norm(farthest * params.voxel_size.xyz));
+        vec3 farthest_corner = max(abs(place.at - low), abs(place.at - (low + side))) * params.voxel_size.xyz;
+        best = min(best, holds ? norm(farthest_corner) : INFINITY);
+        code += 1u << 3u * level;
+        level = min(BOX_LEVELS, uint(findLSB(code)) / 3u);
     }
-    s.box_code += 1u << 3u * s.box_level;
-    s.box_level = min(BOX_LEVELS, uint(findLSB(s.box_code)) / 3u);
-    s.cell = s.box_code >> 3u * BOX_LEVELS != 0u ? NO_CELL : s.cell;
+    return best;
+}
+
+// The least density of a cell within a distance of the particle, in the chessboard norm: what a box around the particle has of
+// the cell is a box, so it is at a corner.
+float least_within(Place place, float distance, out float largest) {
+    vec3 reach = distance / params.voxel_size.xyz;
+    Corners b = corners_within(place.cell, clamp(place.at - reach, 0.0, 1.0), clamp(place.at + reach, 0.0, 1.0));
+    vec4 sizes = max(abs(b.low), abs(b.high));
+    largest = max(max(sizes.x, sizes.y), max(sizes.z, sizes.w));
+    return least_of(min(b.low, b.high));
+}
+
+// In that norm, how many STEPs nearer than `farthest` the cell holds surface, at most `most`. `found`: so many are known of
+// others.
+uint steps_in_cell(Place place, float farthest, float step_, uint most, uint found) {
+    float largest;
+    if (most <= found || least_within(place, farthest - float(found + 1u) * step_, largest) > ROUNDING * largest) {
+        return 0u;
+    }
+    uint low = 0u;
+    uint high = most;
+    while (low < high) {
+        uint middle = (low + high + 1u) / 2u;
+        bool holds = least_within(place, farthest - float(middle) * step_, largest) <= 0.0;
+        low = holds ? middle : low;
+        high = holds ? high : middle - 1u;
+    }
+    return low;
 }

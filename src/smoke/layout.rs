@@ -11,9 +11,7 @@ use crate::layout::{MOST_GROUPS, Sizes, buffers};
 use crate::plan::{Binding, BufferId, ImageId, Resource, Shader};
 use crate::scan;
 use crate::shaders::smoke as glsl;
-use crate::shaders::smoke::blocks::{
-    Control, Edge, History, Particle, Reach, Search, SmokeParams, SurfaceSearch, Tone,
-};
+use crate::shaders::smoke::blocks::{Control, Edge, History, Particle, Reach, Search, SmokeParams, Tone};
 use crate::shaders::smoke::constants::{
     BIRTH_BLOCK, BLOCK, BUCKETS, FIELD_VOXELS, GROUP_WORDS, INK_WORDS, LIST_RUN, MAX_LEVELS, SLOT_PIXELS, TILE,
     TILE_BLOCKS,
@@ -49,7 +47,6 @@ buffers! {
     FIELD = "Field": Kept,
     FIELD_COLUMNS = "FieldColumns",
     SEARCHES = "Searches",
-    SURFACE_SEARCHES = "SurfaceSearches",
     CONTINUATIONS = "Continuations",
     LIST_SUMS = "ListSums",
     BIRTH_SUMS = "BirthSums",
@@ -247,7 +244,6 @@ impl Layout {
         let has_surface = desc.settings.has_surface();
         self.set(RADII, particles * 4);
         self.set(SEARCHES, if has_surface { 0 } else { particles * size_of::<Search>() as u64 });
-        self.set(SURFACE_SEARCHES, if has_surface { particles * size_of::<SurfaceSearch>() as u64 } else { 0 });
         self.set(LIST_SUMS, spheres.div_ceil(u64::from(LIST_RUN) * lanes(&glsl::count::SHADER)) * 8);
         self.set(LIVE, spheres * 4);
         self.set(VISIBLE, spheres * 4);
@@ -291,12 +287,12 @@ impl Layout {
         self.set(FIELD_COLUMNS, kept(!has_surface, nx.div_ceil(FIELD_VOXELS.into()) * ny * nz * 4));
         // A walk of the pyramid also visits the inner nodes.
         let (visits, iterations) = match desc.settings.grow {
-            _ if has_surface => (cells.surface_turns(), cells.iterations(traits)),
+            _ if has_surface => (1, 1),
             Grow::Growth => (growth_rows(&Shape { voxel_size: [1.0; 3], ..shape }), pyramid.iterations(traits)),
             _ => (pyramid.leaves().saturating_mul(4).div_ceil(3), pyramid.iterations(traits)),
         };
         self.search_parts = visits.div_ceil(iterations).max(1);
-        self.set(CONTINUATIONS, u64::from(self.search_parts) * 16);
+        self.set(CONTINUATIONS, kept(!has_surface, u64::from(self.search_parts) * 16));
         Ok(())
     }
 
@@ -349,7 +345,7 @@ impl Layout {
             DENSITY | VELOCITY | DETAIL_SLICES | DETAILED | OCCUPANCY | CROSSINGS | BIRTH_COUNTS | BIRTH_SUMS
             | FIELD | FIELD_COLUMNS | CONTINUATIONS => "use a smaller volume",
             PARTICLES | DYING | DYING_STEPS | SPHERES | RADII | VIEW_SPHERES | QUADS | GROUPS | SEARCHES
-            | SURFACE_SEARCHES | LIST_SUMS | LIVE | VISIBLE | MOVED => "use fewer particles or less fade",
+            | LIST_SUMS | LIVE | VISIBLE | MOVED => "use fewer particles or less fade",
             CASTERS => "use fewer particles, less fade, or shadow = \"map\"",
             _ => "render a smaller picture",
         };

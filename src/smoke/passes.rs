@@ -9,7 +9,7 @@ use crate::shaders::smoke as glsl;
 use crate::smoke::desc::Desc;
 use crate::smoke::layout::*;
 use crate::smoke::params::{Control, MAX_LEVELS, NO_CHANNEL, SmokeParams, Tone};
-use crate::smoke::settings::{Integrator, Operator, Outline, Shadow};
+use crate::smoke::settings::{Integrator, Operator, Outline, Radius, Shadow};
 use crate::smoke::tables::Tables;
 
 passes! {
@@ -43,7 +43,7 @@ passes! {
     grow_growth = Pass::compute("smoke.grow", &glsl::grow_growth::SHADER).times(layout.search_parts as usize);
     grow_surface = Pass::compute("smoke.grow", &glsl::grow_surface::SHADER)
         .bind(glsl::grow_surface::DENSITY, density(desc))
-        .times(layout.search_parts as usize);
+        .specialise([u32::from(desc.settings.radius == Radius::Ball)]);
     grow_reset = Pass::transfer("smoke.grow").fills(CONTINUATIONS);
     count = Pass::compute("smoke.list", &glsl::count::SHADER);
     listing = Pass::compute("smoke.list", &glsl::list::SHADER).specialise([soft(desc)]);

@@ -70,11 +70,12 @@ impl Pyramid {
         })
     }
 
-    /// Turns of a search for the surface that there is room for: all nodes are less than two a row; the rest is for cells and
-    /// their boxes, of which a ball's surface has few a row. A search that needs more ends with the best so far.
-    pub fn surface_turns(&self) -> u32 {
-        let rows = u64::from(self.levels[0].rows_y) * u64::from(self.levels[0].rows_z);
-        u32::try_from(16 * rows + u64::from(LOOP_BUDGET)).unwrap_or(u32::MAX)
+    /// The level that a search for the surface begins at: two rows an invocation, or fewer.
+    pub fn surface_top(&self) -> u32 {
+        let made = self.count.min(MAX_LEVELS);
+        let most = 2 * glsl::grow_surface::SHADER.local_size.iter().product::<u32>();
+        let top = self.levels[..made as usize].iter().position(|level| level.rows_y * level.rows_z <= most);
+        top.map_or(made - 1, |level| level as u32)
     }
 
     /// Rows of level 0 in the square that the walk in Morton order covers.

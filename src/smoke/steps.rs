@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::effect::DeviceTraits;
 use crate::host::Background;
+use crate::layout::MOST_GROUPS;
 use crate::plan::{Command, PassId, Plan};
 use crate::scan;
 use crate::shaders::smoke as glsl;
@@ -63,7 +64,7 @@ impl Way {
 
     /// Whether a search goes on in further dispatches.
     fn goes_on(self) -> bool {
-        self != Way::Field
+        !matches!(self, Way::Field | Way::Surface)
     }
 }
 
@@ -272,16 +273,14 @@ impl Steps<'_> {
         }
     }
 
-    /// The same of the search for the surface.
+    /// The search for the surface: a workgroup a particle.
     fn surface(&mut self) {
-        let cells = Pyramid::of_cells(self.delta.shape.dimensions);
-        let iterations = cells.iterations(self.traits);
-        let parts = cells.surface_turns().div_ceil(iterations).max(1);
-        let is_ball = u32::from(self.desc.settings.radius == Radius::Ball);
-        for part in 0..parts {
-            let constants = SurfaceConstants { part, parts, iterations, is_ball, last: cells.leaves() };
-            self.plan.step_with(self.passes.grow_surface, self.part(part), &constants);
-        }
+        let particles = self.desc.settings.particles;
+        let columns = particles.min(MOST_GROUPS as u32);
+        let [x, y, _] = glsl::grow_surface::SHADER.local_size;
+        let threads = [columns * x, particles.div_ceil(columns) * y, 1];
+        let constants = SurfaceConstants { top: Pyramid::of_cells(self.delta.shape.dimensions).surface_top() };
+        self.plan.step_with(self.passes.grow_surface, Command::Dispatch { threads }, &constants);
     }
 
     /// The dispatch of a part of a search.
