@@ -24,7 +24,7 @@ const int LEVELS_DOWN = 2;         // at once
 const float MARGIN = 1e-3;         // of a side, for rounding: cells that are looked at beyond those that count
 const float MOST_STEPS = 1e6;      // of a cell's diagonal
 const uint CELLS_A_TURN = 12u;     // of an invocation's rows that are looked at with those of others
-const uint LANES = 32u;
+const uint SEARCHERS = 32u;
 const ivec2 ROWS = ivec2(8, 4);    // along y and z, that they take together
 const uint CELL_BITS = 10u;        // of a queued cell's number along an axis
 const int NO_CELL = -1;
@@ -35,7 +35,7 @@ shared uint in_smoke;
 shared uint queued;
 shared uint goes_on;        // some rows have more cells
 shared uint outer_bits;     // distance, as bits, that rows are within
-shared uint queue[CELLS_A_TURN * LANES];
+shared uint queue[CELLS_A_TURN * SEARCHERS];
 
 // A search for a particle. Places are in sides, from the low corner of the first cell.
 struct Search {
@@ -238,13 +238,13 @@ float radius_of(vec3 p) {
     for (bool is_first_turn = true, is_last = false; !is_last; is_first_turn = false) {
         barrier();
         is_last = goes_on == 0u;
-        for (uint i = gl_LocalInvocationIndex; i < queued; i += LANES) {
+        for (uint i = gl_LocalInvocationIndex; i < queued; i += SEARCHERS) {
             look_in(s, queued_cell(i));
         }
         barrier();
         float nearest = known(s);
         barrier();
-        for (uint i = gl_LocalInvocationIndex; i < queued && is_ball(); i += LANES) {
+        for (uint i = gl_LocalInvocationIndex; i < queued && is_ball(); i += SEARCHERS) {
             atomicMin(nearest_bits, floatBitsToUint(nearest_in_cell(place_in(p, queued_cell(i)), nearest)));
         }
         barrier();
