@@ -235,6 +235,7 @@ fn settings_out_of_range_are_refused_by_key() {
         ("smoke.grow", Settings { radius_from: RadiusFrom::Voxels, grow: Grow::Field, radius: Radius::Ball, ..s() }),
         ("smoke.detail", Settings { detail: Some(-1.0), ..s() }),
         ("smoke.radius_smoothing", Settings { radius_smoothing: 0.96, ..s() }),
+        ("smoke.boil", Settings { boil: 1.1, ..s() }),
         ("smoke.softness", Settings { softness: 1.1, ..s() }),
         ("smoke.gradient", Settings { gradient: [1.0, 0.5], ..s() }),
         ("smoke.gradient", Settings { gradient: [f32::NAN, 0.5], ..s() }),

@@ -61,6 +61,7 @@ void main() {
     if ((block_masks[at.y * blocks_of_tiles().x + at.x] & group_bit(group)) == 0u || x >= params.size.x) {
         return;
     }
+    Ranges ranges = Ranges(control.group_start, control.groups_per_metre);
     vec2 before[TAPS];
     if (SOFT) {
         add_column(at, tile_x, x, group - 1u);
@@ -75,7 +76,7 @@ void main() {
         if (y < params.size.y && pixel_id(pixels[index]) == group) {
             vec2 sums = vec2(numerator[o], denominator[o]);
             if (SOFT) {
-                vec2 shares = plane_shares(depth[index], group);
+                vec2 shares = plane_shares(ranges, depth[index], group);
                 sums = shares.x * before[o] + shares.y * sums;
             }
             if (CHANNEL != NO_CHANNEL) {

@@ -1,5 +1,6 @@
 // What the ways to search a radius share: from the raw radius to the sphere that is drawn.
 #include "particle.glsl"
+#include "../common/random.glsl"
 
 layout(std430, binding = 1) readonly buffer Particles { Particle particles[]; };
 layout(std430, binding = 2) writeonly buffer Spheres { vec4 spheres[]; };
@@ -27,6 +28,14 @@ float smoothed_radius(uint slot, float radius) {
     return min(kept, radius + MOST_OUTSIDE * params.smallest_side);
 }
 
+const float BOIL_SIZE = 0.25;  // share of a radius that it differs by at most, where `boil` is 1
+
+// What a radius is multiplied by in this drawing, as if each were drawn anew.
+float boiled(uint slot) {
+    float any_ = unit(hash(params.seed, slot, params.frames, BOIL_SIZE_OF));
+    return 1.0 + params.boil * BOIL_SIZE * (2.0 * any_ - 1.0);
+}
+
 // Newborn spheres grow by smoothstep over `fade` frames.
 void put_sphere(uint slot, vec3 p, float raw) {
     uint age = particles[slot].age;
@@ -34,5 +43,5 @@ void put_sphere(uint slot, vec3 p, float raw) {
     radii[slot] = radius;
     float t = min(float(age + 1u) / float(params.fade + 1u), 1.0);
     float grown = (age & FULL_SIZE) != 0u ? 1.0 : t * t * (3.0 - 2.0 * t);
-    spheres[slot] = vec4(p, radius * params.scale * grown);
+    spheres[slot] = vec4(p, radius * params.scale * grown * boiled(slot));
 }

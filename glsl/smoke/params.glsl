@@ -114,7 +114,7 @@ layout(binding = 0) uniform SmokeParams {
     uvec4 detail_window;    // where it ends, voxels to each side; w: unused
     uint crossing_row_words;  // words of a row of the cells that the threshold crosses
     float radius_smoothing;   // share of the last frame's radius that is kept
-    uint unused_detail;
+    float boil;               // how much a radius differs from drawing to drawing, as a share of BOIL_SIZE
     uint unused_levels;
     PyramidLevel levels[MAX_LEVELS];
 } params;

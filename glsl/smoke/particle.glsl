@@ -13,6 +13,7 @@ const uint DEAD = 0xffffffffu;       // instead of an age
 const uint BIRTH_VOXEL = 0u;
 const uint BIRTH_PLACE = 1u;  // in the voxel, along x; y and z follow
 const uint FIRST_AGE = 4u;
+const uint BOIL_SIZE_OF = 5u;
 
 vec3 to_vector(float v[3]) {
     return vec3(v[0], v[1], v[2]);

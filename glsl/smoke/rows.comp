@@ -18,24 +18,24 @@ layout(push_constant) uniform GaussianConstants { uint base; } constants;  // fi
 #include "coordinate.glsl"
 
 // How much of a pixel the sums of a group or plane have.
-float share_of(uint pixel, uint index, uint group) {
+float share_of(Ranges ranges, uint pixel, uint index, uint group) {
     uint id = pixel_id(pixel);
     if (SOFT) {
-        vec2 shares = plane_shares(depth[index], id);
+        vec2 shares = plane_shares(ranges, depth[index], id);
         float behind = id == group ? shares.y : 0.0;
         return id == group + 1u ? shares.x : behind;
     }
     return id == group ? 1.0 : 0.0;
 }
 
-void add_block(int block, uint row, int first, uint group) {
+void add_block(Ranges ranges, int block, uint row, int first, uint group) {
     float values[TAPS];
     float masks[TAPS];
     for (int i = 0; i < TAPS; ++i) {
         uint x = uint(first + i);
         uint index = row + min(x, params.size.x - 1u);
         uint pixel = x < params.size.x ? pixels[index] : 0u;
-        masks[i] = share_of(pixel, index, group);
+        masks[i] = share_of(ranges, pixel, index, group);
         float value = pixel_luminance(pixel);
         if (CHANNEL != NO_CHANNEL) {
             // Where nothing is seen, nothing has been written.
@@ -59,13 +59,14 @@ void main() {
     if ((groups.beside & bits) == 0u || (groups.above & bits) == 0u || y >= params.size.y) {
         return;
     }
+    Ranges ranges = Ranges(control.group_start, control.groups_per_metre);
     clear_sums();
     for (int distance = int(params.window_blocks); distance >= 0; --distance) {
         for (int side = -1; side <= 1; side += 2) {
             int x = int(at.x) + side * distance;
             bool used = x >= 0 && x < int(across) && (distance > 0 || side > 0);
             if (used && (block_masks[at.y * across + uint(x)] & bits) != 0u) {
-                add_block(side * distance, y * params.size.x, x * int(BLOCK), group);
+                add_block(ranges, side * distance, y * params.size.x, x * int(BLOCK), group);
             }
         }
     }

@@ -5,10 +5,10 @@
 #include "params.glsl"
 #include "view.glsl"
 #include "mask.glsl"
-layout(std430, binding = 5) readonly buffer ControlBuffer { Control control; };
 #include "coordinate.glsl"
 layout(location = 0) flat in vec4 view_sphere;
 layout(location = 1) flat in uint code;
+layout(location = 2) flat in vec2 ranges;  // start and number a metre
 layout(location = 0) out uint seen;
 layout(depth_less) out float gl_FragDepth;
 
@@ -20,5 +20,5 @@ void main() {
         discard;
     }
     gl_FragDepth = params.near / depth;
-    seen = SOFT ? code & ~GROUP_MASK | group_at(depth) : code;
+    seen = SOFT ? code & ~GROUP_MASK | group_at(Ranges(ranges.x, ranges.y), depth) : code;
 }

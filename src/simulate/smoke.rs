@@ -178,10 +178,10 @@ fn lean(height: f64) -> f64 {
 
 /// The plume's balls at the time `at`; which ones there are is settled by the time `key`.
 fn plume(key: f64, at: f64) -> Vec<Ball> {
-    const INTERVAL: f64 = 0.16;
-    const LIFE: f64 = 1.9;
+    const INTERVAL: f64 = 0.27;
+    const LIFE: f64 = 3.2;
     let mut balls = Vec::new();
-    let height = 1.75 * (1.0 - (-(at + 0.5) / 0.85).exp());
+    let height = 1.9 * (1.0 - (-(at + 0.5) / 1.2).exp());
     let head = 0.22 + 0.14 * (1.0 - (-(at + 0.5) / 1.2).exp());
     let newest = (key / INTERVAL).floor() as i64;
     for puff in newest - (LIFE / INTERVAL) as i64..=newest {
@@ -193,7 +193,7 @@ fn plume(key: f64, at: f64) -> Vec<Ball> {
         let away = 0.5 * full * smoothstep(0.05, 0.5, age);
         let centre = DVec3::new(lean(y) + away * turn.cos(), y, away * turn.sin());
         let seed = puff as u32;
-        Roll { seed, lobes: 6, period: 1.3, size: 0.6, wide: 0.75, high: 0.7, small: 0 }.add(
+        Roll { seed, lobes: 6, period: 3.0, size: 0.6, wide: 0.75, high: 0.7, small: 0 }.add(
             &mut balls,
             Ball { centre, radius },
             key,
@@ -201,7 +201,7 @@ fn plume(key: f64, at: f64) -> Vec<Ball> {
         );
     }
     let centre = DVec3::new(lean(height), height, 0.0);
-    Roll { seed: 77, lobes: 14, period: 1.8, size: 0.66, wide: 0.95, high: 0.75, small: 3 }.add(
+    Roll { seed: 77, lobes: 14, period: 4.0, size: 0.66, wide: 0.95, high: 0.75, small: 3 }.add(
         &mut balls,
         Ball { centre, radius: head },
         key,
@@ -271,10 +271,12 @@ impl Field {
                 for x in low.x as usize..(high.x as usize).min(nx) {
                     let centre = self.origin + (DVec3::new(x as f64, y as f64, z as f64) + 0.5) * self.side;
                     let away = centre - ball.centre;
-                    let weight = (1.0 - away.length_squared() / (reach * reach)).max(0.0).powi(2);
+                    let depth = ball.radius - away.length();
+                    // The ball that a voxel is deepest in says how it moves: at the smoke's border the one whose border that is.
+                    let weight = (1.0 - away.length_squared() / (reach * reach)).max(0.0) * (depth / SOFT).exp();
                     if weight > 0.0 {
                         let voxel = (z * ny + y) * nx + x;
-                        self.clear[voxel] *= 1.0 - smoothstep(-SOFT, SOFT, ball.radius - away.length()) as f32;
+                        self.clear[voxel] *= 1.0 - smoothstep(-SOFT, SOFT, depth) as f32;
                         let sum = (ball.velocity + away * ball.growth).extend(1.0) * weight;
                         let momentum = &mut self.momentum[voxel];
                         *momentum = (Vec4::from_array(*momentum) + sum.as_vec4()).to_array();

@@ -189,7 +189,8 @@ impl SmokeKind {
         state.range_before = 1 - self.state.range_before;
         state.frames = if restart { 0 } else { state.frames.wrapping_add(u32::from(advance)) };
         state.shape = frame.volume.map_or(state.shape, |v| v.shape());
-        let moving = desc.velocity || desc.settings.lifetime.is_some() || new_volume || stale || state.unmet;
+        let restless = desc.settings.lifetime.is_some() || desc.settings.boil > 0.0;
+        let moving = desc.velocity || restless || new_volume || stale || state.unmet;
         state.unmet = !restart && !advance && (state.unmet || new_volume || stale);
         state.quiet = if restart || (moving && advance) { 0 } else { state.quiet + u32::from(advance) };
         let still = match () {

@@ -184,6 +184,7 @@ impl SmokeParams {
             still_speed: settings.still * self.smallest_side / dt,
             scale: settings.scale,
             radius_smoothing: settings.radius_smoothing,
+            boil: settings.boil,
             group_count: settings.group_count(),
             group_depth: settings.group_depth.unwrap_or(0.0),
             range_smoothing: settings.range_smoothing,

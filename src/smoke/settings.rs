@@ -183,6 +183,8 @@ settings! {
         radius_from: RadiusFrom = RadiusFrom::default();
         /// Share of the last frame's radius that a sphere keeps while it lives; it leaves the smoke by at most 1/4 voxel.
         radius_smoothing: f32 = 0.0, "share of the last frame's radius", 0.0..=0.95, "off";
+        /// How restless the drawing is: each sphere's radius differs by up to a quarter from drawing to drawing, as if drawn anew.
+        boil: f32 = 0.0, "share of the most", 0.0..=1.0, "as steady as the smoke";
         /// Multiplies the radius. Below 1: balls apart, froth; above: they swell together into one body.
         scale: f32 = 1.0, "", f32::MIN_POSITIVE..=1e6;
         /// Smaller spheres are not drawn, so that there are no specks: down to half of it they shrink to nothing.

@@ -150,6 +150,7 @@ fn twenty_frames_of_motion_are_those_of_the_reference() {
     assert_sequence("lifetime, scale", Settings { lifetime: Some(4), scale: 0.7, fade: 3, ..settings() }, true, moving);
     let smoothed = Settings { lifetime: Some(7), radius_smoothing: 0.6, ..settings() };
     assert_sequence("smoothed radii", smoothed, true, moving);
+    assert_sequence("restless", Settings { lifetime: Some(7), boil: 0.8, ..settings() }, true, moving);
     assert_sequence("lifetime 1", Settings { lifetime: Some(1), ..settings() }, true, moving);
     // Half of the volume stands still, and dies of it.
     let half = |i: u32| {
@@ -172,6 +173,7 @@ fn twenty_frames_of_motion_are_those_of_the_reference() {
 fn density_alone_moves_nothing_but_kills() {
     assert_sequence("no velocity", settings(), true, |i| puffs(24, i as f32 / 12.0));
     assert_sequence("nothing changes", settings(), false, |_| puffs(24, 0.0));
+    assert_sequence("restless", Settings { boil: 1.0, ..settings() }, false, |_| puffs(24, 0.0));
     // Empty in between: all die, none is born, and the next births use the next generation.
     assert_sequence("gone and back", settings(), true, |i| match i {
         5..9 => volume([24; 3], [2.0 / 24.0; 3], [-1.0; 3], |_, _, _| 0.0),

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::grid::Grid;
 use super::{birth, detail, grow, surface};
-use crate::random::hash;
-use crate::shaders::smoke::constants::FIRST_AGE;
+use crate::random::{hash, unit};
+use crate::shaders::smoke::constants::{BOIL_SIZE_OF, FIRST_AGE};
 use crate::smoke::settings::{Integrator, RadiusFrom, Settings};
 
 /// The particles of one effect. A new one starts afresh: its first [`Particles::step`] is the first frame.
@@ -95,9 +95,10 @@ impl Particles {
                 slot.be_born(born, age, !first);
             }
         }
-        for slot in &mut self.slots {
+        for (column, slot) in (0..).zip(&mut self.slots) {
             slot.displacement = displacement(grid, slot.position, settings.integrator, dt);
             slot.grow(grid, settings, first);
+            slot.radius *= boiled(settings, seed, column, self.frames as u32);
         }
         for ghost in self.ghosts.iter_mut().flatten() {
             ghost.displacement = displacement(grid, ghost.position, settings.integrator, dt);
@@ -208,6 +209,11 @@ impl Ghost {
 fn first_age(settings: &Settings, seed: u32, slot: u32) -> u32 {
     let word = u64::from(hash(seed, slot, 0, FIRST_AGE));
     settings.lifetime.map_or(0, |lifetime| ((word * u64::from(lifetime)) >> 32) as u32)
+}
+
+/// What the radius of a slot is multiplied by in the drawing after so many others.
+fn boiled(settings: &Settings, seed: u32, slot: u32, frames: u32) -> f64 {
+    1.0 + f64::from(settings.boil) * 0.25 * (2.0 * f64::from(unit(hash(seed, slot, frames, BOIL_SIZE_OF))) - 1.0)
 }
 
 /// Smooth growth over `fade` frames: smoothstep((age + 1) / (fade + 1)), 1 from age `fade` on.
