@@ -173,7 +173,7 @@ impl Roll {
 
 /// How far the wind has carried what is `height` metres up.
 fn lean(height: f64) -> f64 {
-    0.035 * height.max(0.0).powf(1.6)
+    0.03 * height.max(0.0).powf(1.6)
 }
 
 /// The plume's balls at the time `at`; which ones there are is settled by the time `key`.
@@ -181,13 +181,13 @@ fn plume(key: f64, at: f64) -> Vec<Ball> {
     const INTERVAL: f64 = 0.27;
     const LIFE: f64 = 3.2;
     let mut balls = Vec::new();
-    let height = 1.9 * (1.0 - (-(at + 0.5) / 1.2).exp());
+    let height = 1.8 * (1.0 - (-(at + 0.5) / 1.2).exp());
     let head = 0.22 + 0.14 * (1.0 - (-(at + 0.5) / 1.2).exp());
     let newest = (key / INTERVAL).floor() as i64;
     for puff in newest - (LIFE / INTERVAL) as i64..=newest {
         let age = (at - puff as f64 * INTERVAL) / LIFE;
         let y = (height + 0.1) * (1.0 - (1.0 - age.clamp(0.0, 1.0)).powf(1.5)) - 0.1;
-        let full = 0.12 + 0.19 * (y.max(0.0) / 1.7).powf(0.8);
+        let full = 0.12 + 0.19 * (y.max(0.0) / 2.0).powf(0.8);
         let radius = full * smoothstep(-0.05, 0.03, age) * (1.0 - smoothstep(0.85, 1.0, age));
         let turn = TAU * 0.381_966 * puff as f64 + 1.2 * age;
         let away = 0.5 * full * smoothstep(0.05, 0.5, age);

@@ -101,7 +101,7 @@ fn fire_lights_smoke_from_below_and_in_steps() {
         return;
     }
     let folder = Folder::new();
-    let smoke = "particles = 300\nsigma = 2\ntone_softness = 0\nantialias = \"none\"\nemitter = { min = [-1, 1, -1], max = [1, 2, 1] }\n\
+    let smoke = "particles = 300\nsigma = 2\ntone_softness = 0\nantialias = \"none\"\nemitter = { min = [-1, 0.7, -1], max = [1, 2, 1] }\n\
         tones = [[0, [0.1, 0.1, 0.1]], [0.4, [0.25, 0.25, 0.25]], [0.7, [0.5, 0.5, 0.5]]]\noutline = { strength = 0 }\n";
     let shot = |light: u32| format!("{FIRE}light = {light}\nreach = 1\n[smoke]\n{smoke}");
     let tones = [0, 4].map(|light| {

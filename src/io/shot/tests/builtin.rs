@@ -60,7 +60,9 @@ fn built_in_shots_say_the_defaults() {
         assert_eq!((shot.fps, shot.frames), (24.0, [1, 48]), "{name}");
         // What each shot sets for itself; all else that it shows is the default.
         if let Some(Smoke { settings, .. }) = shot.part() {
-            let Settings { particles, lifetime, radius, scale, groups, hysteresis, sigma, smallest, .. } = *settings;
+            let Settings { particles, lifetime, fade, radius, radius_smoothing, scale, groups, hysteresis, .. } =
+                *settings;
+            let Settings { sigma, smallest, .. } = *settings;
             let defaults = &smoke_of(&defaults).settings;
             // Beside a fire it is night, and the smoke stays above the fire.
             let own = if shot.has("flame") { settings } else { defaults };
@@ -74,14 +76,16 @@ fn built_in_shots_say_the_defaults() {
             let expected = Settings {
                 particles,
                 lifetime,
+                fade,
                 radius,
+                radius_smoothing,
                 scale,
                 groups,
                 hysteresis,
                 sigma,
                 smallest,
                 emitter: own.emitter,
-                tones: own.tones.clone(),
+                tones: settings.tones.clone(),
                 outline: crate::smoke::settings::Outline {
                     strength: own.outline.strength,
                     width: settings.outline.width,
