@@ -1,7 +1,7 @@
 // Radius by the surface: the distance to where the trilinear density is no longer above the threshold (`excess.glsl`). The
 // nearest such place is on the surface, which lies in the cells that the threshold crosses. A workgroup searches for a particle:
 // from the top of a pyramid of "any crossing" bits down, how far the farthest corner of a crossed cell can be at most; then, of
-// the crossed cells that come nearer than what is known and are not wholly nearer than they can be, how near the surface is.
+// the crossed cells that come nearer than what is known, how near the surface is.
 // Rows of cells, along x, are dealt out to the invocations. The radius does not depend on which of them comes first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -164,9 +164,10 @@ Rows before_rows(Search s) {
     return Rows(ivec2(y, z) + ivec2(gl_LocalInvocationID.xy) - ivec2(ROWS.x, 0), 0, 0, 0u, false);
 }
 
-// Queues crossed cells of the own rows whose near ends are nearer than `outer` and whose far ends are not nearer than `inner`,
-// not more than are looked at in a turn. One loop, whose iteration takes the next row, or the next word of it, and a cell.
-void queue_cells(Search s, inout Rows r, float inner, float outer) {
+// Queues crossed cells of the own rows whose near ends are nearer than `outer`, not more than are looked at in a turn. (None is
+// wholly nearer than `farthest`, which is the least distance to a far corner.) One loop, whose iteration takes the next row, or
+// the next word of it, and a cell.
+void queue_cells(Search s, inout Rows r, float outer) {
     float widest = uintBitsToFloat(outer_bits);
     ivec2 y = cells_within(s.at.y, widest / s.sides.y, params.dimensions.y);
     int last_z = cells_within(s.at.z, widest / s.sides.z, params.dimensions.z).y;
@@ -182,19 +183,12 @@ void queue_cells(Search s, inout Rows r, float inner, float outer) {
             break;
         }
         vec2 near = s.sides.yz * vec2(to_cells(s.at.y, r.row.x, r.row.x), to_cells(s.at.z, r.row.y, r.row.y));
-        vec2 far = s.sides.yz * vec2(across_cells(s.at.y, r.row.x, r.row.x), across_cells(s.at.z, r.row.y, r.row.y));
         float reach = is_ball() ? sqrt(max(outer * outer - dot(near, near), 0.0)) : outer;
-        float spared = is_ball() ? sqrt(max(inner * inner - dot(far, far), 0.0)) : max(far.x, far.y) < inner ? inner : 0.0;
         ivec2 wanted = cells_within(s.at.x, reach / s.sides.x, params.dimensions.x);
-        // Wholly nearer: those between the cells that end beyond.
-        float within = spared / s.sides.x - 2.0 * MARGIN;
-        ivec2 beyond = cells_within(s.at.x, max(within, 0.0), params.dimensions.x);
-        beyond = within > 1.0 ? beyond : ivec2(0, 1);
         r.word = next_row ? wanted.x >> 5 : r.word;
         r.last_word = next_row ? wanted.y >> 5 : r.last_word;
         uint at = rows.first_word + (uint(r.row.y) * rows.rows_y + uint(r.row.x)) * params.crossing_row_words + uint(r.word);
-        uint fresh = crossings[at] & voxel_bits(r.word * 32, wanted.x, wanted.y)
-            & ~voxel_bits(r.word * 32, beyond.x + 1, beyond.y - 1);
+        uint fresh = crossings[at] & voxel_bits(r.word * 32, wanted.x, wanted.y);
         r.bits = r.bits == 0u ? fresh : r.bits;
         if (r.bits != 0u) {
             queue_cell(ivec3(r.word * 32 + findLSB(r.bits), r.row));
@@ -221,7 +215,6 @@ float radius_of(vec3 p) {
     }
     s.farthest = uintBitsToFloat(farthest_bits);
     float diagonal = combined(s.sides.x, s.sides.y, s.sides.z);
-    float inner = max(s.farthest - diagonal, 0.0);
     s.step_ = max(TOLERANCE * params.smallest_side, diagonal / MOST_STEPS);
     bool is_first = gl_LocalInvocationIndex == 0u;
     if (is_first) {
@@ -257,7 +250,7 @@ float radius_of(vec3 p) {
         if (is_first_turn) {
             rows = before_rows(s);
         }
-        queue_cells(s, rows, inner, known(s));
+        queue_cells(s, rows, known(s));
         atomicOr(goes_on, rows.ended ? 0u : 1u);
     }
     return known(s);
