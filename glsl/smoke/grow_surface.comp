@@ -24,18 +24,18 @@ const int LEVELS_DOWN = 2;         // at once
 const float MARGIN = 1e-3;         // of a side, for rounding: cells that are looked at beyond those that count
 const float MOST_STEPS = 1e6;      // of a cell's diagonal
 const uint CELLS_A_TURN = 12u;     // of an invocation's rows that are looked at with those of others
-const uint SEARCHERS = 32u;
-const ivec2 ROWS = ivec2(8, 4);    // along y and z, that they take together
-const uint CELL_BITS = 10u;        // of a queued cell's number along an axis
+const uint SEARCHERS = gl_WorkGroupSize.x * gl_WorkGroupSize.y;
+const ivec2 ROWS = ivec2(gl_WorkGroupSize.xy);  // along y and z, that they take together
+const uint CELL_BITS = 16u;        // of a queued cell's number along y
 const int NO_CELL = -1;
 
 shared uint farthest_bits;  // distance, as bits: no farthest corner of a crossed cell that was seen is nearer
-shared uint nearest_bits;   // distance to the surface, as bits; in the chessboard norm STEPs that it is nearer than `farthest`
+shared uint nearest_bits;   // distance to the surface, as bits; in the chessboard norm steps that it is nearer than `farthest`
 shared uint in_smoke;
 shared uint queued;
 shared uint goes_on;        // some rows have more cells
 shared uint outer_bits;     // distance, as bits, that rows are within
-shared uint queue[CELLS_A_TURN * SEARCHERS];
+shared uvec2 queue[CELLS_A_TURN * SEARCHERS];
 
 // A search for a particle. Places are in sides, from the low corner of the first cell.
 struct Search {
@@ -145,7 +145,7 @@ float known(Search s) {
 }
 
 void queue_cell(ivec3 cell) {
-    queue[atomicAdd(queued, 1u)] = uint(cell.x) | uint(cell.y) << CELL_BITS | uint(cell.z) << 2u * CELL_BITS;
+    queue[atomicAdd(queued, 1u)] = uvec2(cell.x, cell.y | cell.z << CELL_BITS);
 }
 
 // Where an invocation stands in its rows.
@@ -199,9 +199,8 @@ void queue_cells(Search s, inout Rows r, float outer) {
 }
 
 ivec3 queued_cell(uint i) {
-    uint cell = queue[i];
-    const uint MASK = (1u << CELL_BITS) - 1u;
-    return ivec3(cell & MASK, cell >> CELL_BITS & MASK, cell >> 2u * CELL_BITS & MASK);
+    uvec2 cell = queue[i];
+    return ivec3(cell.x, cell.y & (1u << CELL_BITS) - 1u, cell.y >> CELL_BITS);
 }
 
 float radius_of(vec3 p) {

@@ -139,3 +139,13 @@ fn where_all_cells_are_as_near_the_radius_is_right_and_always_the_same() {
         }
     }
 }
+
+/// Along x there may be more cells than rows have along y and z.
+#[test]
+fn in_a_long_volume_radii_are_those_of_a_fine_search() {
+    let long = volume([2500, 7, 6], [0.1; 3], [0.0; 3], |x, y, z| random(9, x + 2500 * (y + 7 * z), 0));
+    for kind in [Radius::Box, Radius::Ball] {
+        let Some(mut bench) = bench(kind, long.dimensions) else { return };
+        check(&mut bench, "long", &long, &positions(&long, 11)[..32]);
+    }
+}
