@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::grid::Grid;
 use super::{birth, detail, grow, surface};
 use crate::random::{hash, unit};
-use crate::shaders::smoke::constants::{BOIL_SIZE_OF, FIRST_AGE};
+use crate::shaders::smoke::constants::{BOIL_SIZE, BOIL_SIZE_OF, FIRST_AGE};
 use crate::smoke::settings::{Integrator, RadiusFrom, Settings};
 
 /// The particles of one effect. A new one starts afresh: its first [`Particles::step`] is the first frame.
@@ -213,7 +213,7 @@ fn first_age(settings: &Settings, seed: u32, slot: u32) -> u32 {
 
 /// What the radius of a slot is multiplied by in the drawing after so many others.
 fn boiled(settings: &Settings, seed: u32, slot: u32, frames: u32) -> f64 {
-    1.0 + f64::from(settings.boil) * 0.25 * (2.0 * f64::from(unit(hash(seed, slot, frames, BOIL_SIZE_OF))) - 1.0)
+    1.0 + f64::from(settings.boil * BOIL_SIZE) * (2.0 * f64::from(unit(hash(seed, slot, frames, BOIL_SIZE_OF))) - 1.0)
 }
 
 /// Smooth growth over `fade` frames: smoothstep((age + 1) / (fade + 1)), 1 from age `fade` on.
