@@ -14,16 +14,19 @@ layout(std430, binding = 3) buffer Lines { float lines[]; };
 
 const uint LANES = 8u * TILE;
 const uint WINDOW = 3u * TILE;                   // what is seen: the tile and those around it
-const uint PARTS = 4u;                           // invocations for a row of what pieces are looked for in
-const uint PART = 2u * TILE / PARTS;             // pixels for each
-const uint SIDE = TILE + 2u * PIECE_REACH + 2u;  // of what is looked at there, with an empty border
+const uint WINDOW_WORDS = 3u * (WINDOW + 2u);    // with an empty row above and below
+const uint SIDE = TILE + 2u * PIECE_REACH + 2u;  // of what pieces are looked for in, with an empty border
 const uint BEGIN = TILE - PIECE_REACH - 1u;      // of it in the window
 
-// Rows of the window, with an empty one above and below.
-shared uint ink[3u * (WINDOW + 2u)];
+// Rows of the window. Rounds of tracing read one half and write the other.
+shared uint ink[2u * WINDOW_WORDS];
+shared uint goes_on[TRACE_REACH];  // whether a round has found any
 // How many pixels the piece of each pixel reaches to the left, right, up and down, itself included: four bits each; 0 where
 // there is no ink. Rounds read one half of a word and write the other.
 shared uint reached[SIDE * SIDE];
+// Cells of it with ink: a list, so that all invocations have as much to do.
+shared uint inked[SIDE * SIDE];
+shared uint inked_count;
 shared uint stays[TILE];
 shared uint has_ink;
 shared uint has_weak;
@@ -40,14 +43,16 @@ uvec3 window_row(uvec2 tile, uint row, uint plane) {
                  ink_word(middle + ivec2(1, 0), row % TILE, plane));
 }
 
-uvec3 ink_row(uint row) {
-    return uvec3(ink[3u * row], ink[3u * row + 1u], ink[3u * row + 2u]);
+uvec3 ink_row(uint begin, uint row) {
+    uint word = begin + 3u * row;
+    return uvec3(ink[word], ink[word + 1u], ink[word + 2u]);
 }
 
-void set_ink_row(uint row, uvec3 bits) {
-    ink[3u * row] = bits.x;
-    ink[3u * row + 1u] = bits.y;
-    ink[3u * row + 2u] = bits.z;
+void set_ink_row(uint begin, uint row, uvec3 bits) {
+    uint word = begin + 3u * row;
+    ink[word] = bits.x;
+    ink[word + 1u] = bits.y;
+    ink[word + 2u] = bits.z;
 }
 
 // With the pixels beside, left and right.
@@ -60,16 +65,21 @@ void trace(uvec2 tile, uint row) {
     bool has_row = row < WINDOW;
     uvec3 weak = has_row ? window_row(tile, row, WEAK) : uvec3(0u);
     uvec3 own = has_row ? window_row(tile, row, STRONG) : uvec3(0u);
-    if (row < WINDOW + 2u) {
-        set_ink_row(row, uvec3(0u));
+    if (row < 12u) {
+        uint half_begin = row / 6u * WINDOW_WORDS;
+        ink[half_begin + (row % 6u < 3u ? row % 3u : WINDOW_WORDS - 1u - row % 3u)] = 0u;
+    }
+    if (row < TRACE_REACH) {
+        goes_on[row] = 0u;
     }
     if (row == 0u) {
         has_ink = 0u;
         has_weak = 0u;
+        inked_count = 0u;
     }
     barrier();
     if (has_row) {
-        set_ink_row(row + 1u, own);
+        set_ink_row(0u, row + 1u, broadened(own));
         if (row / TILE == 1u && weak.y != 0u) {
             has_ink = 1u;
         }
@@ -79,28 +89,41 @@ void trace(uvec2 tile, uint row) {
     }
     barrier();
     if (has_ink != 0u && has_weak != 0u) {
+        uint begin = 0u;
         for (uint round = 0u; round < TRACE_REACH; ++round) {
             if (has_row) {
-                own |= broadened(ink_row(row) | ink_row(row + 1u) | ink_row(row + 2u)) & weak;
+                uvec3 beside = ink_row(begin, row) | broadened(own) | ink_row(begin, row + 2u);
+                uvec3 found = own | beside & weak;
+                if (found != own) {
+                    goes_on[round] = 1u;
+                }
+                own = found;
+                set_ink_row(WINDOW_WORDS - begin, row + 1u, broadened(own));
             }
+            begin = WINDOW_WORDS - begin;
             barrier();
-            if (has_row) {
-                set_ink_row(row + 1u, own);
+            if (goes_on[round] == 0u) {
+                break;
             }
-            barrier();
         }
     }
+    if (has_row) {
+        set_ink_row(0u, row + 1u, own);
+    }
+    barrier();
 }
 
-// The ink of an invocation's part of the window, within reach.
-uint ink_of(uint row, uint begin) {
-    if (row <= BEGIN || row >= BEGIN + SIDE - 1u) {
+// The ink of half a word of the window, as far as it may matter to the tile's.
+uint ink_of(uint row, uint column) {
+    uint begin = TILE - params.piece_reach;
+    uint end = 2u * TILE + params.piece_reach;
+    if (row < begin || row >= end) {
         return 0u;
     }
-    uint bits = ink_row(row + 1u)[begin / 32u] >> begin % 32u & (1u << PART) - 1u;
-    uint before = BEGIN + 1u > begin ? BEGIN + 1u - begin : 0u;
-    uint end = min(BEGIN + SIDE - 1u - begin, PART);
-    return bits & (1u << end) - (1u << before);
+    uint bits = ink[3u * (row + 1u) + column / 32u] >> column % 32u & 0xffffu;
+    uint before = uint(max(int(begin) - int(column), 0));
+    uint behind = uint(clamp(int(end) - int(column), 0, 16));
+    return bits & (1u << behind) - (1u << min(before, behind));
 }
 
 ivec4 sides_of(uint word) {
@@ -119,32 +142,48 @@ uint joined(uint cell, uint half_word) {
     return uint(farthest.x | farthest.y << 4 | farthest.z << 8 | farthest.w << 12);
 }
 
-// Which pixels of a part of the window, whose first cell is `first`, are of pieces that reach far enough.
-uint far_reaching(uint bits, uint first, uint lane) {
-    for (uint cell = lane; cell < SIDE * SIDE; cell += LANES) {
+// Finds what may matter to the tile's ink. That is in the middle of the window, of twice a tile's side.
+void list_ink(uint lane) {
+    for (uint part = lane; part < 8u * TILE; part += LANES) {
+        uvec2 first = TILE / 2u + uvec2(part % 4u * 16u, part / 4u);
+        uint bits = ink_of(first.y, first.x);
+        uint place = bits != 0u ? atomicAdd(inked_count, uint(bitCount(bits))) : 0u;
+        for (; bits != 0u; bits &= bits - 1u) {
+            uint cell = (first.y - BEGIN) * SIDE + first.x + uint(findLSB(bits)) - BEGIN;
+            reached[cell] = 0x1111u;
+            inked[place++] = cell;
+        }
+    }
+}
+
+// Finds which pixels of the tile are of pieces that reach far enough.
+void find_far_reaching(uint lane) {
+    uint unused = (PIECE_REACH - params.piece_reach) * SIDE;
+    for (uint cell = unused + lane; cell < SIDE * SIDE - unused; cell += LANES) {
         reached[cell] = 0u;
     }
     barrier();
-    for (uint rest = bits; rest != 0u; rest &= rest - 1u) {
-        reached[first + uint(findLSB(rest))] = 0x1111u;
-    }
+    list_ink(lane);
     barrier();
+    uint count = inked_count;
     uint half_word = 0u;
     for (uint round = 0u; round < params.piece_reach; ++round) {
-        for (uint rest = bits; rest != 0u; rest &= rest - 1u) {
-            uint cell = first + uint(findLSB(rest));
+        for (uint i = lane; i < count; i += LANES) {
+            uint cell = inked[i];
             reached[cell] = reached[cell] & 0xffffu << half_word | joined(cell, half_word) << 16u - half_word;
         }
         half_word = 16u - half_word;
         barrier();
     }
-    uint far = 0u;
-    for (uint rest = bits; rest != 0u; rest &= rest - 1u) {
-        ivec4 sides = sides_of(reached[first + uint(findLSB(rest))] >> half_word);
+    for (uint i = lane; i < count; i += LANES) {
+        uint cell = inked[i];
+        ivec4 sides = sides_of(reached[cell] >> half_word);
         int pixels = max(sides.x + sides.y, sides.z + sides.w) - 1;
-        far |= float(pixels) >= params.shortest_line ? rest & -rest : 0u;
+        uvec2 own = uvec2(cell % SIDE, cell / SIDE) - uvec2(TILE - BEGIN);
+        if (float(pixels) >= params.shortest_line && max(own.x, own.y) < TILE) {
+            atomicOr(stays[own.y], 1u << own.x);
+        }
     }
-    return far;
 }
 
 // Share of the width that a line has on a step.
@@ -156,20 +195,11 @@ void main() {
     uvec2 tile = tile_at(occupied_tiles[gl_WorkGroupID.x]);
     uint lane = gl_LocalInvocationIndex;
     trace(tile, lane);
-    // The middle of the window, of twice a tile's side: the tile's own part of it begins and ends where parts do.
-    uint row = TILE / 2u + lane / PARTS;
-    uint begin = TILE / 2u + lane % PARTS * PART;
-    bool is_own = row / TILE == 1u && begin / TILE == 1u;
     if (lane < TILE) {
-        stays[lane] = 0u;
+        stays[lane] = ALL_STAY != 0u ? ink[3u * (TILE + lane + 1u) + 1u] : 0u;
     }
-    uint found = ink_of(row, begin);
-    barrier();
     if (ALL_STAY == 0u && has_ink != 0u) {
-        found = far_reaching(found, (row - BEGIN) * SIDE + begin - BEGIN, lane);
-    }
-    if (is_own && found != 0u) {
-        atomicOr(stays[row - TILE], found << begin - TILE);
+        find_far_reaching(lane);
     }
     barrier();
     for (uint pixel = lane; pixel < SLOT_PIXELS; pixel += LANES) {
@@ -178,7 +208,9 @@ void main() {
         if (is_in_picture(at)) {
             float high = lines[pixel_index(at)];
             bool is_line = (stays[own.y] >> own.x & 1u) != 0u;
-            lines[pixel_index(at)] = is_line ? (high == SILHOUETTE ? SILHOUETTE : narrowed(high)) : 0.0;
+            if (high != 0.0) {
+                lines[pixel_index(at)] = is_line ? (high == SILHOUETTE ? SILHOUETTE : narrowed(high)) : 0.0;
+            }
         }
     }
 }

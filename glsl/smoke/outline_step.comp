@@ -45,9 +45,10 @@ void main() {
         uvec2 at = tile_at(tile) * TILE + uvec2(gl_LocalInvocationID.x, row);
         if (is_in_picture(at)) {
             float high = step_at(ivec2(at));
-            lines[pixel_index(at)] = high;
+            bool is_weak = high == SILHOUETTE || high > LOWEST_STEP;
+            lines[pixel_index(at)] = is_weak ? high : 0.0;
             uint bit = 1u << gl_LocalInvocationID.x;
-            if (high == SILHOUETTE || high > LOWEST_STEP) {
+            if (is_weak) {
                 atomicOr(weak[row], bit);
             }
             if (high == SILHOUETTE || high > LINE_STEP) {

@@ -6,7 +6,8 @@ const uint WORD_VOXELS = 32u;     // of a word of occupancy
 const uint FIELD_VOXELS = 4u;     // of a word of the distance field
 const int FIELD_FARTHEST = 255;   // distance that the field can hold, voxels
 const uint BIRTH_BLOCK = 256u;    // words of occupancy whose births are counted together
-const uint DETAIL_RUN = 8u;       // voxels along y that are smoothed together
+const uint DETAIL_RUN = 8u;       // voxels along y, then along z, that are smoothed together
+const uint DETAIL_COLUMNS = 4u;   // voxels along x, beside those along y
 const uint CROSSING_ROWS = 8u;    // of cells, along y and z, that a workgroup begins with
 const uint CROSSING_LEVELS = 3u;  // that it makes above them
 

@@ -182,8 +182,9 @@ impl Steps<'_> {
             true => {
                 let [x, y, z] = shape.dimensions;
                 let [across, along] = self.passes.detail;
-                self.plan.step(across, Command::Dispatch { threads: [x, y.div_ceil(DETAIL_RUN), z] });
-                self.plan.step(along, Command::Dispatch { threads: [x, y, z] });
+                let blocks = [x.div_ceil(DETAIL_COLUMNS), y.div_ceil(DETAIL_RUN), z];
+                self.plan.step(across, Command::Dispatch { threads: blocks });
+                self.plan.step(along, Command::Dispatch { threads: [x, y, z.div_ceil(DETAIL_RUN)] });
             }
             false => self.plan.skip(self.passes.detail[0], "detail is 0"),
         }
