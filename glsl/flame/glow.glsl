@@ -10,8 +10,7 @@ void clear_glow() {
     }
 }
 
-void add_light(int block, vec3 light[TAPS]) {
-    float w[2 * TAPS - 1] = tap_weights(block);
+void add_light(float w[2 * TAPS - 1], vec3 light[TAPS]) {
     for (int o = 0; o < TAPS; ++o) {
         vec3 sum = vec3(0.0);
         for (int t = 0; t < TAPS; ++t) {

@@ -19,6 +19,7 @@ void main() {
     }
     clear_glow();
     for (int distance = glow_blocks(); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int row = first + side * distance * TAPS;
             bool is_used = row >= 0 && row < int(params.tiles.y * TILE) && (distance > 0 || side > 0);
@@ -31,7 +32,7 @@ void main() {
                         light[t] = glow_sums[y * params.size.x + x].rgb;
                     }
                 }
-                add_light(side * distance, light);
+                add_light(on_side(w, side), light);
             }
         }
     }

@@ -21,6 +21,7 @@ void main() {
     int end = int(params.tiles.x * BLOCKS_ACROSS);
     clear_glow();
     for (int distance = glow_blocks(); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int x = own + side * distance;
             bool is_used = x >= 0 && x < end && (distance > 0 || side > 0);
@@ -33,7 +34,7 @@ void main() {
                         light[t] = max(picture[y * params.size.x + column].rgb - 1.0, 0.0);
                     }
                 }
-                add_light(side * distance, light);
+                add_light(on_side(w, side), light);
             }
         }
     }

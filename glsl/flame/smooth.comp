@@ -20,7 +20,7 @@ float heat[TAPS];
 float seen[TAPS];
 
 // Adds the taps from column `first` on, which are all of one tile.
-void add_block(int block, uint row, uint first, bool has_fire, float n, float brightest) {
+void add_block(float w[2 * TAPS - 1], uint row, uint first, bool has_fire, float n, float brightest) {
     float values[TAPS];
     float masks[TAPS];
     for (uint t = 0u; t < uint(TAPS); ++t) {
@@ -37,7 +37,6 @@ void add_block(int block, uint row, uint first, bool has_fire, float n, float br
             }
         }
     }
-    float w[2 * TAPS - 1] = tap_weights(block);
     add_values(heat, w, values);
     if (HAS_SCENE == 1u) {
         add_values(seen, w, masks);
@@ -59,6 +58,7 @@ void main() {
         seen[o] = 0.0;
     }
     for (int distance = (params.window + TAPS - 1 + TAPS - 1) / TAPS; distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int x = int(own) + side * distance;
             if (x >= 0 && x < end && (distance > 0 || side > 0)) {
@@ -66,7 +66,8 @@ void main() {
                 bool has_fire = (tile_shown[other] & BURNING) != 0u;
                 if (has_fire || HAS_SCENE == 1u) {
                     float n = has_fire && EXPECTED == 0u ? float(tile_repetitions[other]) : 0.0;
-                    add_block(side * distance, y * params.size.x, uint(x) * uint(TAPS), has_fire, n, brightest);
+                    uint row = y * params.size.x;
+                    add_block(on_side(w, side), row, uint(x) * uint(TAPS), has_fire, n, brightest);
                 }
             }
         }

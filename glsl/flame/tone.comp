@@ -51,6 +51,7 @@ float[TAPS] smooth_run(int x, int first) {
         seen[o] = 0.0;
     }
     for (int distance = (params.window + TAPS - 1 + TAPS - 1) / TAPS; distance >= 0; --distance) {
+        float ahead[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int begin = first + side * distance * TAPS;
             // Rows of other tiles have no heat; and all rows that count where there is some are shown.
@@ -66,7 +67,7 @@ float[TAPS] smooth_run(int x, int first) {
                     values[t] = row.x;
                     masks[t] = row.y;
                 }
-                float w[2 * TAPS - 1] = tap_weights(side * distance);
+                float w[2 * TAPS - 1] = on_side(ahead, side);
                 add_values(heat, w, values);
                 if (HAS_SCENE == 1u) {
                     add_values(seen, w, masks);

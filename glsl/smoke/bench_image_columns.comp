@@ -8,7 +8,7 @@ layout(std430, binding = 4) readonly buffer RowSums { vec2 row_sums[]; };
 layout(std430, binding = 5) writeonly buffer Smooth { float smooth_luminance[]; };
 layout(push_constant) uniform ImageConstants { uint group; } constants;
 
-void add_block(int block, uint first, uint rows) {
+void add_block(float w[2 * TAPS - 1], uint first, uint rows) {
     float values[TAPS];
     float masks[TAPS];
     for (uint i = 0u; i < BLOCK; ++i) {
@@ -16,7 +16,7 @@ void add_block(int block, uint first, uint rows) {
         values[i] = sums.x;
         masks[i] = sums.y;
     }
-    add_taps(block, values, masks);
+    add_taps(w, values, masks);
 }
 
 void main() {
@@ -31,13 +31,14 @@ void main() {
     }
     clear_sums();
     for (int distance = int(params.window_blocks); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int y = int(at.y) + side * distance;
             if (y >= 0 && y < down && (distance > 0 || side > 0)) {
                 uint slot = uint(y) / TILE_BLOCKS * params.tiles.x + tile_x;
                 uint local = uint(y) % TILE_BLOCKS * BLOCK * TILE + x % TILE;
                 uint rows = min(BLOCK, params.size.y - min(uint(y) * BLOCK, params.size.y));
-                add_block(side * distance, slot * SLOT_PIXELS + local, rows);
+                add_block(on_side(w, side), slot * SLOT_PIXELS + local, rows);
             }
         }
     }

@@ -7,7 +7,7 @@ layout(std430, binding = 3) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 4) writeonly buffer RowSums { vec2 row_sums[]; };
 layout(push_constant) uniform ImageConstants { uint group; } constants;
 
-void add_block(int block, uint row, int first, uint group) {
+void add_block(float w[2 * TAPS - 1], uint row, int first, uint group) {
     float values[TAPS];
     float masks[TAPS];
     for (int i = 0; i < TAPS; ++i) {
@@ -16,7 +16,7 @@ void add_block(int block, uint row, int first, uint group) {
         masks[i] = pixel_id(pixel) == group ? 1.0 : 0.0;
         values[i] = masks[i] * pixel_luminance(pixel);
     }
-    add_taps(block, values, masks);
+    add_taps(w, values, masks);
 }
 
 void main() {
@@ -30,10 +30,11 @@ void main() {
     }
     clear_sums();
     for (int distance = int(params.window_blocks); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int x = int(at.x) + side * distance;
             if (x >= 0 && x < across && (distance > 0 || side > 0)) {
-                add_block(side * distance, y * params.size.x, x * int(BLOCK), constants.group);
+                add_block(on_side(w, side), y * params.size.x, x * int(BLOCK), constants.group);
             }
         }
     }

@@ -6,6 +6,6 @@ layout(constant_id = 0) const float SCALE = 1.0;  // 1 / sum of the weights
 
 float sums[TAPS];
 
-void add_plain_taps(int block, float values[TAPS]) {
-    add_values(sums, tap_weights(block), values);
+void add_plain_taps(float w[2 * TAPS - 1], float values[TAPS]) {
+    add_values(sums, w, values);
 }

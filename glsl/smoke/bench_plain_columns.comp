@@ -5,14 +5,14 @@
 layout(std430, binding = 3) readonly buffer PlainRows { float plain_rows[]; };
 layout(std430, binding = 4) writeonly buffer Smooth { float smooth_luminance[]; };
 
-void add_block(int block, uint tile_x, uint x, int first) {
+void add_block(float w[2 * TAPS - 1], uint tile_x, uint x, int first) {
     float values[TAPS];
     for (int i = 0; i < TAPS; ++i) {
         uint y = uint(clamp(first + i, 0, int(params.size.y) - 1));
         uint slot = y / TILE * params.tiles.x + tile_x;
         values[i] = plain_rows[slot * SLOT_PIXELS + y % TILE * TILE + x % TILE];
     }
-    add_plain_taps(block, values);
+    add_plain_taps(w, values);
 }
 
 void main() {
@@ -27,9 +27,11 @@ void main() {
     for (int o = 0; o < TAPS; ++o) {
         sums[o] = 0.0;
     }
-    int window = int(params.window_blocks);
-    for (int distance = -window; distance <= window; ++distance) {
-        add_block(distance, tile_x, x, (int(at.y) + distance) * int(BLOCK));
+    for (int distance = int(params.window_blocks); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
+        for (int side = distance > 0 ? -1 : 1; side <= 1; side += 2) {
+            add_block(on_side(w, side), tile_x, x, (int(at.y) + side * distance) * int(BLOCK));
+        }
     }
     for (uint o = 0u; o < BLOCK; ++o) {
         uint y = at.y * BLOCK + o;

@@ -19,7 +19,7 @@ layout(std430, binding = 10) writeonly buffer SmoothChannels { float smooth_chan
 layout(push_constant) uniform GaussianConstants { uint base; } constants;  // first entry of the batch
 #include "coordinate.glsl"
 
-void add_block(int block, uint first, uint rows) {
+void add_block(float w[2 * TAPS - 1], uint first, uint rows) {
     float values[TAPS];
     float masks[TAPS];
     for (uint i = 0u; i < BLOCK; ++i) {
@@ -27,7 +27,7 @@ void add_block(int block, uint first, uint rows) {
         values[i] = sums.x;
         masks[i] = sums.y;
     }
-    add_taps(block, values, masks);
+    add_taps(w, values, masks);
 }
 
 // Sums of a group or plane for the column of a block.
@@ -37,6 +37,7 @@ void add_column(uvec2 at, uint tile_x, uint x, uint group) {
     uint down = blocks_of_tiles().y;
     uint bits = adding_bits(group);
     for (int distance = int(params.window_blocks); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int y = int(at.y) + side * distance;
             bool used = y >= 0 && y < int(down) && (distance > 0 || side > 0);
@@ -44,7 +45,7 @@ void add_column(uvec2 at, uint tile_x, uint x, uint group) {
                 uint first = slot_of(uint(y) / TILE_BLOCKS * params.tiles.x + tile_x, group);
                 uint local = uint(y) % TILE_BLOCKS * BLOCK * TILE + x % TILE;
                 uint rows = min(BLOCK, params.size.y - min(uint(y) * BLOCK, params.size.y));
-                add_block(side * distance, first + local, rows);
+                add_block(on_side(w, side), first + local, rows);
             }
         }
     }

@@ -21,8 +21,7 @@ void clear_sums() {
 
 #include "toon/gaussian.glsl"
 
-void add_taps(int block, float values[TAPS], float masks[TAPS]) {
-    float w[2 * TAPS - 1] = tap_weights(block);
+void add_taps(float w[2 * TAPS - 1], float values[TAPS], float masks[TAPS]) {
     add_values(numerator, w, values);
     add_values(denominator, w, masks);
 }

@@ -28,7 +28,7 @@ float share_of(Ranges ranges, uint pixel, uint index, uint group) {
     return id == group ? 1.0 : 0.0;
 }
 
-void add_block(Ranges ranges, int block, uint row, int first, uint group) {
+void add_block(Ranges ranges, float w[2 * TAPS - 1], uint row, int first, uint group) {
     float values[TAPS];
     float masks[TAPS];
     for (int i = 0; i < TAPS; ++i) {
@@ -43,7 +43,7 @@ void add_block(Ranges ranges, int block, uint row, int first, uint group) {
         }
         values[i] = masks[i] * value;
     }
-    add_taps(block, values, masks);
+    add_taps(w, values, masks);
 }
 
 void main() {
@@ -62,11 +62,12 @@ void main() {
     Ranges ranges = Ranges(control.group_start, control.groups_per_metre);
     clear_sums();
     for (int distance = int(params.window_blocks); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
         for (int side = -1; side <= 1; side += 2) {
             int x = int(at.x) + side * distance;
             bool used = x >= 0 && x < int(across) && (distance > 0 || side > 0);
             if (used && (block_masks[at.y * across + uint(x)] & bits) != 0u) {
-                add_block(ranges, side * distance, y * params.size.x, x * int(BLOCK), group);
+                add_block(ranges, on_side(w, side), y * params.size.x, x * int(BLOCK), group);
             }
         }
     }

@@ -11,6 +11,15 @@ float[2 * TAPS - 1] tap_weights(int block) {
     return w;
 }
 
+// Those of the taps as many blocks to the other side, where `side` is -1.
+float[2 * TAPS - 1] on_side(float w[2 * TAPS - 1], int side) {
+    float own[2 * TAPS - 1];
+    for (int i = 0; i < 2 * TAPS - 1; ++i) {
+        own[i] = side < 0 ? w[2 * TAPS - 2 - i] : w[i];
+    }
+    return own;
+}
+
 void add_values(inout float sums[TAPS], float w[2 * TAPS - 1], float values[TAPS]) {
     for (int o = 0; o < TAPS; ++o) {
         float sum = 0.0;
