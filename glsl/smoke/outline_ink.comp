@@ -27,6 +27,7 @@ shared uint reached[SIDE * SIDE];
 // Cells of it with ink: a list, so that all invocations have as much to do.
 shared uint inked[SIDE * SIDE];
 shared uint inked_count;
+shared uint own_weak[TILE];
 shared uint stays[TILE];
 shared uint has_ink;
 shared uint has_weak;
@@ -80,8 +81,11 @@ void trace(uvec2 tile, uint row) {
     barrier();
     if (has_row) {
         set_ink_row(0u, row + 1u, broadened(own));
-        if (row / TILE == 1u && weak.y != 0u) {
-            has_ink = 1u;
+        if (row / TILE == 1u) {
+            own_weak[row - TILE] = weak.y;
+            if (weak.y != 0u) {
+                has_ink = 1u;
+            }
         }
         if (weak != own) {
             has_weak = 1u;
@@ -202,15 +206,17 @@ void main() {
         find_far_reaching(lane);
     }
     barrier();
-    for (uint pixel = lane; pixel < SLOT_PIXELS; pixel += LANES) {
-        uvec2 own = uvec2(pixel % TILE, pixel / TILE);
-        uvec2 at = tile * TILE + own;
-        if (is_in_picture(at)) {
-            float high = lines[pixel_index(at)];
-            bool is_line = (stays[own.y] >> own.x & 1u) != 0u;
-            if (high != 0.0) {
-                lines[pixel_index(at)] = is_line ? (high == SILHOUETTE ? SILHOUETTE : narrowed(high)) : 0.0;
-            }
+    // Where there was no step is 0 already.
+    const uint RUN = SLOT_PIXELS / LANES;
+    uvec2 own = uvec2(lane * RUN % TILE, lane * RUN / TILE);
+    uint weak = own_weak[own.y] >> own.x;
+    uint bits = stays[own.y] >> own.x;
+    for (uint i = 0u; i < RUN; ++i) {
+        if ((weak >> i & 1u) != 0u) {
+            uint at = pixel_index(tile * TILE + own + uvec2(i, 0u));
+            float high = lines[at];
+            float share = high == SILHOUETTE ? SILHOUETTE : narrowed(high);
+            lines[at] = (bits >> i & 1u) != 0u ? share : 0.0;
         }
     }
 }
