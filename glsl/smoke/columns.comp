@@ -19,35 +19,34 @@ layout(std430, binding = 10) writeonly buffer SmoothChannels { float smooth_chan
 layout(push_constant) uniform GaussianConstants { uint base; } constants;  // first entry of the batch
 #include "coordinate.glsl"
 
-void add_block(float w[2 * TAPS - 1], uint first, uint rows) {
-    float values[TAPS];
-    float masks[TAPS];
+// The sums of the group, or of the plane behind its pixels, and of the plane before them.
+float numerator_before[TAPS];
+float denominator_before[TAPS];
+
+// Rows of a block, of a group or plane.
+void load_block(uint block_y, uint tile_x, uint x, uint group, out float values[TAPS], out float masks[TAPS]) {
+    uint slot = slot_of(block_y / TILE_BLOCKS * params.tiles.x + tile_x, group);
+    uint first = slot + block_y % TILE_BLOCKS * BLOCK * TILE + x % TILE;
+    uint rows = min(BLOCK, params.size.y - min(block_y * BLOCK, params.size.y));
     for (uint i = 0u; i < BLOCK; ++i) {
         vec2 sums = i < rows ? row_sums[first + i * TILE] : vec2(0.0);
         values[i] = sums.x;
         masks[i] = sums.y;
     }
-    add_taps(w, values, masks);
 }
 
-// Sums of a group or plane for the column of a block.
-void add_column(uvec2 at, uint tile_x, uint x, uint group) {
-    clear_sums();
-    uint across = blocks_of_tiles().x;
-    uint down = blocks_of_tiles().y;
-    uint bits = adding_bits(group);
-    for (int distance = int(params.window_blocks); distance >= 0; --distance) {
-        float w[2 * TAPS - 1] = tap_weights(distance);
-        for (int side = -1; side <= 1; side += 2) {
-            int y = int(at.y) + side * distance;
-            bool used = y >= 0 && y < int(down) && (distance > 0 || side > 0);
-            if (used && (reached[uint(y) * across + at.x].beside & bits) != 0u) {
-                uint first = slot_of(uint(y) / TILE_BLOCKS * params.tiles.x + tile_x, group);
-                uint local = uint(y) % TILE_BLOCKS * BLOCK * TILE + x % TILE;
-                uint rows = min(BLOCK, params.size.y - min(uint(y) * BLOCK, params.size.y));
-                add_block(on_side(w, side), first + local, rows);
-            }
-        }
+void add_blocks(float w[2 * TAPS - 1], uvec2 block, uint tile_x, uint x, uint group) {
+    uint beside = reached[block.y * blocks_of_tiles().x + block.x].beside;
+    float values[TAPS];
+    float masks[TAPS];
+    if (SOFT && (beside & adding_bits(group - 1u)) != 0u) {
+        load_block(block.y, tile_x, x, group - 1u, values, masks);
+        add_values(numerator_before, w, values);
+        add_values(denominator_before, w, masks);
+    }
+    if ((beside & adding_bits(group)) != 0u) {
+        load_block(block.y, tile_x, x, group, values, masks);
+        add_taps(w, values, masks);
     }
 }
 
@@ -63,14 +62,20 @@ void main() {
         return;
     }
     Ranges ranges = Ranges(control.group_start, control.groups_per_metre);
-    vec2 before[TAPS];
-    if (SOFT) {
-        add_column(at, tile_x, x, group - 1u);
-        for (int o = 0; o < TAPS; ++o) {
-            before[o] = vec2(numerator[o], denominator[o]);
+    clear_sums();
+    for (int o = 0; o < TAPS; ++o) {
+        numerator_before[o] = 0.0;
+        denominator_before[o] = 0.0;
+    }
+    for (int distance = int(params.window_blocks); distance >= 0; --distance) {
+        float w[2 * TAPS - 1] = tap_weights(distance);
+        for (int side = -1; side <= 1; side += 2) {
+            int y = int(at.y) + side * distance;
+            if (y >= 0 && y < int(blocks_of_tiles().y) && (distance > 0 || side > 0)) {
+                add_blocks(on_side(w, side), uvec2(at.x, y), tile_x, x, group);
+            }
         }
     }
-    add_column(at, tile_x, x, group);
     for (uint o = 0u; o < BLOCK; ++o) {
         uint y = at.y * BLOCK + o;
         uint index = pixel_index(uvec2(x, y));
@@ -78,7 +83,7 @@ void main() {
             vec2 sums = vec2(numerator[o], denominator[o]);
             if (SOFT) {
                 vec2 shares = plane_shares(ranges, depth[index], group);
-                sums = shares.x * before[o] + shares.y * sums;
+                sums = shares.x * vec2(numerator_before[o], denominator_before[o]) + shares.y * sums;
             }
             if (CHANNEL != NO_CHANNEL) {
                 smooth_channels[channel_index(CHANNEL, index)] = sums.x / sums.y;
