@@ -1,7 +1,8 @@
 // Radius by the surface: the distance to where the trilinear density is no longer above the threshold (`excess.glsl`). The
 // nearest such place is on the surface, which lies in the cells that the threshold crosses. A workgroup searches for a particle:
 // from the top of a pyramid of "any crossing" bits down, how far the farthest corner of a crossed cell can be at most; then, of
-// the crossed cells that come nearer than what is known, how near the surface is.
+// the crossed cells that come nearer than what is known, how near the surface is. A box that had a radius in the
+// last frame is begun with lower, with what is little farther away than that, and at the top only if nothing is there.
 // Rows of cells, along x, are dealt out to the invocations. The radius does not depend on which of them comes first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -28,6 +29,8 @@ const uint SEARCHERS = gl_WorkGroupSize.x * gl_WorkGroupSize.y;
 const ivec2 ROWS = ivec2(gl_WorkGroupSize.xy);  // along y and z, that they take together
 const uint CELL_BITS = 16u;        // of a queued cell's number along y
 const int NO_CELL = -1;
+const float CHANGE = 2.0;          // of a radius between frames, in smallest sides: what is usual, and a cell's own size
+const float LOW_SIDES = 4.0;       // a distance that level 0 is begun with, in smallest sides
 
 shared uint farthest_bits;  // distance, as bits: no farthest corner of a crossed cell that was seen is nearer
 shared uint nearest_bits;   // distance to the surface, as bits; in the chessboard norm steps that it is nearer than `farthest`
@@ -124,6 +127,31 @@ ivec3 look_at_level(Search s, int level) {
     return best;
 }
 
+// Lowers `farthest_bits` to the least distance to a far corner of a crossed cell. The cell of the own rows that has it, or
+// NO_CELL along x.
+ivec3 crossed_cell(Search s) {
+    uint begin = farthest_bits;
+    int top = int(constants.top);
+    uint sides = uint(min(uintBitsToFloat(begin) / (LOW_SIDES * params.smallest_side), 1e6));
+    int level = min(findMSB(sides) + 1, top);
+    ivec3 cell;
+    while (level >= 0) {
+        cell = look_at_level(s, level);
+        level = level == 0 ? -1 : max(level - LEVELS_DOWN, 0);
+        bool found_none = level < 0 && farthest_bits == begin && begin != INFINITY_BITS;
+        barrier();
+        if (found_none) {
+            if (gl_LocalInvocationIndex == 0u) {
+                farthest_bits = INFINITY_BITS;
+            }
+            begin = INFINITY_BITS;
+            level = top;
+        }
+        barrier();
+    }
+    return cell;
+}
+
 // A first look into a crossed cell: in the chessboard norm the last, too.
 void look_in(Search s, ivec3 cell) {
     Place place = place_in(s.p, cell);
@@ -208,10 +236,7 @@ float radius_of(vec3 p) {
     s.p = p;
     s.sides = params.voxel_size.xyz;
     s.at = (p - vec3(voxel_centre(-1, 0), voxel_centre(-1, 1), voxel_centre(-1, 2))) / s.sides;
-    ivec3 cell;
-    for (int level = int(constants.top); level >= 0; level = level == 0 ? -1 : max(level - LEVELS_DOWN, 0)) {
-        cell = look_at_level(s, level);
-    }
+    ivec3 cell = crossed_cell(s);
     s.farthest = uintBitsToFloat(farthest_bits);
     float diagonal = combined(s.sides.x, s.sides.y, s.sides.z);
     s.step_ = max(TOLERANCE * params.smallest_side, diagonal / MOST_STEPS);
@@ -270,7 +295,9 @@ void main() {
             Place place = place_in(p, cell);
             in_smoke = excess_at(place.cell, clamp(place.at, 0.0, 1.0)) > 0.0 ? 1u : 0u;
         }
-        farthest_bits = INFINITY_BITS;
+        // In the Euclidean norm what is found depends, within the tolerance, on what is known before.
+        bool has_radius = !is_ball() && params.frames > 0u && particles[slot].age > 0u;
+        farthest_bits = has_radius ? floatBitsToUint(radii[slot] + CHANGE * params.smallest_side) : INFINITY_BITS;
     }
     barrier();
     float radius = in_smoke != 0u ? radius_of(p) : 0.0;

@@ -64,6 +64,11 @@ fn beside(face: f32, step: f32) -> f32 {
 
 /// Runs the search for particles at these places.
 pub fn radii(bench: &mut Bench, volume: &Volume, positions: &[[f32; 3]]) -> Vec<f32> {
+    radii_in(bench, volume, positions, 0)
+}
+
+/// Those in a frame of a sequence.
+pub fn radii_in(bench: &mut Bench, volume: &Volume, positions: &[[f32; 3]], frames: u32) -> Vec<f32> {
     let particle =
         |position: &[f32; 3]| Particle { position: *position, age: FULL_SIZE, displacement: [0.0; 3], generation: 0 };
     bench.write(layout::PARTICLES, &positions.iter().map(particle).collect::<Vec<_>>());
@@ -71,7 +76,7 @@ pub fn radii(bench: &mut Bench, volume: &Volume, positions: &[[f32; 3]]) -> Vec<
         camera: Camera::default(),
         light: Light::default(),
         volume,
-        frames: 0,
+        frames,
         rendered: false,
         omit: &["smoke.advect"],
     });

@@ -1,11 +1,12 @@
 //! Radii up to the surface against a fine search in f64.
 
 use celfx::data::Volume;
+use celfx::low_level::smoke::layout;
 use celfx::smoke::Settings;
 use celfx::smoke::reference::surface::{FINEST, excess, radius};
 use celfx::smoke::settings::{Radius, RadiusFrom};
 
-use super::radius::{COUNT, SIDE, positions, radii, ulp, volumes};
+use super::radius::{COUNT, SIDE, positions, radii, radii_in, ulp, volumes};
 use crate::common::bench::Bench;
 use crate::common::scenes::{desc, of_voxels, random, volume};
 
@@ -136,6 +137,27 @@ fn where_all_cells_are_as_near_the_radius_is_right_and_always_the_same() {
         assert!(found[..3].iter().all(|radius| *radius == found[0]), "{kind:?}: {:?}", &found[..3]);
         for again in 0..4 {
             assert_eq!(radii(&mut bench, &shell, &places), found, "{kind:?}: time {again}");
+        }
+    }
+}
+
+/// A search begins with the radius of the last frame, which says nothing certain of this one.
+#[test]
+fn a_radius_is_the_same_whatever_it_was_before() {
+    let smoke = smooth(40, 16.0);
+    for kind in [Radius::Box, Radius::Ball] {
+        let Some(mut bench) = bench(kind, [40; 3]) else { return };
+        let positions = positions(&smoke, 4);
+        let found = radii(&mut bench, &smoke, &positions);
+        let mut check = |name: &str, before: Vec<f32>| {
+            bench.write(layout::RADII, &before);
+            assert_eq!(radii_in(&mut bench, &smoke, &positions, 7), found, "{kind:?}: before {name}");
+        };
+        check("as now", found.clone());
+        check("somewhat smaller", found.iter().map(|radius| 0.8 * radius).collect());
+        check("larger", found.iter().map(|radius| 3.0 * radius).collect());
+        for before in [0.0, 1e-30, 0.02, 0.3, 1e6, f32::MAX, f32::INFINITY, f32::NAN, -0.1, -1.0, f32::NEG_INFINITY] {
+            check(&before.to_string(), vec![before; positions.len()]);
         }
     }
 }
