@@ -12,6 +12,8 @@ mod adaptive;
 mod cel;
 #[path = "flame/determinism.rs"]
 mod determinism;
+#[path = "flame/embers.rs"]
+mod embers;
 #[path = "flame/extremes.rs"]
 mod extremes;
 #[path = "flame/motion.rs"]

@@ -13,12 +13,10 @@ layout(std430, binding = 6) readonly buffer Stretches { uint stretches[]; };
 layout(location = 0) flat out vec4 centre;  // in view space; w: 1 / squared radius of the ball that its sprites reach
 layout(location = 1) flat out vec4 moved;   // along the world's axes; w: mean number of render particles
 #include "depth_range.glsl"
-
-const uint CORNERS[DISPLACEMENT_VERTICES] = uint[](0u, 1u, 2u, 2u, 1u, 3u);
+#include "particle_quad.glsl"
 
 void main() {
-    uint row = uint(gl_VertexIndex) / DISPLACEMENT_VERTICES;
-    uint corner = CORNERS[uint(gl_VertexIndex) % DISPLACEMENT_VERTICES];
+    uint row = particle_row();
     Particle particle = particles[row];
     vec3 view = from_eye(vec3(particle.view, particle.depth));
     vec2 half_side = half_sprite(view.z);
@@ -29,7 +27,7 @@ void main() {
     bool is_known = is_finite(way.x) && is_finite(way.y) && is_finite(way.z) && all(lessThanEqual(abs(way), vec3(FARTHEST)));
     moved = vec4(is_known ? way : vec3(0.0), particle.mean_count);
     vec4 bounds = pixel_bounds(view, particle.reach, stretched_reach(w));
-    vec2 at = mix(bounds.xy, bounds.zw, vec2(corner & 1u, corner >> 1u));
+    vec2 at = mix(bounds.xy, bounds.zw, particle_corner());
     // Dropped particles have no extent.
     gl_Position = vec4(particle.count != 0u ? 2.0 * at / vec2(params.size) - 1.0 : vec2(0.0), 0.0, 1.0);
 }

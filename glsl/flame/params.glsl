@@ -29,6 +29,7 @@ const uint COUNT_KEY = 0xffffffffu;  // keys of draws that are no repetition's: 
 const uint PHASE_KEY = 0xffffffffu;  // when the flicker renews a render particle,
 const uint SOBOL_KEY = 0xfffffffeu;  // its Sobol sequence
 const uint OCTAVE_KEY = 0xfffffffdu; // the finer noise of a variant of the mask
+const uint EMBER_KEY = 0xfffffffcu;  // an ember's draws
 const uint RENEWAL = 0x9e3779b9u;    // what is added to the words of a draw that is renewed
 
 const uint NOTHING = 0xffffffffu;  // the minimum of no numbers
@@ -48,7 +49,7 @@ const uint SHOWN = 1u;    // of a tile: heat or light may reach it,
 const uint BURNING = 2u;  // it has fire
 
 const uint QUAD_VERTICES = 4u;
-const uint DISPLACEMENT_VERTICES = 6u;  // of a particle: of two triangles
+const uint PARTICLE_VERTICES = 6u;  // of two triangles
 
 // A level of the screen's cells.
 struct CellLevel {
@@ -113,6 +114,9 @@ layout(binding = 0) uniform FlameParams {
     float ink_width;          // of the line, in pixels
     int glow_window;          // of the glow's Gaussian, in pixels to each side
     float glow;               // its strength, over the sum of all weights
+    float embers;             // share of the particles that have one
+    float ember_radius;       // of the hottest, in pixels
+    float ember_rise;         // how far above its particle one is that has cooled, in metres
     vec4 ink;                 // its linear RGB; w: its opacity
     vec4 table_shift;         // what its logarithms are of more than the colour; w: unused
     CellLevel cell_levels[MAX_CELL_LEVELS];

@@ -17,6 +17,7 @@ layout(std430, binding = 5) buffer ControlBuffer { Control control; };
 layout(std430, binding = 6) readonly buffer Velocities { vec4 velocities[]; };  // m/s; w: unused
 layout(std430, binding = 7) writeonly buffer Stretches { uint stretches[]; };
 layout(constant_id = 0) const uint FORM = 0;  // what the entries of the colour table are
+#include "temperature.glsl"
 
 // Of the workgroup's particles, as `Control` has them of all.
 shared uint brightest;
@@ -27,22 +28,6 @@ shared uint visible;
 shared uint most;
 
 const float MOST_STRETCH = 7.0;  // sides of a sprite that it becomes longer
-const float MOST_LIGHT = 1e15;  // of a particle: squares of sums of it are finite
-
-// As `flame::colour::Table` says.
-vec3 colour_of(float t) {
-    float place = clamp(params.table_scale * (FORM == RAMP ? t : 1.0 / t) + params.table_offset, 0.0, params.table_last);
-    uint below = uint(min(place, params.table_last - 1.0));
-    vec3 colour = mix(colours[below].rgb, colours[below + 1u].rgb, place - float(below));
-    if (FORM != RAMP) {
-        colour = max(exp(colour) - params.table_shift.rgb, 0.0);
-    }
-    if (FORM == CHROMATICITY) {
-        float largest = max(max(colour.r, max(colour.g, colour.b)), 1e-30);
-        colour *= pow(min(t / params.hottest, 1.0), params.falloff) / largest;
-    }
-    return t < COLDEST ? vec3(0.0) : min(colour, MOST_LIGHT);
-}
 
 // How a particle's sprites are drawn out: by its way on screen, where that is known.
 uint stretch_along(uint row, vec3 view, vec2 slope) {

@@ -136,6 +136,9 @@ impl FlameParams {
             ink_width: tables.pixels.outline.width,
             glow_window: tables.pixels.glow.window() as i32,
             glow: settings.glow.strength * tables.glow_scale,
+            embers: settings.embers.share,
+            ember_radius: 0.5 * tables.pixels.embers.size,
+            ember_rise: settings.embers.height(given.spread),
             ink: [
                 settings.outline.colour[0],
                 settings.outline.colour[1],

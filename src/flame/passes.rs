@@ -80,6 +80,15 @@ passes! {
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
     reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
     composite = composite(desc);
+    embers: Option<PassId> = desc.settings.embers.is_on().then(|| {
+        let colour = ColourAttachment { image: TARGET, format: desc.target_format, clear: None, blend: Blend::Over };
+        embers(desc, tables, "flame.embers", &glsl::embers_fragment::SHADER, colour)
+    });
+    embers_reactive: Option<PassId> =
+        desc.temporal.reactive.filter(|_| desc.settings.embers.is_on()).map(|format| {
+            let colour = ColourAttachment { image: REACTIVE, format, clear: None, blend: Blend::Max };
+            embers(desc, tables, "flame.reactive", &glsl::embers_reactive_fragment::SHADER, colour)
+        });
 }
 
 /// How colours follow from the table, as `prepare` is told.
@@ -228,6 +237,25 @@ fn motion(desc: &Desc, format: vk::Format) -> Pass {
 fn reactive(desc: &Desc, format: vk::Format) -> Pass {
     let colour = ColourAttachment { image: REACTIVE, format, clear: None, blend: Blend::Max };
     Pass::raster("flame.reactive", over_tiles(desc, &glsl::reactive_fragment::SHADER, colour))
+}
+
+fn embers(
+    desc: &Desc,
+    tables: &Tables,
+    name: &'static str,
+    fragment: &'static Shader,
+    colour: ColourAttachment,
+) -> Pass {
+    let raster = Raster {
+        topology: Topology::Triangles,
+        vertex: &glsl::embers_vertex::SHADER,
+        fragment,
+        colour: Some(colour),
+        depth: None,
+        extent: desc.size,
+    };
+    let facts = [desc.settings.is_cel(), desc.scene.is_some(), desc.settings.spreads()].map(u32::from);
+    Pass::raster(name, raster).specialise([form(&tables.colours), facts[0], facts[1], facts[2]])
 }
 
 /// A draw over occupied tiles.

@@ -159,6 +159,35 @@ settings! {
         outline: Line = Line::default();
         /// Light around what is brighter than 1.
         glow: Glow = Glow::default();
+        /// Sparks that fly out of the fire.
+        embers: Embers = Embers::default();
+    }
+}
+
+settings! {
+    /// Sparks that fly out of the fire: each leaves its particle as that cools, rises along y and circles, and shrinks to
+    /// nothing at 700 K. They stay hotter than their particles and have the colours of the tones, or, in the look "light", of
+    /// temperatures. They are seen where the fire is not, have no glow, and are in no layer.
+    #[derive(Copy)]
+    pub struct Embers {
+        /// Share of the particles that have one.
+        share: f32 = 0.0, "", 0.0..=1.0, "none";
+        /// Diameter of the hottest.
+        size: f32 = 8.0, "pixels at 1080 lines", 0.0..=64.0;
+        /// How far one that has cooled is above its particle, give or take half of it; without it, 24 times `spread`.
+        rise: Option<f32> = None, "metres", 0.0..=FARTHEST;
+    }
+}
+
+impl Embers {
+    /// How far they rise in metres, of particles with that spread.
+    pub fn height(&self, spread: f32) -> f32 {
+        self.rise.unwrap_or(RISE_IN_SPREADS * spread)
+    }
+
+    /// Whether there may be one.
+    pub fn is_on(&self) -> bool {
+        self.share > 0.0 && self.size > 0.0
     }
 }
 
@@ -187,6 +216,8 @@ impl Glow {
 
 /// The highest temperature that is taken, of particles as of settings, in kelvin.
 pub const HOTTEST: f32 = 1e6;
+/// How far embers rise where nothing is said.
+const RISE_IN_SPREADS: f32 = 24.0;
 /// How far the hottest sprite shines where nothing is said, in sprites.
 const USUAL_EMISSION: f32 = 2.0;
 /// The most repetitions.

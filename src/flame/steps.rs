@@ -8,8 +8,8 @@ use crate::flame::frame::{Frame, SceneDepth};
 use crate::flame::layout::*;
 use crate::flame::limits::{Cost, Stage, is_raster, iterations, kernels};
 use crate::flame::params::{
-    AccumulateConstants, AdaptConstants, AddConstants, Control, DISPLACEMENT_VERTICES, FlameParams, Given, KernelTable,
-    MASK_LEVELS, MASK_SIDE, MipsConstants, MotionConstants, PartsConstants, RasterConstants, RebuildConstants,
+    AccumulateConstants, AdaptConstants, AddConstants, Control, FlameParams, Given, KernelTable, MASK_LEVELS,
+    MASK_SIDE, MipsConstants, MotionConstants, PARTICLE_VERTICES, PartsConstants, RasterConstants, RebuildConstants,
     SceneConstants,
 };
 use crate::flame::passes::Passes;
@@ -82,6 +82,9 @@ impl Steps<'_> {
         self.passes.glow.iter().for_each(|pass| self.plan.step(*pass, tiles));
         self.temporal(frame);
         self.plan.step(self.passes.composite, draw(offset_of!(Control, tile_draw)));
+        let embers = Command::Draw { vertices: PARTICLE_VERTICES * self.delta.given.count };
+        let Passes { embers: drawn, embers_reactive, .. } = *self.passes;
+        drawn.into_iter().chain(embers_reactive).for_each(|pass| self.plan.step(pass, embers));
     }
 
     /// From sums to the picture. Tones are made of the sums themselves, so nothing waits for what is resolved beside them.
@@ -107,7 +110,7 @@ impl Steps<'_> {
             self.plan.skip(*pass, reason);
         }
         let temporal = [self.passes.motion, self.passes.reactive].into_iter().flatten();
-        temporal.chain([*composite]).for_each(|pass| self.plan.skip(pass, reason));
+        temporal.chain([*composite]).chain(self.passes.embers).for_each(|pass| self.plan.skip(pass, reason));
     }
 
     fn background(&mut self, background: &Background) {
@@ -288,7 +291,7 @@ impl Steps<'_> {
         let tiles = draw(offset_of!(Control, tile_draw));
         let moves = frame.particles.is_some_and(|particles| particles.previous.is_some());
         if let Some(pass) = displacement.filter(|_| moves) {
-            let vertices = DISPLACEMENT_VERTICES * self.delta.given.count;
+            let vertices = PARTICLE_VERTICES * self.delta.given.count;
             self.plan.step(pass, Command::Draw { vertices });
         }
         if let Some(pass) = motion {

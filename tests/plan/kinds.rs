@@ -289,7 +289,7 @@ fn smoke_with_everything_that_a_frame_may_bring() {
 
 #[test]
 fn flame_with_everything_that_a_frame_may_bring() {
-    use flame::settings::{Glow, Look, Method, Mode, Shape};
+    use flame::settings::{Embers, Glow, Look, Method, Mode, Shape};
     let scenes = [
         (None, None),
         (Some(SceneFormat::Buffer), Some(SceneDepth::Buffer(buffer()))),
@@ -310,8 +310,9 @@ fn flame_with_everything_that_a_frame_may_bring() {
                 let settings =
                     flame::Settings { mode, method, adaptive, shape, spread, light: 0.5, ..Default::default() };
                 let glow = Glow { strength: 1.0, ..Glow::default() };
+                let embers = Embers { share: 0.1, ..Embers::default() };
                 let settings = match layers {
-                    true => flame::Settings { stretch: 0.1, glow, ..settings },
+                    true => flame::Settings { stretch: 0.1, glow, embers, ..settings },
                     false => {
                         flame::Settings { look: if particles == 500 { Look::Light } else { Look::Cel }, ..settings }
                     }

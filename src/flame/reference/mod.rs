@@ -3,6 +3,7 @@
 
 pub mod cel;
 pub mod draws;
+pub mod embers;
 pub mod expected;
 pub mod kernel;
 pub mod mask;

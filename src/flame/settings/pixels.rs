@@ -1,6 +1,6 @@
 //! Sizes of the look in pixels of a picture.
 
-use crate::flame::settings::{Glow, Settings};
+use crate::flame::settings::{Embers, Glow, Settings};
 use crate::toon::{Line, Scale};
 
 /// What settings give at 1080 lines, in pixels of a picture.
@@ -14,6 +14,8 @@ pub struct Pixels {
     pub outline: Line,
     /// Light around what is brighter than 1.
     pub glow: Glow,
+    /// Sparks.
+    pub embers: Embers,
 }
 
 impl Pixels {
@@ -32,6 +34,7 @@ impl Settings {
             tone_softness: scale.softness(self.tone_softness),
             outline: Line { width: scale.line(self.outline.width), ..self.outline },
             glow: Glow { sigma: scale.size(self.glow.sigma), ..self.glow },
+            embers: Embers { size: scale.size(self.embers.size), ..self.embers },
         }
     }
 }
@@ -44,10 +47,11 @@ mod tests {
     fn sizes_scale_with_the_picture() {
         let glow = Glow { strength: 1.0, sigma: 30.0 };
         let line = Line { width: 3.0, ..Line::default() };
-        let settings = Settings { sigma: 6.0, tone_softness: 1.0, outline: line, glow, ..Settings::default() };
-        let Pixels { sigma, tone_softness, outline, glow } = settings.pixels(2160);
-        assert_eq!((sigma, tone_softness, outline.width, glow.sigma), (12.0, 2.0, 6.0, 60.0));
-        let Pixels { sigma, tone_softness, outline, glow } = settings.pixels(270);
-        assert_eq!((sigma, tone_softness, outline.width, glow.sigma), (1.5, 0.5, 1.0, 7.5));
+        let embers = Embers { size: 8.0, ..Embers::default() };
+        let settings = Settings { sigma: 6.0, tone_softness: 1.0, outline: line, glow, embers, ..Settings::default() };
+        let Pixels { sigma, tone_softness, outline, glow, embers } = settings.pixels(2160);
+        assert_eq!((sigma, tone_softness, outline.width, glow.sigma, embers.size), (12.0, 2.0, 6.0, 60.0, 16.0));
+        let Pixels { sigma, tone_softness, outline, glow, embers } = settings.pixels(270);
+        assert_eq!((sigma, tone_softness, outline.width, glow.sigma, embers.size), (1.5, 0.5, 1.0, 7.5, 2.0));
     }
 }

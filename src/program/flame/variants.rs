@@ -2,7 +2,7 @@
 
 use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
-use crate::flame::settings::{Colour, Glow, Look, Mode, Sampling, Shape};
+use crate::flame::settings::{Colour, Embers, Glow, Look, Mode, Sampling, Shape};
 use crate::flame::{Desc, FlameKind, SceneFormat, Settings};
 use crate::host::TemporalFormats;
 use crate::offline::TARGET_FORMAT;
@@ -26,6 +26,7 @@ fn variant(
         flicker: if flicker { 0.5 } else { 0.0 },
         look: if cube { Look::Light } else { Look::Cel },
         glow: Glow { strength: if flicker { 1.0 } else { 0.0 }, ..Glow::default() },
+        embers: Embers { share: if flicker { 0.1 } else { 0.0 }, ..Embers::default() },
         stretch: if sobol { 0.1 } else { 0.0 },
         colour,
         // Each way with them and without.

@@ -194,6 +194,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             expected.extend(["flame.on", "flame.size_pixels"]);
             expected.extend(settings.reach.is_none().then_some("flame.reach"));
             expected.extend(settings.emission.is_none().then_some("flame.emission"));
+            expected.extend(settings.embers.rise.is_none().then_some("flame.embers.rise"));
         }
         if shot.has("blur") {
             expected.extend(keys::INSTEAD_OF_FILE);

@@ -1,0 +1,66 @@
+// Two triangles a particle over its ember, if it has one. An ember leaves its particle as that cools: it rises and circles, and
+// shrinks to nothing. A place is a function of the particle alone, so embers fly as steadily as their particles do.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "params.glsl"
+#include "../common/limits.glsl"
+#include "../common/random.glsl"
+#include "../common/view.glsl"
+#include "cells.glsl"
+#include "fire_tone.glsl"
+layout(constant_id = 0) const uint FORM = 0;    // what the entries of the colour table are
+layout(constant_id = 1) const uint IS_CEL = 0;  // embers have the colours of tones
+layout(std430, binding = 1) readonly buffer Positions { vec4 positions[]; };
+layout(std430, binding = 2) readonly buffer Ids { uint ids[]; };
+layout(std430, binding = 3) readonly buffer Colours { vec4 colours[]; };
+layout(std430, binding = 4) readonly buffer Tones { Tone tones[]; };
+layout(location = 0) flat out vec4 ember;  // middle in pixels, view depth, radius in pixels
+layout(location = 1) flat out vec3 light;
+#include "temperature.glsl"
+#include "particle_quad.glsl"
+
+const float ASIDE = 0.25;  // of how far it has risen, that it circles at
+const float HOTTER = 0.35;  // than its particle an ember is: the share of what that lacks to the hottest
+const float TURN = 6.2831853;
+
+float drawn(uint id, uint which) {
+    return unit(hash(params.seed, id, EMBER_KEY, which));
+}
+
+// Of the last tone that is not hotter; the coldest have the first.
+vec3 tone_colour(float share) {
+    uint tone = 0u;
+    for (uint i = 1u; i < params.tone_count; ++i) {
+        tone = tones[i].from <= share ? i : tone;
+    }
+    return vec3(tones[tone].colour[0], tones[tone].colour[1], tones[tone].colour[2]);
+}
+
+void main() {
+    uint row = particle_row();
+    uint id = params.has_ids != 0u ? ids[row] : row;
+    vec4 particle = positions[row];
+    bool is_place = is_finite(particle.x) && is_finite(particle.y) && is_finite(particle.z) && all(lessThanEqual(abs(particle.xyz), vec3(FARTHEST)));
+    bool glows = is_finite(particle.w) && particle.w >= COLDEST;
+    ember = vec4(0.0);
+    light = vec3(0.0);
+    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
+    if (!is_place || !glows || drawn(id, 0u) >= params.embers) {
+        return;
+    }
+    float t = min(particle.w, params.max_temperature);
+    float cooled = params.hottest > COLDEST ? clamp((params.hottest - t) / (params.hottest - COLDEST), 0.0, 1.0) : 0.0;
+    float height = params.ember_rise * cooled * (0.5 + drawn(id, 1u));
+    float angle = TURN * (drawn(id, 2u) + cooled * (0.5 + drawn(id, 3u)));
+    vec3 view = to_view(particle.xyz + height * vec3(ASIDE * cos(angle), 1.0, ASIDE * sin(angle)));
+    if (!(view.z >= params.near && view.z <= params.far)) {
+        return;
+    }
+    vec2 middle = params.principal_point + params.focal_length * vec2(view.x, -view.y) / widening(view.z);
+    float radius = params.ember_radius * sqrt(1.0 - cooled);
+    ember = vec4(middle, view.z, radius);
+    float glowing = mix(t, params.hottest, HOTTER);
+    light = params.intensity * (IS_CEL != 0u ? tone_colour(glowing / params.hottest) : colour_of(glowing));
+    vec2 at = middle + (max(radius, 0.5) + 1.0) * (2.0 * particle_corner() - 1.0);
+    gl_Position = vec4(radius > 0.0 ? 2.0 * at / vec2(params.size) - 1.0 : vec2(0.0), 0.0, 1.0);
+}
