@@ -94,7 +94,7 @@ void trace(uvec2 tile, uint row) {
     barrier();
     if (has_ink != 0u && has_weak != 0u) {
         uint begin = 0u;
-        for (uint round = 0u; round < TRACE_REACH; ++round) {
+        for (uint round = 0u; round < params.trace_reach; ++round) {
             if (has_row) {
                 uvec3 beside = ink_row(begin, row) | broadened(own) | ink_row(begin, row + 2u);
                 uvec3 found = own | beside & weak;

@@ -107,6 +107,7 @@ layout(binding = 0) uniform SmokeParams {
     float inner_strength;
     float outline_taper;     // share of the width that the lowest steps have not
     float shortest_line;     // pixels
+    uint trace_reach;        // pixels that a line goes on along low steps
     uint piece_reach;        // pixels along a line that are looked at
     float pixel_footprint;  // metres at depth 1; orthographic: at any depth
     uint occlusion_side;    // of a block of the occlusion test, pixels

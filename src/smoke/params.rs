@@ -211,6 +211,7 @@ impl SmokeParams {
             inner_strength: inner.strength,
             outline_taper: outline.taper,
             shortest_line: outline.shortest,
+            trace_reach: outline.trace_reach(),
             piece_reach: outline.piece_reach(),
             ..*self
         };

@@ -146,15 +146,17 @@ fn lines_are_those_of_the_reference() {
 /// Steps of all heights beside noise: ink that is traced over the borders of tiles, pieces that go and pieces that stay.
 #[test]
 fn steps_are_those_of_the_reference() {
-    for (strength, width, taper, shortest) in [
-        (1.0, 1.5, 0.5, 8.0),
-        (1.0, 1.0, 0.0, 0.0),
-        (0.2, 3.0, 1.0, 3.0),
-        (5.0, 2.25, 0.5, 13.0),
-        (0.7, 16.0, 0.25, 4.5),
+    for (strength, width, taper, follow, shortest) in [
+        (1.0, 1.5, 0.5, 16.0, 8.0),
+        (1.0, 1.0, 0.0, 5.0, 0.0),
+        (0.2, 3.0, 1.0, 0.0, 3.0),
+        (5.0, 2.25, 0.5, 1.0, 13.0),
+        (0.7, 16.0, 0.25, 16.0, 4.5),
     ] {
-        let outline = Outline { strength, width, taper, shortest, colour: [0.1, 0.0, 0.6], ..Outline::default() };
-        let name = format!("step, strength {strength}, width {width}, taper {taper}, shortest {shortest}");
+        let outline =
+            Outline { strength, width, taper, follow, shortest, colour: [0.1, 0.0, 0.6], ..Outline::default() };
+        let name =
+            format!("step, strength {strength}, width {width}, taper {taper}, follow {follow}, shortest {shortest}");
         assert_drawn(&name, Settings { outline, sigma: 0.0, ..Settings::default() });
     }
 }

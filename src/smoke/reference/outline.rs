@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use super::tone::{inside, place};
-use crate::shaders::smoke::constants::{FULL_STEP, LINE_STEP, LOWEST_STEP, TRACE_REACH};
+use crate::shaders::smoke::constants::{FULL_STEP, LINE_STEP, LOWEST_STEP};
 use crate::smoke::settings::{Operator, Outline};
 use crate::view::{Projection, View};
 
@@ -72,7 +72,7 @@ fn stencil(size: [u32; 2], depth: &[f64], unit: f64, settings: &Outline, pixel: 
 
 /// Of the heights of steps, those that are ink; what is left of them is the share of the width that each has.
 ///
-/// Ink is what is higher than `LINE_STEP`, and what is higher than `LOWEST_STEP` within `TRACE_REACH` pixels along such from
+/// Ink is what is higher than `LINE_STEP`, and what is higher than `LOWEST_STEP` within `follow` pixels along such from
 /// it. Of that stays what within `shortest` pixels along ink reaches over `shortest` columns or rows.
 pub fn drawn(size: [u32; 2], heights: &[Mark], settings: &Outline) -> Vec<Mark> {
     let above = |limit: f32| {
@@ -85,7 +85,7 @@ pub fn drawn(size: [u32; 2], heights: &[Mark], settings: &Outline) -> Vec<Mark> 
     };
     let (weak, strong) = (above(LOWEST_STEP), above(LINE_STEP));
     let pixels = || 0..heights.len();
-    let traced = walk(size, &weak, pixels().filter(|pixel| strong[*pixel]), TRACE_REACH);
+    let traced = walk(size, &weak, pixels().filter(|pixel| strong[*pixel]), settings.trace_reach());
     let mut ink = vec![false; heights.len()];
     traced.into_iter().for_each(|pixel| ink[pixel] = true);
     let stays = |pixel: usize| {

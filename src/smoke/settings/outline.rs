@@ -1,7 +1,7 @@
 //! The settings of the smoke's ink line.
 
 use crate::settings::{settings, words};
-use crate::shaders::smoke::constants::PIECE_REACH;
+use crate::shaders::smoke::constants::{PIECE_REACH, TRACE_REACH};
 use crate::toon::settings::{BROADEST, STRONGEST};
 use crate::toon::{Scale, ink_reach};
 use crate::view::BRIGHTEST;
@@ -49,6 +49,9 @@ settings! {
         operator: Operator = Operator::default();
         /// Of steps: how much thinner a line is where the step is low, as towards its ends.
         taper: f32 = 0.5, "share of the width", 0.0..=1.0;
+        /// Of steps: how far a line goes on along steps that are too low to begin one. No more counts than 16 pixels of the
+        /// picture.
+        follow: f32 = 16.0, "pixels at 1080 lines", 0.0..=LONGEST, "nowhere";
         /// Of steps: lines that do not reach over so much go. No more counts than 13 pixels of the picture.
         shortest: f32 = 16.0, "pixels at 1080 lines", 0.0..=LONGEST, "all stay";
         /// The line around the smoke.
@@ -86,6 +89,7 @@ impl Outline {
         let line = |line: &Line| Line { width: line.width.map(width), ..*line };
         Outline {
             width: width(self.width),
+            follow: scale.size(self.follow).min(TRACE_REACH as f32),
             shortest: scale.size(self.shortest).min(PIECE_REACH as f32),
             silhouette: line(&self.silhouette),
             inner: line(&self.inner),
@@ -108,6 +112,11 @@ impl Outline {
     /// Pixels from which a line can reach a pixel.
     pub(crate) fn reach(&self) -> u32 {
         ink_reach(self.silhouettes().width.max(self.inner_lines().width))
+    }
+
+    /// Pixels that a line goes on.
+    pub(crate) fn trace_reach(&self) -> u32 {
+        self.follow.round() as u32
     }
 
     /// Pixels along a line that are looked at: a straight one of the least length is known from each of its pixels.

@@ -56,10 +56,11 @@ mod tests {
         let large = settings.pixels(2160);
         assert_eq!((large.sigma, large.window(), large.tone_softness), (16.0, 48, 1.5));
         assert_eq!((large.outline.width, large.outline.inner.width), (6.0, Some(8.0)));
-        assert_eq!(large.outline.shortest, 13.0, "no more is looked at");
+        assert_eq!((large.outline.follow, large.outline.shortest), (16.0, 13.0), "no more is looked at");
         let small = settings.pixels(270);
         assert_eq!((small.sigma, small.window(), small.tone_softness), (2.0, 6, 0.5));
         assert_eq!((small.outline.width, small.outline.inner.width, small.outline.shortest), (1.0, Some(1.0), 3.0));
+        assert_eq!((small.outline.follow, small.outline.trace_reach()), (4.0, 4));
         let off = Settings { sigma: 0.0, tone_softness: 0.0, ..settings }.pixels(4320);
         assert_eq!((off.sigma, off.window(), off.tone_softness), (0.0, 0, 0.0));
         assert_eq!((large.smallest, small.smallest), (8.0, 1.0));
