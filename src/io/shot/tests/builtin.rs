@@ -110,6 +110,8 @@ fn built_in_shots_say_the_defaults() {
                 repetitions,
                 octaves,
                 emission,
+                count,
+                embers,
                 ..
             } = *settings;
             let expected = crate::flame::Settings {
@@ -126,6 +128,8 @@ fn built_in_shots_say_the_defaults() {
                 repetitions,
                 octaves,
                 emission,
+                count,
+                embers,
                 ..flame_of(&defaults).settings.clone()
             };
             assert_eq!(*settings, expected, "{name}");
