@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::shaders::smoke::constants::WAY_SAMPLES;
+use crate::shaders::smoke::constants::{LEAST_SHARE, WAY_SAMPLES};
 use crate::view::{FireLight, Light, LightSource, Projection, View};
 
 /// The surface that a pixel sees.
@@ -94,15 +94,17 @@ impl Scene {
     }
 }
 
-/// The spheres as they are drawn where those of a diameter below `smallest` pixels shrink, as the circle of a ball that
-/// sinks, to nothing at half of it; 0: all are as they are.
+/// The spheres as they are drawn where those of a diameter below `smallest` pixels shrink by smoothstep, less the last
+/// tenth, to nothing at half of it; 0: all are as they are.
 pub fn drawn(view: &View, size: [u32; 2], smallest: f64, spheres: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let projection = Projection::of_valid(view, size);
+    let least = f64::from(LEAST_SHARE);
     let drawn = |[x, y, z, radius]: &[f64; 4]| {
         let depth = projection.to_view(DVec3::new(*x, *y, *z)).z.max(projection.near);
         let metres = if projection.is_orthographic { 1.0 } else { depth } / projection.focal.y;
         let t = if smallest > 0.0 { (4.0 * radius / metres / smallest - 1.0).clamp(0.0, 1.0) } else { 1.0 };
-        [*x, *y, *z, radius * (t * (2.0 - t)).sqrt()]
+        let share = (t * t * (3.0 - 2.0 * t) - least) / (1.0 - least);
+        [*x, *y, *z, radius * share.max(0.0)]
     };
     spheres.iter().map(drawn).collect()
 }
