@@ -4,14 +4,14 @@ bool is_live(vec4 sphere) {
     return sphere.w > 0.0;
 }
 
-const float LEAST_SHARE = 0.1;  // of a radius: what has shrunk below it is nothing
+const float SHRUNK_AWAY = 0.1;  // of a radius: what has shrunk below it is nothing
 
 // The radius that a sphere is drawn with: those that are small in the picture shrink to nothing, and do not pop. They are
 // spheres still to all that does not depend on the camera.
 float drawn_radius(float radius, float depth) {
     float pixels = 2.0 * radius / (params.pixel_footprint * widening(max(depth, params.near)));
     float t = params.smallest > 0.0 ? clamp(2.0 * pixels / params.smallest - 1.0, 0.0, 1.0) : 1.0;
-    return radius * max(0.0, (t * t * (3.0 - 2.0 * t) - LEAST_SHARE) / (1.0 - LEAST_SHARE));
+    return radius * max(0.0, (t * t * (3.0 - 2.0 * t) - SHRUNK_AWAY) / (1.0 - SHRUNK_AWAY));
 }
 
 bool is_visible(vec4 view_sphere) {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::shaders::smoke::constants::{LEAST_SHARE, WAY_SAMPLES};
+use crate::shaders::smoke::constants::{SHRUNK_AWAY, WAY_SAMPLES};
 use crate::view::{FireLight, Light, LightSource, Projection, View};
 
 /// The surface that a pixel sees.
@@ -98,7 +98,7 @@ impl Scene {
 /// tenth, to nothing at half of it; 0: all are as they are.
 pub fn drawn(view: &View, size: [u32; 2], smallest: f64, spheres: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let projection = Projection::of_valid(view, size);
-    let least = f64::from(LEAST_SHARE);
+    let least = f64::from(SHRUNK_AWAY);
     let drawn = |[x, y, z, radius]: &[f64; 4]| {
         let depth = projection.to_view(DVec3::new(*x, *y, *z)).z.max(projection.near);
         let metres = if projection.is_orthographic { 1.0 } else { depth } / projection.focal.y;
