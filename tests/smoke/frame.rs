@@ -70,6 +70,8 @@ fn other_settings() {
     assert_frame("balls", ball, light, false);
     let fixed = Settings { group_depth: Some(0.1), grow: Grow::Pyramid, fade: 0, lifetime: Some(3), ..settings() };
     assert_frame("fixed groups", fixed, light, false);
+    // Of diameters around that many pixels: some shrink, some are gone.
+    assert_frame("small ones shrink", Settings { smallest: 14.0, ..settings() }, light, false);
     let seed_look = Settings { tone_softness: 0.0, fade: 0, still: 0.0, hysteresis: 0.0, ..settings() };
     assert_frame("the paper's", seed_look, light, false);
 }
