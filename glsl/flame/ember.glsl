@@ -6,12 +6,11 @@ layout(constant_id = 2) const uint HAS_SCENE = 0;
 layout(constant_id = 3) const uint SPREADS = 0;  // 1: tiles without fire are shown, too
 layout(std430, binding = 5) readonly buffer TileShown { uint tile_shown[]; };
 layout(std430, binding = 6) readonly buffer Picture { vec4 picture[]; };
-layout(std430, binding = 8) readonly buffer TileFire { uint tile_fire[]; };
 layout(std430, binding = 7) readonly buffer Scene { float scene[]; };
+layout(std430, binding = 8) readonly buffer TileFire { uint tile_fire[]; };
 layout(location = 0) flat in vec4 ember;
 layout(location = 1) flat in vec3 light;
-
-const float LEAST_RADIUS = 0.5;  // in pixels
+#include "ember_shape.glsl"
 
 float ember_share() {
     uvec2 at = pixel_of(gl_FragCoord.xy, params.corner, params.size);

@@ -18,9 +18,8 @@ layout(location = 0) flat out vec4 ember;  // middle in pixels, view depth, radi
 layout(location = 1) flat out vec3 light;
 #include "temperature.glsl"
 #include "particle_quad.glsl"
+#include "ember_shape.glsl"
 
-const float ASIDE = 0.25;  // of how far it has risen, that it circles at
-const float HOTTER = 0.35;  // than its particle an ember is: the share of what that lacks to the hottest
 const float TURN = 6.2831853;
 
 float drawn(uint id, uint which) {
@@ -61,6 +60,6 @@ void main() {
     ember = vec4(middle, view.z, radius);
     float glowing = mix(t, params.hottest, HOTTER);
     light = params.intensity * (IS_CEL != 0u ? tone_colour(glowing / params.hottest) : colour_of(glowing));
-    vec2 at = middle + (max(radius, 0.5) + 1.0) * (2.0 * particle_corner() - 1.0);
+    vec2 at = middle + (max(radius, LEAST_RADIUS) + 1.0) * (2.0 * particle_corner() - 1.0);
     gl_Position = vec4(radius > 0.0 ? 2.0 * at / vec2(params.size) - 1.0 : vec2(0.0), 0.0, 1.0);
 }

@@ -18,9 +18,14 @@ bool is_alive(uint slot) {
 const float MOST_OUTSIDE = 0.25;  // that a kept radius may leave the smoke by, in smallest sides of a voxel
 const float AT_REST = 1e-3;       // a smoothed radius this near to its goal is there, in smallest sides of a voxel
 
+// Whether `radii` has the particle's radius of the last frame.
+bool had_radius(uint slot) {
+    return params.frames > 0u && particles[slot].age > 0u;
+}
+
 // While a particle lives, its radius keeps a share of the last frame's.
 float smoothed_radius(uint slot, float radius) {
-    if (params.radius_smoothing == 0.0 || params.frames == 0u || particles[slot].age == 0u) {
+    if (params.radius_smoothing == 0.0 || !had_radius(slot)) {
         return radius;
     }
     float kept = mix(radius, radii[slot], params.radius_smoothing);

@@ -296,8 +296,7 @@ void main() {
             in_smoke = excess_at(place.cell, clamp(place.at, 0.0, 1.0)) > 0.0 ? 1u : 0u;
         }
         // In the Euclidean norm what is found depends, within the tolerance, on what is known before.
-        bool has_radius = !is_ball() && params.frames > 0u && particles[slot].age > 0u;
-        farthest_bits = has_radius ? floatBitsToUint(radii[slot] + CHANGE * params.smallest_side) : INFINITY_BITS;
+        farthest_bits = !is_ball() && had_radius(slot) ? floatBitsToUint(radii[slot] + CHANGE * params.smallest_side) : INFINITY_BITS;
     }
     barrier();
     float radius = in_smoke != 0u ? radius_of(p) : 0.0;

@@ -14,6 +14,8 @@ layout(std430, binding = 3) buffer Lines { float lines[]; };
 
 const uint LANES = 8u * TILE;
 const uint WINDOW = 3u * TILE;                   // what is seen: the tile and those around it
+const uint PARTS = 4u;                           // invocations for a row of what pieces are looked for in
+const uint PART = 2u * TILE / PARTS;             // pixels for each
 const uint WINDOW_WORDS = 3u * (WINDOW + 2u);    // with an empty row above and below
 const uint SIDE = TILE + 2u * PIECE_REACH + 2u;  // of what pieces are looked for in, with an empty border
 const uint BEGIN = TILE - PIECE_REACH - 1u;      // of it in the window
@@ -66,9 +68,8 @@ void trace(uvec2 tile, uint row) {
     bool has_row = row < WINDOW;
     uvec3 weak = has_row ? window_row(tile, row, WEAK) : uvec3(0u);
     uvec3 own = has_row ? window_row(tile, row, STRONG) : uvec3(0u);
-    if (row < 12u) {
-        uint half_begin = row / 6u * WINDOW_WORDS;
-        ink[half_begin + (row % 6u < 3u ? row % 3u : WINDOW_WORDS - 1u - row % 3u)] = 0u;
+    if (row < 4u) {
+        set_ink_row(row / 2u * WINDOW_WORDS, row % 2u * (WINDOW + 1u), uvec3(0u));
     }
     if (row < TRACE_REACH) {
         goes_on[row] = 0u;
@@ -117,16 +118,16 @@ void trace(uvec2 tile, uint row) {
     barrier();
 }
 
-// The ink of half a word of the window, as far as it may matter to the tile's.
+// The ink of a part of a row of the window, as far as it may matter to the tile's.
 uint ink_of(uint row, uint column) {
     uint begin = TILE - params.piece_reach;
     uint end = 2u * TILE + params.piece_reach;
     if (row < begin || row >= end) {
         return 0u;
     }
-    uint bits = ink[3u * (row + 1u) + column / 32u] >> column % 32u & 0xffffu;
+    uint bits = ink[3u * (row + 1u) + column / 32u] >> column % 32u & (1u << PART) - 1u;
     uint before = uint(max(int(begin) - int(column), 0));
-    uint behind = uint(clamp(int(end) - int(column), 0, 16));
+    uint behind = uint(clamp(int(end) - int(column), 0, int(PART)));
     return bits & (1u << behind) - (1u << min(before, behind));
 }
 
@@ -148,15 +149,13 @@ uint joined(uint cell, uint half_word) {
 
 // Finds what may matter to the tile's ink. That is in the middle of the window, of twice a tile's side.
 void list_ink(uint lane) {
-    for (uint part = lane; part < 8u * TILE; part += LANES) {
-        uvec2 first = TILE / 2u + uvec2(part % 4u * 16u, part / 4u);
-        uint bits = ink_of(first.y, first.x);
-        uint place = bits != 0u ? atomicAdd(inked_count, uint(bitCount(bits))) : 0u;
-        for (; bits != 0u; bits &= bits - 1u) {
-            uint cell = (first.y - BEGIN) * SIDE + first.x + uint(findLSB(bits)) - BEGIN;
-            reached[cell] = 0x1111u;
-            inked[place++] = cell;
-        }
+    uvec2 first = TILE / 2u + uvec2(lane % PARTS * PART, lane / PARTS);
+    uint bits = ink_of(first.y, first.x);
+    uint place = bits != 0u ? atomicAdd(inked_count, uint(bitCount(bits))) : 0u;
+    for (; bits != 0u; bits &= bits - 1u) {
+        uint cell = (first.y - BEGIN) * SIDE + first.x + uint(findLSB(bits)) - BEGIN;
+        reached[cell] = 0x1111u;
+        inked[place++] = cell;
     }
 }
 

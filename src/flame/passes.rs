@@ -255,7 +255,8 @@ fn embers(
         extent: desc.size,
     };
     let facts = [desc.settings.is_cel(), desc.scene.is_some(), desc.settings.spreads()].map(u32::from);
-    Pass::raster(name, raster).specialise([form(&tables.colours), facts[0], facts[1], facts[2]])
+    let [is_cel, has_scene, spreads] = facts;
+    Pass::raster(name, raster).specialise([form(&tables.colours), is_cel, has_scene, spreads])
 }
 
 /// A draw over occupied tiles.

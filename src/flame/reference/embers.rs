@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
 use super::prepare;
-use crate::flame::params::{COLDEST, EMBER_KEY};
+use crate::flame::params::{ASIDE, COLDEST, EMBER_KEY, HOTTER, LEAST_RADIUS};
 use crate::flame::settings::{Look, Settings};
 use crate::random::{hash, unit};
 use crate::view::{FARTHEST, Projection};
@@ -43,20 +43,21 @@ impl Ember {
         let cooled = if hottest > coldest { ((hottest - kelvin) / (hottest - coldest)).clamp(0.0, 1.0) } else { 0.0 };
         let rise = f64::from(settings.embers.height(settings.spread.unwrap_or_default())) * cooled * (0.5 + drawn(1));
         let angle = TAU * (drawn(2) + cooled * (0.5 + drawn(3)));
-        let way = DVec3::new(0.25 * angle.cos(), 1.0, 0.25 * angle.sin());
+        let aside = f64::from(ASIDE);
+        let way = DVec3::new(aside * angle.cos(), 1.0, aside * angle.sin());
         let place = projection.to_view(super::world([x, y, z]) + rise * way);
         let is_seen = (projection.near..=projection.far).contains(&place.z);
         is_seen.then(|| Ember {
             middle: projection.pixel_of(place),
             depth: place.z,
             radius: 0.5 * f64::from(settings.embers.size) * (1.0 - cooled).sqrt(),
-            colour: colour(settings, kelvin + 0.35 * (hottest - kelvin)) * f64::from(settings.intensity),
+            colour: colour(settings, kelvin + f64::from(HOTTER) * (hottest - kelvin)) * f64::from(settings.intensity),
         })
     }
 
     /// Share of the pixel (x, y) that it covers.
     pub fn share(&self, pixel: [u32; 2]) -> f64 {
-        let radius = self.radius.max(0.5);
+        let radius = self.radius.max(LEAST_RADIUS.into());
         let way = DVec2::from(pixel.map(|c| f64::from(c) + 0.5)).distance(self.middle);
         (self.radius / radius).powi(2) * (radius + 0.5 - way).clamp(0.0, 1.0)
     }
