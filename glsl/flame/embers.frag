@@ -6,5 +6,5 @@ layout(location = 0) out vec4 colour;
 
 void main() {
     float share = ember_share();
-    colour = vec4(share * light, share);
+    colour = vec4(share * ember.light, share);
 }

@@ -14,8 +14,9 @@ layout(std430, binding = 1) readonly buffer Positions { vec4 positions[]; };
 layout(std430, binding = 2) readonly buffer Ids { uint ids[]; };
 layout(std430, binding = 3) readonly buffer Colours { vec4 colours[]; };
 layout(std430, binding = 4) readonly buffer Tones { Tone tones[]; };
-layout(location = 0) flat out vec4 ember;  // middle in pixels, view depth, radius in pixels
-layout(location = 1) flat out vec3 light;
+layout(location = 0) out Ember {
+#include "ember_block.glsl"
+} ember;
 #include "temperature.glsl"
 #include "particle_quad.glsl"
 #include "ember_shape.glsl"
@@ -41,8 +42,10 @@ void main() {
     vec4 particle = positions[row];
     bool is_place = is_finite(particle.x) && is_finite(particle.y) && is_finite(particle.z) && all(lessThanEqual(abs(particle.xyz), vec3(FARTHEST)));
     bool glows = is_finite(particle.w) && particle.w >= COLDEST;
-    ember = vec4(0.0);
-    light = vec3(0.0);
+    ember.middle = vec2(0.0);
+    ember.depth = 0.0;
+    ember.radius = 0.0;
+    ember.light = vec3(0.0);
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     if (!is_place || !glows || drawn(id, 0u) >= params.embers) {
         return;
@@ -55,11 +58,11 @@ void main() {
     if (!(view.z >= params.near && view.z <= params.far)) {
         return;
     }
-    vec2 middle = params.principal_point + params.focal_length * vec2(view.x, -view.y) / widening(view.z);
-    float radius = params.ember_radius * sqrt(1.0 - cooled);
-    ember = vec4(middle, view.z, radius);
+    ember.middle = params.principal_point + params.focal_length * vec2(view.x, -view.y) / widening(view.z);
+    ember.depth = view.z;
+    ember.radius = params.ember_radius * sqrt(1.0 - cooled);
     float glowing = mix(t, params.hottest, HOTTER);
-    light = params.intensity * (IS_CEL != 0u ? tone_colour(glowing / params.hottest) : colour_of(glowing));
-    vec2 at = middle + (max(radius, LEAST_RADIUS) + 1.0) * (2.0 * particle_corner() - 1.0);
-    gl_Position = vec4(radius > 0.0 ? 2.0 * at / vec2(params.size) - 1.0 : vec2(0.0), 0.0, 1.0);
+    ember.light = params.intensity * (IS_CEL != 0u ? tone_colour(glowing / params.hottest) : colour_of(glowing));
+    vec2 at = ember.middle + (max(ember.radius, LEAST_RADIUS) + 1.0) * (2.0 * particle_corner() - 1.0);
+    gl_Position = vec4(ember.radius > 0.0 ? 2.0 * at / vec2(params.size) - 1.0 : vec2(0.0), 0.0, 1.0);
 }

@@ -1,7 +1,8 @@
 //! Motion vectors and reactive mask of the fire, against finite differences in f64.
 
 use celfx::data::Particles;
-use celfx::flame::settings::{Method, Mode};
+use celfx::flame::reference::embers::Ember;
+use celfx::flame::settings::{Embers, Method, Mode};
 use celfx::flame::{Background, Desc, Flame, Frame, ParticleInput, Settings};
 use celfx::host::{HostBuffer, TemporalFormats, TemporalImages};
 use celfx::low_level::flame::layout;
@@ -303,6 +304,43 @@ fn vectors_go_on_over_a_resize() {
     let (off, count) = worst(&mut rig, &found, [&views[0], &views[1]], |_| way);
     assert!(off < 1e-4 && count > 500, "{count} vectors, off by {off}");
     rig.destroy();
+}
+
+/// Where embers are seen, the mask is the larger of what they cover of a pixel and of what it was; vectors are those of the fire.
+#[test]
+fn embers_are_in_the_reactive_mask() {
+    let embers = Embers { share: 0.5, size: 5.0, rise: Some(1.5) };
+    for mode in [Mode::Stochastic, Mode::Expected] {
+        let (given, view) = (ball(60, 3), views::jittered(camera(10.0).view(SIZE), 3));
+        let made = [settings(mode), Settings { embers, ..settings(mode) }]
+            .map(|settings| Rig::new(Desc { temporal: FORMATS, ..desc(SIZE, 60, settings) }, [3, 6]));
+        let [Some(mut without), Some(mut with)] = made else { return };
+        let frame = without.frame(view, &given, None);
+        let (fire, shares) = (without.render(&frame), without.picture().into_iter().map(|colour| colour[3]));
+        let frame = with.frame(view, &given, None);
+        with.record(&frame);
+        let found = with.outputs.found(&mut with.device, SHARE);
+        assert!(found.motion == fire.motion, "{mode:?}: the vectors are others");
+        let (desc, projection) = (with.flame.desc(), Projection::of_valid(&view, SIZE));
+        let seen: Vec<Ember> = (0..60)
+            .filter_map(|i: u32| {
+                let [x, y, z] = given.position[i as usize];
+                let row = [x, y, z, given.temperature[i as usize]];
+                Ember::new(&desc.settings, desc.hottest, desc.seed, i, &projection, row)
+            })
+            .collect();
+        let (mut off, mut count) = (0.0_f64, 0);
+        for (index, share) in shares.enumerate() {
+            let at = [index as u32 % SIZE[0], index as u32 / SIZE[0]];
+            let covered = seen.iter().map(|ember| ember.share(at)).fold(0.0, f64::max) * (1.0 - f64::from(share));
+            off = off.max((f64::from(found.reactive[index]) - covered.max(fire.reactive[index].into())).abs());
+            count += usize::from(covered > fire.reactive[index].into());
+        }
+        println!("{mode:?}: {count} pixels are of embers, off by at most {off:.1e}");
+        // A place in single precision is good for 1e-4 pixels.
+        assert!(off < 1e-3 && count > 20, "{mode:?}: {count} pixels, off by {off}");
+        [without, with].into_iter().for_each(Rig::destroy);
+    }
 }
 
 #[test]
