@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Motions { PointMotion motions[]; };
 layout(std430, binding = 2) readonly buffer Labels { uint labels[]; };
 layout(std430, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
-layout(std430, binding = 4) readonly buffer Hull { vec2 hull[]; };
+layout(std430, binding = 4) readonly buffer Bounds { vec2 bounds[]; };
 layout(std430, binding = 5) buffer Extremes { vec4 extremes_so_far[]; };
 layout(std430, binding = 6) writeonly buffer BruteExtents { vec2 brute_extents[]; };
 layout(push_constant) uniform BenchExtentConstants {

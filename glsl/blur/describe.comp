@@ -3,17 +3,19 @@
 #extension GL_GOOGLE_include_directive : require
 #include "params.glsl"
 #include "velocity_sums.glsl"
+#include "rows.glsl"
 layout(local_size_x = DIRECTIONS) in;
 layout(std430, binding = 1) readonly buffer PartRows { PartRow part_rows[]; };
 layout(std430, binding = 2) readonly buffer ChunkSums { vec4 chunk_sums[]; };
 layout(std430, binding = 3) readonly buffer SupportPoints { uint support_points[]; };
 layout(std430, binding = 4) readonly buffer Motions { PointMotion motions[]; };
-layout(std430, binding = 5) writeonly buffer Hull { vec2 hull[]; };
+layout(std430, binding = 5) writeonly buffer Bounds { vec2 bounds[]; };
 layout(std430, binding = 6) writeonly buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform DescribeConstants {
     uint teeth;      // random numbers across each; 0: by its width
     uint most_teeth;
     float tooth;     // width of one, in pixels
+    float row;       // from a row to the next, in pixels, at most; 0: parts have none
 } constants;
 
 shared vec3 least[DIRECTIONS];
@@ -52,16 +54,25 @@ void main() {
     if (point != NONE) {
         place = motions[point].position;
     }
-    hull[at] = place;
     vec4 sum = summed(part, lane);
     vec2 mean = sum.w > 0.0 ? sum.xy / sum.w : vec2(0.0);
     float speed = length(mean);
-    bool has_mean = speed > 0.0 && speed >= NO_MEAN * sqrt(sum.z);
-    vec3 width = widths(place, has_mean ? vec2(mean.y, -mean.x) / speed : vec2(0.0), lane);
+    float mean_speed = sum.z / max(sum.w, 1.0);
+    bool has_mean = speed > 0.0 && speed >= NO_MEAN * mean_speed;
+    bool has_rows = has_mean && constants.row > 0.0 && speed >= COMMON * mean_speed;
+    vec2 ahead = has_mean ? mean / speed : vec2(0.0);
+    vec3 width = widths(place, vec2(ahead.y, -ahead.x), lane);
+    if (!has_rows) {
+        bounds[at] = place;
+    }
     if (lane == 0u) {
         float teeth = round((has_mean ? width.x : max(width.y, width.z)) / constants.tooth) + 1.0;
         uint count = constants.teeth > 0u ? constants.teeth : uint(clamp(teeth, 2.0, float(constants.most_teeth)));
         uint begin = gl_WorkGroupID.x * DIRECTIONS;
-        clusters[gl_WorkGroupID.x] = Cluster(part.object, begin, begin + DIRECTIONS, count, uint(sum.w));
+        uint rows = min(uint(min(ceil(width.x / constants.row), 1e6)) + 1u, MOST_ROWS);
+        rows = width.x < LEAST_EXTENT ? 1u : rows;
+        clusters[gl_WorkGroupID.x] =
+            Cluster(part.object, begin, begin + (has_rows ? rows : DIRECTIONS), count, uint(sum.w), least[0].x,
+                    has_rows ? ahead : vec2(0.0), width.x, 0u);
     }
 }

@@ -1,21 +1,17 @@
-// How far ahead and how far to the side a vertex is among those of its cluster. The extremes of a linear function lie on
-// the convex hull, and the products of its points are those of brute force: the result is the same to the bit.
+// How far ahead and how far to the side a vertex is in its cluster: in its row of it, or among all of its points. The extremes of
+// a linear function lie on the convex hull, and the products of its points are those of brute force: the result is the same
+// to the bit.
 #include "../common/random.glsl"
+#include "along.glsl"
 #include "directions.glsl"
 
 #ifndef MOST_SCANNED
 #define MOST_SCANNED 65536u  // points of a hull, that can be all looked at
 #endif
 const float LEAST_SPEED_SQUARED = 1e-12;  // (pixels a frame)^2: what is slower has no direction
-const float LEAST_EXTENT = 1e-3;           // pixels: a cluster that is shorter has no front and rear
 const uint FEW = 48u;          // points of a hull that are all looked at
 const uint MOST_WALK = 256u;   // of larger ones, before they are all looked at after all
 const uint CHORDS = 1024u;     // directions of a hull are those from each point to one that is so small a part farther on
-
-float along(vec2 d, vec2 q) {
-    precise float p = d.x * q.x + d.y * q.y;
-    return p;
-}
 
 float turn_from(float start, vec2 v) {
     float turn = turn_of(v) - start;
@@ -29,29 +25,29 @@ float turn_from(float start, vec2 v) {
 // products are less than the largest so far by more than rounding and distance from the outline could have done; that the
 // walk starts near the largest only makes it short.
 bool farthest(Cluster cluster, vec2 d, out float best) {
-    uint first = cluster.hull_begin;
-    uint count = cluster.hull_end - first;
+    uint first = cluster.bounds_begin;
+    uint count = cluster.bounds_end - first;
     uint reach = 1u + count / CHORDS;
-    float start = turn_of(hull[first + reach] - hull[first]);
+    float start = turn_of(bounds[first + reach] - bounds[first]);
     float wanted = turn_from(start, vec2(-d.y, d.x));
     uint low = 0u;
     uint high = count;
     while (low < high) {
         uint middle = (low + high) / 2u;
         uint next = middle + reach < count ? middle + reach : middle + reach - count;
-        if (turn_from(start, hull[first + next] - hull[first + middle]) < wanted) {
+        if (turn_from(start, bounds[first + next] - bounds[first + middle]) < wanted) {
             low = middle + 1u;
         } else {
             high = middle;
         }
     }
     uint at = (low + reach / 2u) % count;
-    best = along(d, hull[first + at]);
+    best = along(d, bounds[first + at]);
     uint forward = at;
     uint steps = 0u;
     for (; steps < MOST_WALK; ++steps) {
         forward = forward + 1u == count ? 0u : forward + 1u;
-        float p = along(d, hull[first + forward]);
+        float p = along(d, bounds[first + forward]);
         best = max(best, p);
         if (p < best - params.hull_margin) {
             break;
@@ -60,7 +56,7 @@ bool farthest(Cluster cluster, vec2 d, out float best) {
     uint back = at;
     for (; steps < MOST_WALK; ++steps) {
         back = back == 0u ? count - 1u : back - 1u;
-        float p = along(d, hull[first + back]);
+        float p = along(d, bounds[first + back]);
         best = max(best, p);
         if (p < best - params.hull_margin) {
             break;
@@ -70,7 +66,7 @@ bool farthest(Cluster cluster, vec2 d, out float best) {
 }
 
 void widen(inout vec4 found, vec2 d, vec2 u, uint at) {
-    vec2 q = hull[at];
+    vec2 q = bounds[at];
     float ahead = along(d, q);
     float aside = along(u, q);
     found.xz = min(found.xz, vec2(ahead, aside));
@@ -88,9 +84,9 @@ void widen_by_four(inout vec4 found, vec2 d, vec2 u, uint at) {
 // are those of its neighbours; one between, which none of them has, is farther by less than LARGEST_STEP / 4 of their distance.
 float farthest_of_directions(Cluster cluster, vec2 d) {
     uint nearest = nearest_direction(d);
-    float best = along(d, hull[cluster.hull_begin + nearest]);
-    best = max(best, along(d, hull[cluster.hull_begin + (nearest + 1u) % DIRECTIONS]));
-    return max(best, along(d, hull[cluster.hull_begin + (nearest + DIRECTIONS - 1u) % DIRECTIONS]));
+    float best = along(d, bounds[cluster.bounds_begin + nearest]);
+    best = max(best, along(d, bounds[cluster.bounds_begin + (nearest + 1u) % DIRECTIONS]));
+    return max(best, along(d, bounds[cluster.bounds_begin + (nearest + DIRECTIONS - 1u) % DIRECTIONS]));
 }
 
 // (smallest, largest) product along d and across it. Of hulls with more than MOST_SCANNED points, too many of which are
@@ -100,7 +96,7 @@ vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
         return vec4(-farthest_of_directions(cluster, -d), farthest_of_directions(cluster, d),
                     -farthest_of_directions(cluster, -u), farthest_of_directions(cluster, u));
     }
-    uint count = cluster.hull_end - cluster.hull_begin;
+    uint count = cluster.bounds_end - cluster.bounds_begin;
     if (count > FEW) {
         vec4 found = vec4(0.0);
         bool is_certain = true;
@@ -115,17 +111,17 @@ vec4 extremes(Cluster cluster, vec2 d, vec2 u) {
             return vec4(-found.x, found.y, -found.z, found.w);
         }
     }
-    vec2 q = hull[cluster.hull_begin];
+    vec2 q = bounds[cluster.bounds_begin];
     vec4 found = vec4(vec2(along(d, q)), vec2(along(u, q)));
-    uint i = cluster.hull_begin + 1u;
+    uint i = cluster.bounds_begin + 1u;
     // Sixteen an iteration, because iterations are counted.
-    for (; i + 16u <= cluster.hull_end; i += 16u) {
+    for (; i + 16u <= cluster.bounds_end; i += 16u) {
         widen_by_four(found, d, u, i);
         widen_by_four(found, d, u, i + 4u);
         widen_by_four(found, d, u, i + 8u);
         widen_by_four(found, d, u, i + 12u);
     }
-    for (; i < cluster.hull_end; ++i) {
+    for (; i < cluster.bounds_end; ++i) {
         widen(found, d, u, i);
     }
     return found;
@@ -152,14 +148,34 @@ vec2 shares_of(vec4 found, vec2 x, vec2 d, vec2 u) {
     return vec2(k_length < LEAST_EXTENT ? 1.0 : clamp(k, 0.0, 1.0), l_length < LEAST_EXTENT ? 0.0 : clamp(l, 0.0, 1.0));
 }
 
+// k and l of a point of a cluster with rows: between the rear and the front of where it is across.
+vec2 shares_of_rows(Cluster cluster, vec2 x) {
+    uint last = cluster.bounds_end - cluster.bounds_begin - 1u;
+    precise float aside = along(vec2(cluster.ahead.y, -cluster.ahead.x), x) - cluster.aside;
+    precise float across = aside / cluster.width;
+    float l = cluster.width < LEAST_EXTENT ? 0.0 : clamp(across, 0.0, 1.0);
+    precise float row = l * float(last);
+    uint index = min(uint(row), max(last, 1u) - 1u);
+    vec2 from = bounds[cluster.bounds_begin + index];
+    vec2 to = bounds[cluster.bounds_begin + min(index + 1u, last)];
+    precise vec2 bound = from + (row - float(index)) * (to - from);
+    precise float k_length = bound.y - bound.x;
+    precise float k = (along(cluster.ahead, x) - bound.x) / k_length;
+    return vec2(k_length < LEAST_EXTENT ? 1.0 : clamp(k, 0.0, 1.0), l);
+}
+
 // k and l.
 vec2 extent_of(vec2 position, vec2 velocity, uint label) {
     vec2 d;
     if (label == 0u || !direction_of(velocity, d)) {
         return vec2(1.0, 0.0);
     }
+    Cluster cluster = clusters[label - 1u];
+    if (cluster.ahead != vec2(0.0)) {
+        return shares_of_rows(cluster, position);
+    }
     vec2 u = vec2(d.y, -d.x);
-    return shares_of(extremes(clusters[label - 1u], d, u), position, d, u);
+    return shares_of(extremes(cluster, d, u), position, d, u);
 }
 
 float tooth(Cluster cluster, uint index) {

@@ -28,6 +28,9 @@ const uint ENDED_BY_BUDGET = 1u;   // why the refinement ended with triangles th
 const uint ENDED_BY_ROUNDS = 2u;
 const float STATIC = 0.5;          // pixels: what moves less from frame i to frame i + 1 stays where it is
 const float NO_MEAN = 1e-6;        // a mean velocity below this share of the largest one has no direction
+const float COMMON = 0.5;          // the share of their speed that goes one way, for points to have a common direction
+const float LEAST_EXTENT = 1e-3;   // pixels: a cluster or a row that is shorter has no front and rear
+const uint SMOOTHED = 2u;           // rows to both sides that front and rear of a cluster are a mean over: half a tooth
 const float LEAST_EDGE = 0.25;     // length in pixels below which an edge is not divided
 const float LEAST_SURFACE = 1.0 / 64.0; // length in pixels at the reference time: less of the surface is not divided
 const uint FRONT_BITS = 4u;        // of a triangle: FRONT_MASK, and one that is unused
@@ -123,10 +126,15 @@ struct Knot {
 // Points that are smeared as one.
 struct Cluster {
     uint object;      // of all its points
-    uint hull_begin;  // in the order of the convex outline: what is on it, and what is so near that rounding can make it extreme
-    uint hull_end;    // the one after the last
+    uint bounds_begin;  // of its rows; without these its hull: what is on the convex outline, in its order, and what is so near that
+                        // rounding can make it extreme
+    uint bounds_end;    // the one after the last
     uint teeth;       // random numbers N across it, 1 to 4096
     uint points;      // number of its points
+    float aside;      // where its rows begin, along its direction turned by a quarter, in pixels
+    vec2 ahead;       // its direction, of length 1; 0 where it has no rows
+    float width;      // from the first row to the last, in pixels
+    uint unused;
 };
 
 // Members of a part that a workgroup looks at.

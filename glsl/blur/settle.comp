@@ -7,7 +7,7 @@ layout(std430, binding = 1) readonly buffer Smooth { uint smooth_values[]; };
 layout(std430, binding = 2) readonly buffer Splines { Piece splines[]; };
 layout(std430, binding = 3) buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 4) readonly buffer Clusters { Cluster clusters[]; };
-layout(std430, binding = 5) readonly buffer Hull { vec2 hull[]; };
+layout(std430, binding = 5) readonly buffer Bounds { vec2 bounds[]; };
 layout(push_constant) uniform SettleConstants {
     uint from;  // which half of the smoothed values is the last: 0 or 1
 } constants;

@@ -30,7 +30,7 @@ void main() {
     positions[lane] = motion.position;
     points[lane] = point;
     vec4 sum = sum_velocities(
-        vec4(motion.velocity, dot(motion.velocity, motion.velocity), point != NONE ? 1.0 : 0.0), lane);
+        vec4(motion.velocity, length(motion.velocity), point != NONE ? 1.0 : 0.0), lane);
     if (lane == 0u) {
         chunk_sums[gl_WorkGroupID.x] = sum;
     }

@@ -3,9 +3,9 @@
 
 shared vec4 velocity_sums[DIRECTIONS];
 
-// Of pixels a frame: sum, largest square, and number.
+// Of pixels a frame: sum, sum of speeds, and number.
 vec4 join_velocities(vec4 a, vec4 b) {
-    return vec4(a.xy + b.xy, max(a.z, b.z), a.w + b.w);
+    return a + b;
 }
 
 // That of all invocations.

@@ -7,7 +7,7 @@ pub use topology::{GroupInput, PartInput, TopologyInput};
 use crate::blur::desc::{Desc, MOST_SOURCES, check_seams};
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
 use crate::blur::mesh::Lists;
-use crate::blur::motion::{Cluster, Interval, Segment, seams};
+use crate::blur::motion::{Cluster, Interval, Segment, most_bounds, seams};
 pub use crate::blur::motion::{FrameView, Knot};
 use crate::blur::parts::PartSizes;
 use crate::error::{Error, Result};
@@ -69,8 +69,8 @@ pub struct ClusterInput {
     pub labels: HostBuffer,
     /// [`Interval::clusters`].
     pub clusters: HostBuffer,
-    /// [`Interval::hull`].
-    pub hull: HostBuffer,
+    /// [`Interval::bounds`].
+    pub bounds: HostBuffer,
     /// [`Interval::seams`]; not looked at if there are none.
     pub seams: HostBuffer,
     /// [`Interval::fronts`].
@@ -84,13 +84,13 @@ pub struct Counts {
     pub generation: u32,
     /// Clusters.
     pub clusters: u32,
-    /// Points of all hulls.
-    pub hull: u32,
+    /// Rows and extreme points of all clusters.
+    pub bounds: u32,
     /// Points at seams.
     pub seams: u32,
     /// The most neighbours of one of these.
     pub most_neighbours: u32,
-    /// The largest |x| + |y| of a point of a hull, in pixels.
+    /// The largest |x| + |y| of an extreme point, in pixels; 0 where all clusters have rows.
     pub farthest: f32,
 }
 
@@ -98,13 +98,13 @@ impl ClusterInput {
     /// The buffers, in the order of [`crate::blur::layout::HOST_INTERVAL`], and the bytes that are needed of each.
     pub(super) fn sized(&self, counts: &Counts, desc: &Desc) -> [(&'static str, HostBuffer, u64); 6] {
         let points = u64::from(desc.points);
-        let Counts { clusters, hull, seams, .. } = *counts;
+        let Counts { clusters, bounds, seams, .. } = *counts;
         let words = desc.triangles.div_ceil(FRONTS_A_WORD);
         [
             ("the interval's motion", self.motion, 16 * points),
             ("the interval's labels", self.labels, 4 * points),
             ("the interval's clusters", self.clusters, size_of::<Cluster>() as u64 * u64::from(clusters)),
-            ("the interval's hulls", self.hull, 8 * u64::from(hull)),
+            ("the interval's bounds", self.bounds, 8 * u64::from(bounds)),
             ("the interval's seams", self.seams, 4 * u64::from(seams)),
             ("the interval's fronts", self.fronts, 4 * u64::from(words)),
         ]
@@ -120,13 +120,15 @@ impl Counts {
 
     /// Of an interval. The seams' neighbours are those of [`crate::blur::Mesh::neighbours`].
     pub fn of(interval: &Interval, neighbours: &Lists) -> Counts {
+        let without_rows = interval.clusters.iter().filter(|cluster| !cluster.has_rows());
+        let extreme = without_rows.map(|cluster| interval.bounds_of(cluster));
         Counts {
             generation: interval.generation,
             clusters: interval.clusters.len() as u32,
-            hull: interval.hull.len() as u32,
+            bounds: interval.bounds.len() as u32,
             seams: interval.seams.len() as u32,
             most_neighbours: seams::most_neighbours(neighbours, &interval.seams),
-            farthest: interval.hull.iter().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f32::max),
+            farthest: extreme.flatten().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f32::max),
         }
     }
 }
@@ -261,15 +263,15 @@ impl SkinnedInput {
 
 impl IntervalInput<'_> {
     fn validate(&self, desc: &Desc) -> Result<()> {
-        let Counts { clusters, hull, seams, most_neighbours, farthest, .. } = self.counts;
+        let Counts { clusters, bounds, seams, most_neighbours, farthest, .. } = self.counts;
         let points = u64::from(desc.points);
-        if clusters.max(seams) > desc.points || hull > desc.points {
-            let why = format!("{clusters} clusters, {hull} points of hulls, {seams} of seams, of {points} points");
+        if clusters.max(seams) > desc.points || u64::from(bounds) > most_bounds(desc.points) {
+            let why = format!("{clusters} clusters of {bounds} bounds, {seams} points at seams, of {points} points");
             return refuse("the interval", why);
         }
         check_seams(most_neighbours)?;
         if !farthest.is_finite() {
-            return refuse("the interval", "a hull that is not finite".to_owned());
+            return refuse("the interval", "bounds that are not finite".to_owned());
         }
         self.validate_segments(desc)?;
         self.views.iter().try_for_each(|view| view.view.validate())?;
@@ -279,7 +281,7 @@ impl IntervalInput<'_> {
                     holds(what, buffer, *bytes)?;
                 }
             }
-            (None, Some(parts)) if (clusters, hull, seams) == (parts.parts, 0, parts.seams) => {}
+            (None, Some(parts)) if (clusters, bounds, seams) == (parts.parts, 0, parts.seams) => {}
             (None, Some(_)) => return refuse("the interval", "counts of others than the effect's parts".to_owned()),
             (given, _) => {
                 let (is, made) = if given.is_some() { ("given", "for parts") } else { ("missing", "without parts") };

@@ -4,8 +4,9 @@ use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS, MOST_LINES, MOST_LISTED, MOS
 use ash::vk;
 
 use crate::blur::desc::{Desc, MOST_SOURCES};
+use crate::blur::motion::most_bounds;
 use crate::blur::parts::PartSizes;
-use crate::blur::settings::Completion;
+use crate::blur::settings::{Completion, Extent};
 use crate::effect::{DeviceTraits, Inventory};
 use crate::error::{Error, Result};
 use crate::gpu::buffer::BufferDesc;
@@ -20,8 +21,8 @@ use crate::shaders::blur::blocks::{
     Vertex,
 };
 use crate::shaders::blur::constants::{
-    BIN_FIELDS, BINS, BLOCK, DIRECTIONS, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_SITES, OBJECTS,
-    ROUNDS, STARTS, TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
+    BIN_FIELDS, BINS, BLOCK, DIRECTIONS, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_ROWS, MOST_SITES,
+    OBJECTS, ROUNDS, STARTS, TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
 };
 
 buffers! {
@@ -37,7 +38,7 @@ buffers! {
     MOTIONS = "Motions": Layer,
     LABELS = "Labels": Layer,
     CLUSTERS = "Clusters": Layer,
-    HULL = "Hull",
+    BOUNDS = "Bounds",
     SEAMS = "Seams": Sequence,
     FRONTS = "Fronts",
     SMOOTH = "Smooth",
@@ -86,6 +87,7 @@ buffers! {
     CHUNK_FARTHEST = "ChunkFarthest",
     SUPPORT_VALUES = "SupportValues",
     SUPPORT_POINTS = "SupportPoints",
+    ROW_VALUES = "RowValues",
 }
 
 /// Words before the flags of tiles: their number, and dispatches over them.
@@ -309,7 +311,7 @@ impl Layout {
         self.set(MOTIONS, size_of::<PointMotion>() as u64 * points);
         self.set(LABELS, 4 * points);
         self.set(CLUSTERS, size_of::<Cluster>() as u64 * points);
-        self.set(HULL, 8 * points);
+        self.set(BOUNDS, 8 * most_bounds(desc.points));
         self.set(SEAMS, 4 * points);
         self.set(FRONTS, 4 * u64::from(desc.triangles.div_ceil(FRONTS_A_WORD)));
         self.set(SMOOTH, 8 * points);
@@ -355,7 +357,8 @@ impl Layout {
         self.set(CHUNK_FARTHEST, 8 * directions * chunks);
         self.set(SUPPORT_VALUES, 4 * directions * parts);
         self.set(SUPPORT_POINTS, 4 * directions * parts);
-        self.set(HULL, 8 * directions * parts);
+        self.set(ROW_VALUES, if desc.settings.extent == Extent::Row { 8 * u64::from(MOST_ROWS) * parts } else { 0 });
+        self.set(BOUNDS, 8 * directions * parts);
     }
 
     fn size_completion(&mut self, desc: &Desc, pixels: u64) {

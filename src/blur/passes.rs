@@ -8,7 +8,7 @@ use crate::blur::layout::*;
 use crate::blur::params::{
     BlurParams, Control, FROM_GRADIENT, FROM_SURFACE, Knot, PIECE_SEGMENTS, ROUNDS, Round, ToonParams, ink_reach,
 };
-use crate::blur::settings::{Completion, Refine, Space};
+use crate::blur::settings::{Completion, Extent, Refine, Space};
 use crate::effect::DeviceTraits;
 use crate::host::DepthFormat;
 use crate::plan::{
@@ -34,9 +34,9 @@ passes! {
     };
     background = copies("blur.background", [HOST_FRAMES[1]], [TARGET]);
     interval = {
-        let [motions, labels, clusters, hull, seams, fronts, _] = HOST_INTERVAL;
-        let from = [motions, labels, clusters, hull, seams, fronts];
-        copies("blur.interval", from, [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS])
+        let [motions, labels, clusters, bounds, seams, fronts, _] = HOST_INTERVAL;
+        let from = [motions, labels, clusters, bounds, seams, fronts];
+        copies("blur.interval", from, [MOTIONS, LABELS, CLUSTERS, BOUNDS, SEAMS, FRONTS])
     };
     project = Pass::compute("blur.trajectory", &glsl::project::SHADER);
     knots = Pass::transfer("blur.trajectory").updates::<Knot>(KNOTS, MOST_KNOTS);
@@ -44,7 +44,7 @@ passes! {
         .specialise([desc.segments.min(PIECE_SEGMENTS), in_screen(desc)]);
     pieces = copies("blur.trajectory", [HOST_INTERVAL[6]], [SPLINES]).times(desc.segments as usize);
     /// Where parts are found on the device; what is closed is not known then.
-    measure_begin = Pass::transfer("blur.measure").fills(SUPPORT_VALUES).fills(SUPPORT_POINTS).fills(FRONTS);
+    measure_begin = Pass::transfer("blur.measure").fills(SUPPORT_VALUES).fills(SUPPORT_POINTS).fills(ROW_VALUES).fills(FRONTS);
     /// Motion, the farthest points of chunks, those of parts, clusters; none without parts.
     measure: Vec<PassId> = match desc.parts {
         Some(_) => vec![
@@ -54,6 +54,13 @@ passes! {
             Pass::compute("blur.measure", &glsl::describe::SHADER),
         ],
         None => Vec::new(),
+    };
+    /// Of parts that have them: what bounds rows, and means of that.
+    rows: Vec<PassId> = match desc.settings.extent {
+        Extent::Row if desc.parts.is_some() => {
+            [&glsl::rows::SHADER, &glsl::rows_mean::SHADER].map(|shader| Pass::compute("blur.measure", shader)).into()
+        }
+        _ => Vec::new(),
     };
     extent = Pass::compute("blur.extent", &glsl::extent::SHADER);
     seams = Pass::compute("blur.seams", &glsl::seams::SHADER).times(desc.settings.seam_smoothing as usize);

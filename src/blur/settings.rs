@@ -42,6 +42,17 @@ words! {
 }
 
 words! {
+    /// What front and rear of a part are.
+    pub enum Extent {
+        /// Those of each row across the part's motion: what leads in its own row leads.
+        #[default]
+        Row = "row",
+        /// Those of the whole part, in each vertex's own direction (the paper's way, equations 3 to 6).
+        Part = "part",
+    }
+}
+
+words! {
     /// Where triangles are divided.
     pub enum Refine {
         /// Where an edge departs from its true curve by more than `tolerance`.
@@ -133,7 +144,10 @@ settings! {
         /// and velocity (the original way).
         clusters: Clusters = Clusters::default();
         /// Largest angle between a vertex's velocity and its part's.
-        angle: f32 = 60.0, "degrees", 0.0..=180.0;
+        angle: f32 = 25.0, "degrees", 0.0..=180.0;
+        /// What is drawn back: all that trails in its own "row" across the part's motion, or what is behind the front of the
+        /// whole "part" (the original way).
+        extent: Extent = Extent::default();
         /// Rounds of smoothing where parts meet.
         seam_smoothing: u32 = 8, "rounds", 0..=64, "the original way";
         /// Where triangles are divided: where they are off their path by `tolerance`, "error", or by the "length" of their

@@ -8,6 +8,7 @@ use std::ops::Range;
 use crate::blur::desc::Desc;
 use crate::blur::frame::{DepthInput, Drawn, Frame, FrameView, IntervalInput, Trajectories};
 use crate::blur::layout::*;
+use crate::blur::motion::ROW;
 use crate::blur::params::{
     self, BackgroundConstants, BlurParams, ChooseConstants, Control, DIRECTIONS, DescribeConstants, GhostConstants,
     Knot, LINE_VERTICES, LightConstants, LinesConstants, NONE, NOTHING_SEEN, OccluderConstants, ROUNDS, Round,
@@ -273,8 +274,13 @@ impl Steps<'_> {
             teeth: settings.teeth.unwrap_or(0),
             most_teeth: MOST_TEETH,
             tooth: Settings::scaled(settings.tooth_width(), self.desc.size[1]),
+            row: if !self.passes.rows.is_empty() { Settings::scaled(ROW, self.desc.size[1]) } else { 0.0 },
         };
         self.plan.step_with(describe, groups(parts), &constants);
+        if let [rows, mean] = self.passes.rows[..] {
+            self.plan.step(rows, self.points());
+            self.plan.step(mean, Command::Dispatch { threads: [glsl::rows_mean::SHADER.local_size[0] * parts, 1, 1] });
+        }
     }
 
     fn points(&self) -> Command {

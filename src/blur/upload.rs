@@ -132,7 +132,7 @@ impl Upload {
             self.add(&interval.motion),
             self.add(&interval.labels),
             self.add(&interval.clusters),
-            self.add(&interval.hull),
+            self.add(&interval.bounds),
             self.add(&interval.seams),
             self.add(&interval.fronts),
             self.add(pieces),
@@ -180,13 +180,13 @@ impl Placed {
         views: [FrameView; 4],
         knots: Option<&'a [Knot]>,
     ) -> Option<IntervalInput<'a>> {
-        let [motion, labels, clusters, hull, seams, fronts, pieces] = self.interval?;
+        let [motion, labels, clusters, bounds, seams, fronts, pieces] = self.interval?;
         Some(IntervalInput {
             counts: Counts::of(interval, mesh.neighbours()),
             segments: &interval.segments,
             views,
             trajectories: knots.map_or(Trajectories::Pieces(pieces), Trajectories::Poses),
-            clusters: Some(ClusterInput { motion, labels, clusters, hull, seams, fronts }),
+            clusters: Some(ClusterInput { motion, labels, clusters, bounds, seams, fronts }),
         })
     }
 }

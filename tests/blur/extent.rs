@@ -19,7 +19,7 @@ fn straight(motion: Vec<[f32; 4]>, places: &[usize]) -> Interval {
     let points = motion.len();
     let mut labels = vec![0; points];
     places.iter().for_each(|place| labels[*place] = 1);
-    let hull = outline(&motion.iter().map(|[x, y, ..]| [*x, *y]).collect::<Vec<_>>());
+    let bounds = outline(&motion.iter().map(|[x, y, ..]| [*x, *y]).collect::<Vec<_>>());
     let pieces = motion.iter().map(|[x, y, vx, vy]| Piece {
         origin: [4.0 * x, 4.0 * y, 4.0, 0.0],
         step: [4.0 * vx, 4.0 * vy, 0.0, 0.0],
@@ -30,12 +30,13 @@ fn straight(motion: Vec<[f32; 4]>, places: &[usize]) -> Interval {
         labels,
         clusters: vec![Cluster {
             object: 5,
-            hull_begin: 0,
-            hull_end: hull.len() as u32,
+            bounds_begin: 0,
+            bounds_end: bounds.len() as u32,
             teeth: 43,
             points: places.len() as u32,
+            ..bytemuck::Zeroable::zeroed()
         }],
-        hull,
+        bounds,
         segments: vec![Segment { begin: 0.0, end: 1.0 }],
         motion,
         ..Interval::default()
@@ -122,7 +123,7 @@ fn k_and_l_are_those_of_brute_force() {
         let expected = |place: usize| extent(motion[place], &points);
         let found = |place: usize| [vertices[place].k, vertices[place].l];
         let different = places.iter().filter(|place| found(**place) != expected(**place)).count();
-        let extreme = interval.hull.len();
+        let extreme = interval.bounds.len();
         assert_eq!(different, 0, "{name}: of {} points, {extreme} of them extreme", points.len());
     }
 }
@@ -166,7 +167,7 @@ fn new_vertices_have_the_extents_of_brute_force() {
         assert!(new.len() > 100, "{} new vertices", new.len());
         for vertex in new.iter().step_by(1 + new.len() / 60) {
             let Vertex { position: [x, y], velocity: [vx, vy], .. } = *vertex;
-            let [k, l] = extent([x, y, vx, vy], &interval.hull);
+            let [k, l] = extent([x, y, vx, vy], &interval.bounds);
             // Of more points than can be looked at, k of a line across the motion is what rounding makes of it.
             let k_off = if tolerance == 0.0 { vertex.k - k } else { 0.0 };
             let off = k_off.abs().max((vertex.l - l).abs());

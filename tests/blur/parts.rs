@@ -1,8 +1,8 @@
 //! Parts that the host names, poses that its own skinning leaves on the device, and several meshes in one effect.
 
 use celfx::blur::motion::{Motion, Window};
-use celfx::blur::reference::extent::extent;
-use celfx::blur::settings::Space;
+use celfx::blur::reference::extent::{extent, extent_in, rows};
+use celfx::blur::settings::{Extent, Space};
 use celfx::blur::{Cluster, Desc, Interval, Knot, MOST_SOURCES, Mesh, MeshInput, Parts, Settings, SkinnedInput};
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::{LARGEST_STEP, PointMotion};
@@ -70,6 +70,11 @@ fn compare(rig: &mut BlurRig, interval: &Interval, name: &str) {
             along.clone().fold(f32::MIN, f32::max) - along.fold(f32::MAX, f32::min)
         };
         let diameter = width([1.0, 0.0]).hypot(width([0.0, 1.0]));
+        assert_eq!(found.has_rows(), expected.has_rows(), "{name}, part {label}");
+        if found.has_rows() {
+            compare_rows(rig, found, expected, label, diameter);
+            continue;
+        }
         for point in members {
             let motion @ [.., vx, vy] = interval.motion[point];
             let speed = vx.hypot(vy);
@@ -87,25 +92,69 @@ fn compare(rig: &mut BlurRig, interval: &Interval, name: &str) {
     }
 }
 
+/// Compares what the device has found of a part with rows: with the host's, and row by row with all edges of what the device has.
+fn compare_rows(rig: &mut BlurRig, found: &Cluster, expected: &Cluster, label: u32, diameter: f32) {
+    let points = rig.mesh.points();
+    let (motions, labels) = (rig.read::<PointMotion>(layout::MOTIONS, points), rig.read::<u32>(layout::LABELS, points));
+    let bounds: Vec<[f32; 2]> = rig.read(layout::BOUNDS, found.bounds_end as usize);
+    let bounds = &bounds[found.bounds_begin as usize..];
+    for axis in 0..2 {
+        let off = found.ahead[axis] - expected.ahead[axis];
+        assert!(off.abs() < 1e-4, "part {label}: {:?} is not {:?}", found.ahead, expected.ahead);
+    }
+    // Across, a part is as wide as the farthest points in many directions say, and turned by what the direction is off.
+    let most = LARGEST_STEP * diameter + 0.1;
+    assert!((found.aside - expected.aside).abs() < most && (found.width - expected.width).abs() < most, "part {label}");
+    let count = (found.width / (3.0 * SIZE[1] as f32 / 1080.0)).ceil() as usize + 1;
+    assert_eq!(bounds.len(), count.min(256), "part {label}: {} pixels", found.width);
+    let places: Vec<[f64; 2]> = motions.iter().map(|motion| motion.position.map(f64::from)).collect();
+    let is_member = |point: usize| labels[point] == label;
+    let is_member = &is_member;
+    let edges = (0..points).filter(|point| is_member(*point)).flat_map(|point| {
+        let others = rig.mesh.neighbours().of(point).iter().map(|other| *other as usize);
+        others.filter(move |other| *other > point && is_member(*other)).map(move |other| [point, other])
+    });
+    let (edges, members): (Vec<[usize; 2]>, Vec<usize>) =
+        (edges.collect(), (0..points).filter(|p| is_member(*p)).collect());
+    let place_of = |point: usize| members.binary_search(&point).expect("a member");
+    let edges: Vec<[usize; 2]> = edges.iter().map(|edge| edge.map(place_of)).collect();
+    let own: Vec<[f64; 2]> = members.iter().map(|point| places[*point]).collect();
+    for (row, (found, expected)) in bounds.iter().zip(rows(found, &own, &edges, bounds.len())).enumerate() {
+        // Places along and across are sums of products of up to 250 pixels, rounded to 3e-5; edges are steep at most 10 times.
+        let most = 1e-3 * (expected[0].abs().max(expected[1].abs()) / 250.0).max(1.0);
+        let off = (0..2).map(|side| (f64::from(found[side]) - expected[side]).abs()).fold(0.0, f64::max);
+        assert!(off < most, "part {label}, row {row} of {}: {found:?} is not {expected:?}", bounds.len());
+    }
+    let vertices = rig.vertices();
+    for point in members {
+        let PointMotion { position: [x, y], velocity: [vx, vy] } = motions[point];
+        let expected = extent_in([x, y, vx, vy], found, bounds);
+        assert_eq!([vertices[point].k, vertices[point].l], expected, "part {label}, point {point}");
+    }
+}
+
 #[test]
 fn the_device_finds_of_parts_what_f64_finds() {
     // Each part has more than a workgroup looks at.
     let sides = [41, 25];
     let camera: Change = |view, _| view;
-    for (name, space, change, eye) in [
-        ("homogeneous", Space::Homogeneous, camera, None),
-        ("screen", Space::Screen, camera, None),
-        ("jittered", Space::Homogeneous, |view, frame| views::jittered(views::moved(view), frame), None),
-        ("orthographic", Space::Homogeneous, |view, _| views::parallel(view, 4.0, 3.0), None),
+    let (row, part) = (Extent::Row, Extent::Part);
+    for (name, space, change, eye, extent) in [
+        ("homogeneous", Space::Homogeneous, camera, None, row),
+        ("whole", Space::Homogeneous, camera, None, part),
+        ("screen", Space::Screen, camera, None, part),
+        ("jittered", Space::Homogeneous, |view, frame| views::jittered(views::moved(view), frame), None, row),
+        ("orthographic", Space::Homogeneous, |view, _| views::parallel(view, 4.0, 3.0), None, row),
         // Some of the mesh is behind it in some frames.
-        ("amidst", Space::Homogeneous, camera, Some(0.45)),
+        ("amidst", Space::Homogeneous, camera, Some(0.45), row),
+        ("whole amidst", Space::Homogeneous, camera, Some(0.45), part),
     ] {
         let mut animation = Animation { change, ..swing(sides, 12, [960, 540], 0.3) }.through_window(SIZE);
         for camera in &mut animation.cameras {
             camera.eye.z = eye.unwrap_or(camera.eye.z);
             camera.target.z = eye.map_or(camera.target.z, |_| -2.0);
         }
-        let (mesh, settings) = (grid(sides), Settings { space, strength: 2.0, ..incomplete() });
+        let (mesh, settings) = (grid(sides), Settings { space, strength: 2.0, extent, ..incomplete() });
         let parts = bands(&mesh);
         let desc = Desc { parts: Some(parts.sizes()), ..desc(animation.size, &mesh, settings.clone()) };
         let Some(mut rig) = BlurRig::new(desc, mesh.clone()) else { return };
@@ -147,7 +196,7 @@ fn what_stands_still_is_not_smeared() {
 /// Of a rectangle, all corners are found: k is that of f32 brute force, also along directions between those of its outline.
 #[test]
 fn corners_of_an_outline_are_exact() {
-    let (mesh, settings) = (grid([9, 5]), incomplete());
+    let (mesh, settings) = (grid([9, 5]), Settings { extent: Extent::Part, ..incomplete() });
     let parts = Parts::new(&mesh, &[0; 45]).expect("parts");
     // Exactly along an axis, too.
     for (angle, off) in [(0.0_f32, 0.0_f32), (0.7, -0.011), (0.7, 0.006), (1.31, 0.003), (2.0, -0.009)] {

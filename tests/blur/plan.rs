@@ -76,7 +76,7 @@ fn image(desc: &Desc) -> HostImage {
 }
 
 fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'a> {
-    let counts = Counts { clusters: 3, hull: 100, seams, farthest: 500.0, ..Counts::default() };
+    let counts = Counts { clusters: 3, bounds: 100, seams, farthest: 500.0, ..Counts::default() };
     Frame {
         mesh: Some(TopologyInput {
             triangles: buffer(),
@@ -98,7 +98,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
                 motion: buffer(),
                 labels: buffer(),
                 clusters: buffer(),
-                hull: buffer(),
+                bounds: buffer(),
                 seams: buffer(),
                 fronts: buffer(),
             }),

@@ -175,14 +175,21 @@ pub fn interval(animation: &Animation, i: usize, labels: &[u32], time: f64, teet
         let velocity: DVec2 = (slope.truncate() - pixel * slope.z) / at.z;
         motion.push([pixel.x, pixel.y, velocity.x, velocity.y].map(|c| c as f32));
     }
-    let (mut clusters, mut hull) = (Vec::new(), Vec::new());
+    let (mut clusters, mut bounds) = (Vec::new(), Vec::new());
     for label in 1..=labels.iter().max().copied().unwrap_or(0) {
-        let begin = hull.len() as u32;
+        let begin = bounds.len() as u32;
         let members = (0..points).filter(|p| labels[*p] == label).map(|p| [motion[p][0], motion[p][1]]);
         let members: Vec<[f32; 2]> = members.collect();
-        hull.extend(outline(&members));
-        let (hull_end, points) = (hull.len() as u32, members.len() as u32);
-        clusters.push(Cluster { object: 7 + label, hull_begin: begin, hull_end, teeth, points });
+        bounds.extend(outline(&members));
+        let (bounds_end, points) = (bounds.len() as u32, members.len() as u32);
+        clusters.push(Cluster {
+            object: 7 + label,
+            bounds_begin: begin,
+            bounds_end,
+            teeth,
+            points,
+            ..bytemuck::Zeroable::zeroed()
+        });
     }
     let mut spans = vec![Segment { begin: 0.0, end: 1.0 }];
     spans.extend((1..segments).map(|s| Segment { begin: -(s as f32), end: 1.0 - s as f32 }));
@@ -191,7 +198,7 @@ pub fn interval(animation: &Animation, i: usize, labels: &[u32], time: f64, teet
         motion,
         labels: labels.to_vec(),
         clusters,
-        hull,
+        bounds,
         seams: (0..points as u32).filter(|p| labels[*p as usize] > 0).collect(),
         // Nothing is closed. A point has fewer than eight triangles of its own.
         fronts: vec![0; points],

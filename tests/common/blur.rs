@@ -58,7 +58,7 @@ pub struct Shot<'a> {
 pub struct BlurRig {
     device: TestDevice,
     blur: Option<Blur>,
-    mesh: Mesh,
+    pub mesh: Mesh,
     /// Of each slot: target, frames i and i + 1, frames i - 1 and i + 2, background.
     images: Vec<Image>,
     uploads: [[Upload; 22]; SLOTS],
@@ -445,7 +445,7 @@ impl BlurRig {
                     motion: self.upload(5, &interval.motion),
                     labels: self.upload(6, &interval.labels),
                     clusters: self.upload(7, &interval.clusters),
-                    hull: self.upload(8, &interval.hull),
+                    bounds: self.upload(8, &interval.bounds),
                     seams: self.upload(9, &interval.seams),
                     fronts: self.upload(15, &fronts),
                 }),

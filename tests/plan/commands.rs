@@ -148,7 +148,7 @@ fn a_frame_of_blur() {
         poses: Some(blur::PoseInput { first: number + 3, count: 1, positions: buffer() }),
         skinned: None,
         interval: Some(blur::IntervalInput {
-            counts: blur::Counts { clusters: 3, hull: 100, seams: 7, farthest: 500.0, ..Default::default() },
+            counts: blur::Counts { clusters: 3, bounds: 100, seams: 7, farthest: 500.0, ..Default::default() },
             segments: &segments,
             views: [view(number), view(number + 1), view(number + 2), view(number + 3)],
             trajectories: blur::Trajectories::Poses(&knots),

@@ -60,8 +60,8 @@ pub fn mesh() -> blur::TopologyInput {
 }
 
 pub fn clusters() -> blur::ClusterInput {
-    let [motion, labels, clusters, hull, seams, fronts] = [buffer(); 6];
-    blur::ClusterInput { motion, labels, clusters, hull, seams, fronts }
+    let [motion, labels, clusters, bounds, seams, fronts] = [buffer(); 6];
+    blur::ClusterInput { motion, labels, clusters, bounds, seams, fronts }
 }
 
 /// Where trajectories begin and end, of as many segments as an effect has.
@@ -412,7 +412,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
             };
             let segments = segments(&desc);
             let interval = blur::IntervalInput {
-                counts: blur::Counts { clusters: 3, hull: 100, seams: 7, farthest: 500.0, ..Default::default() },
+                counts: blur::Counts { clusters: 3, bounds: 100, seams: 7, farthest: 500.0, ..Default::default() },
                 segments: &segments,
                 views: [view(0), view(1), view(2), view(3)],
                 trajectories: blur::Trajectories::Pieces(buffer()),

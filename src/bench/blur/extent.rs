@@ -1,5 +1,5 @@
 //! Pass `extent`: k and l from all points of a cluster, as the paper's equations are written, and from its hull, which
-//! the host builds. Both results have the same bits.
+//! the host builds: both results have the same bits. And those of rows, which the host builds, too.
 
 use std::time::Instant;
 
@@ -10,9 +10,10 @@ use crate::bench::report::{Accuracy, Row, Subject};
 use crate::bench::rig::{EffectId, KernelBuffer, KernelsId, Measured, Rig};
 use crate::bench::{Outcome, Session};
 use crate::blur::layout::{BUFFERS, VERTICES, resource};
-use crate::blur::motion::outline;
+use crate::blur::motion::{outline, rows_again};
 use crate::blur::params::{BenchExtentConstants, Vertex};
-use crate::blur::reference::extent::extent;
+use crate::blur::reference::extent::{extent, extent_in};
+use crate::blur::settings::Extent;
 use crate::blur::{Interval, Settings};
 use crate::error::Result;
 use crate::gpu::buffer::BufferDesc;
@@ -22,7 +23,7 @@ use crate::random::hash;
 use crate::shaders::blur as glsl;
 
 const PASS: &str = "extent";
-const VARIANTS: [(&str, Variant); 2] = [("brute", Variant::Brute), ("hull", Variant::Hull)];
+const VARIANTS: [(&str, Variant); 3] = [("brute", Variant::Brute), ("hull", Variant::Hull), ("rows", Variant::Rows)];
 /// Name, points, and points with `--quick`.
 const WORKLOADS: [(&str, [u32; 2]); 2] = [("10000", [10_000, 10_000]), ("100000", [100_000, 20_000])];
 const SIZE: [u32; 2] = [512, 512];
@@ -37,6 +38,7 @@ const BRUTE: PassId = PassId(0);
 enum Variant {
     Brute,
     Hull,
+    Rows,
 }
 
 pub(super) fn measure(session: &mut Session) -> Outcome {
@@ -56,13 +58,17 @@ pub(super) fn measure(session: &mut Session) -> Outcome {
 }
 
 fn measure_workload(session: &mut Session, name: &str, points: u32, variants: &[&(&str, Variant)]) -> Outcome {
-    let scene = Scene::cloud(points, SIZE)?;
-    let settings = Settings::default();
-    let prepared = scene.prepare(&settings)?;
+    let scene = Scene::ball(points, SIZE)?;
     let rig = &mut session.rig;
-    let effect = rig.effect(scene.desc(&settings, 1024))?;
-    rig.frame(effect, &scene.take(&prepared, None).scene())?;
-    let own = rig.steps(effect, is_extent);
+    let ways = [Extent::Part, Extent::Row].map(|extent| Settings { extent, ..Settings::default() });
+    let [whole, rows] = ways.map(|settings| -> Result<(EffectId, Prepared)> {
+        let prepared = scene.prepare(&settings)?;
+        let effect = rig.effect(scene.desc(&settings, 1024))?;
+        rig.frame(effect, &scene.take(&prepared, None).scene())?;
+        Ok((effect, prepared))
+    });
+    let ((effect, prepared), (of_rows, in_rows)) = (whole?, rows?);
+    let own = [effect, of_rows].map(|effect| rig.steps(effect, is_extent));
     let (kernels, plan) = brute(rig, effect, points)?;
     rig.warm_up(kernels, &plan)?;
     let mut exact: Vec<[f32; 2]> = Vec::new();
@@ -72,8 +78,16 @@ fn measure_workload(session: &mut Session, name: &str, points: u32, variants: &[
             let begin = Instant::now();
             let hull = hulls(&prepared.interval);
             let building = begin.elapsed().as_secs_f64() * 1e3;
-            debug_assert_eq!(hull, prepared.interval.hull);
-            let time = rig.replay(effect, &own)?;
+            debug_assert_eq!(hull, prepared.interval.bounds);
+            let time = rig.replay(effect, &own[0])?;
+            Ok(Measured { cpu_ms: time.cpu_ms + building, ..time })
+        }
+        Variant::Rows => {
+            let begin = Instant::now();
+            let rows = rows_again(&scene.mesh, &in_rows.interval, SIZE[1]);
+            let building = begin.elapsed().as_secs_f64() * 1e3;
+            debug_assert_eq!(rows, in_rows.interval.bounds);
+            let time = rig.replay(of_rows, &own[1])?;
             Ok(Measured { cpu_ms: time.cpu_ms + building, ..time })
         }
     })?;
@@ -81,28 +95,45 @@ fn measure_workload(session: &mut Session, name: &str, points: u32, variants: &[
         rig.run(kernels, &plan)?;
     }
     exact.extend(rig.read_kernels::<[f32; 2]>(kernels, EXTENTS, points as usize)?);
-    let found: Vec<Vertex> = rig.read(effect, VERTICES, points as usize)?;
-    let found: Vec<[f32; 2]> = found.iter().map(|vertex| [vertex.k, vertex.l]).collect();
-    let hull = prepared.interval.hull.len();
-    let of = format!("brute force in f32, bits that differ; hull of {hull}; brute against {CHECKED} of the CPU's");
+    let mut shares = |effect| -> Result<Vec<[f32; 2]>> {
+        let found: Vec<Vertex> = rig.read(effect, VERTICES, points as usize)?;
+        Ok(found.iter().map(|vertex| [vertex.k, vertex.l]).collect())
+    };
+    let [found, found_in_rows] = [shares(effect)?, shares(of_rows)?];
+    let hull = prepared.interval.bounds.len();
+    let of = format!(
+        "brute force in f32, bits that differ; hull of {hull}, {} rows; brute against {CHECKED} of the CPU's",
+        in_rows.interval.bounds.len()
+    );
     for ((variant, kind), times) in variants.iter().zip(&times) {
         let differences = match kind {
             Variant::Brute => checked(&prepared, &exact),
             Variant::Hull => found.iter().zip(&exact).flat_map(|(a, b)| bits(*a, *b)).collect(),
+            Variant::Rows => {
+                let expected = in_rows.interval.clusters.first().map(|cluster| {
+                    let of = |motion| extent_in(motion, cluster, in_rows.interval.bounds_of(cluster));
+                    in_rows.interval.motion.iter().map(move |motion| of(*motion))
+                });
+                let pairs = found_in_rows.iter().zip(expected.into_iter().flatten());
+                pairs.flat_map(|(a, b)| bits(*a, b)).collect()
+            }
         };
         let accuracy: Accuracy = Deviation::of(differences).map(|deviation| (deviation, of.clone()));
         let work = match kind {
             Variant::Brute => session.rig.work_of_run(kernels, &plan)?,
-            Variant::Hull => session.rig.work_of_replay(effect, &own)?,
+            Variant::Hull => session.rig.work_of_replay(effect, &own[0])?,
+            Variant::Rows => session.rig.work_of_replay(of_rows, &own[1])?,
         };
         let subject =
             Subject { pass: PASS, variant: (*variant).to_owned(), workload: name.to_owned(), items: points.into() };
         session.rows.push(Row::new(EFFECT, subject, times, &accuracy, work, &session.limits));
     }
-    if let [brute, hull] = times.as_slice() {
+    if let [brute, hull, rows] = times.as_slice() {
         let (kernel, built) = (brute.gpu_ms / hull.gpu_ms, brute.gpu_ms / (hull.gpu_ms + hull.cpu_ms));
         session.notes.push(format!(
-            "blur extent {name}: hull is {kernel:.0} x as fast as brute on the device, {built:.0} x with its building"
+            "blur extent {name}: hull is {kernel:.0} x as fast as brute on the device, {built:.0} x with its building; rows take {:.2} \
+             of the hull's time",
+            (rows.gpu_ms + rows.cpu_ms) / (hull.gpu_ms + hull.cpu_ms)
         ));
     }
     Ok(())
@@ -163,14 +194,14 @@ mod tests {
 
     #[test]
     fn every_documented_name_is_there() {
-        assert_eq!(VARIANTS.map(|(name, _)| name), ["brute", "hull"]);
+        assert_eq!(VARIANTS.map(|(name, _)| name), ["brute", "hull", "rows"]);
         assert_eq!(WORKLOADS.map(|(name, _)| name), ["10000", "100000"]);
     }
 
     #[test]
     fn hulls_are_those_of_the_interval() -> Result<()> {
-        let prepared = Scene::cloud(3000, SIZE)?.prepare(&Settings::default())?;
-        assert_eq!(hulls(&prepared.interval), prepared.interval.hull);
+        let prepared = Scene::ball(3000, SIZE)?.prepare(&Settings { extent: Extent::Part, ..Settings::default() })?;
+        assert_eq!(hulls(&prepared.interval), prepared.interval.bounds);
         assert_eq!(bits([1.0, 0.0], [1.0_f32.next_up(), 0.0]), [1.0, 0.0]);
         Ok(())
     }

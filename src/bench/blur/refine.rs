@@ -239,7 +239,7 @@ impl Surface<'_> {
         let ([x, y], [vx, vy]) = (state.position, state.velocity);
         let label = interval.labels[base[0] as usize];
         let Some(cluster) = interval.cluster(label) else { return path.at(1.0).position };
-        let [k, l] = extent::extent([x, y, vx, vy], interval.hull_of(cluster));
+        let [k, l] = extent::extent_in([x, y, vx, vy], cluster, interval.bounds_of(cluster));
         let tooth = extent::tooth(SEED, interval.generation, cluster, l);
         let offset = mix(&|p| self.vertices[p].smoothing);
         let time = extent::shifted(settings.strength, extent::time(settings.strength, k, tooth), offset);

@@ -15,7 +15,6 @@ use crate::error::Result;
 use crate::io::scene::weld;
 use crate::offline::motion::Positions;
 use crate::offline::{self, BlurFrame, BlurScene};
-use crate::random::{hash, unit};
 use crate::simulate::mesh::{Builtin, Model};
 use crate::view::{Camera, View};
 
@@ -23,9 +22,9 @@ use crate::view::{Camera, View};
 pub(super) const SEED: u32 = 0;
 /// Full HD.
 pub(super) const FULL_HD: [u32; 2] = [1920, 1080];
-/// Metres that a cloud moves in a frame, and turns by which it turns.
-const CLOUD_SPEED: f64 = 0.05;
-const CLOUD_TURNS: f64 = 0.004;
+/// Metres that a ball moves in a frame, and turns by which it turns.
+const BALL_SPEED: f64 = 0.05;
+const BALL_TURNS: f64 = 0.004;
 
 /// A mesh that moves.
 pub(super) struct Scene {
@@ -85,30 +84,45 @@ impl Scene {
         };
         let poses: Vec<Vec<[f32; 3]>> = (0..frames).map(pose).collect();
         let views = (0..frames).map(|frame| model.camera(seconds(frame)).view(size)).collect();
-        Scene::of_points(poses, views, size, frames as usize / 2)
+        Scene::of_mesh(poses, vec![[0, 1, 2]], views, size, frames as usize / 2)
     }
 
-    /// Points at random in a ball that flies and turns slowly: one cluster.
-    pub(super) fn cloud(points: u32, size: [u32; 2]) -> Result<Scene> {
-        let draw = |index, dimension| f64::from(unit(hash(5, index, 0, dimension)));
+    /// A ball of so many vertices that flies and turns slowly: one cluster.
+    pub(super) fn ball(points: u32, size: [u32; 2]) -> Result<Scene> {
+        let mut columns = (f64::from(points).sqrt() as u32).max(1);
+        while !points.is_multiple_of(columns) {
+            columns -= 1;
+        }
+        let rows = points / columns;
         let place = |i: u32| {
-            let (sin, cos) = (TAU * draw(i, 0)).sin_cos();
-            let height = 2.0 * draw(i, 1) - 1.0;
+            let (sin, cos) = (TAU * f64::from(i % columns) / f64::from(columns)).sin_cos();
+            let height = 2.0 * (f64::from(i / columns) + 0.5) / f64::from(rows) - 1.0;
             let ring = (1.0 - height * height).sqrt();
-            0.8 * draw(i, 2).cbrt() * DVec3::new(ring * cos, height, ring * sin)
+            0.8 * DVec3::new(ring * cos, height, ring * sin)
         };
+        let cells = (0..rows - 1).flat_map(|row| (0..columns).map(move |column| [row, column]));
+        let triangles = cells.flat_map(|[row, column]| {
+            let [a, b] = [column, (column + 1) % columns].map(|column| row * columns + column);
+            [[a, b, a + columns], [b, b + columns, a + columns]]
+        });
+        let triangles: Vec<[u32; 3]> = triangles.collect();
         let rest: Vec<DVec3> = (0..points).map(place).collect();
         let pose = |frame: i32| {
-            let turn = DQuat::from_rotation_z(TAU * CLOUD_TURNS * f64::from(frame));
-            let centre = DVec3::new(CLOUD_SPEED * f64::from(frame), 1.0, 0.0);
+            let turn = DQuat::from_rotation_z(TAU * BALL_TURNS * f64::from(frame));
+            let centre = DVec3::new(BALL_SPEED * f64::from(frame), 1.0, 0.0);
             rest.iter().map(|p| (centre + turn * *p).as_vec3().to_array()).collect()
         };
-        Scene::of_points((0..4).map(pose).collect(), vec![Camera::default().view(size); 4], size, 1)
+        Scene::of_mesh((0..4).map(pose).collect(), triangles, vec![Camera::default().view(size); 4], size, 1)
     }
 
-    fn of_points(poses: Vec<Vec<[f32; 3]>>, views: Vec<View>, size: [u32; 2], current: usize) -> Result<Scene> {
+    fn of_mesh(
+        poses: Vec<Vec<[f32; 3]>>,
+        triangles: Vec<[u32; 3]>,
+        views: Vec<View>,
+        size: [u32; 2],
+        current: usize,
+    ) -> Result<Scene> {
         let vertices = poses.first().map_or(0, Vec::len);
-        let triangles = vec![[0, 1, 2]];
         let input = MeshInput { vertices, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
         let mesh = Arc::new(Mesh::new(&input)?);
         let topology = Topology { triangles, object: vec![0; vertices], ..Topology::default() };
@@ -210,14 +224,15 @@ impl Take {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blur::settings::Extent;
 
     #[test]
-    fn a_cloud_is_one_cluster() -> Result<()> {
-        let scene = Scene::cloud(10_000, [512, 512])?;
-        let Prepared { interval, knots } = scene.prepare(&Settings::default())?;
+    fn a_ball_is_one_cluster() -> Result<()> {
+        let scene = Scene::ball(10_000, [512, 512])?;
+        let Prepared { interval, knots } = scene.prepare(&Settings { extent: Extent::Part, ..Settings::default() })?;
         assert_eq!((interval.clusters.len(), interval.labels.len()), (1, 10_000));
         assert!(interval.labels.iter().all(|label| *label == 1));
-        assert!((20..400).contains(&interval.hull.len()), "{}", interval.hull.len());
+        assert!((20..400).contains(&interval.bounds.len()), "{}", interval.bounds.len());
         assert_eq!(knots.map(|knots| knots.len()), Some(4));
         Ok(())
     }

@@ -7,12 +7,12 @@ use std::ops::Range;
 
 use super::movers::Mover;
 use super::trace::Traces;
-use super::{crumbs, direction, hull, ldf, ranks};
+use super::{crumbs, direction, hull, ldf, ranks, rows};
 use crate::blur::mesh::Mesh;
 use crate::blur::parts::Parts;
 use crate::blur::settings::{self, MOST_TEETH, Settings};
 use crate::shaders::blur::blocks::Cluster;
-use crate::shaders::blur::constants::NO_MEAN;
+use crate::shaders::blur::constants::{COMMON, NO_MEAN};
 
 /// What is divided, and how.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +24,12 @@ pub(super) struct Task<'a> {
     pub(super) height: u32,
 }
 
-/// Where the clusters, the label of each point, and the extreme points go: as in [`super::Interval`].
+/// Where the clusters, the label of each point, and what bounds the clusters go: as in [`super::Interval`].
 #[derive(Debug)]
 pub(super) struct Found<'a> {
     pub(super) clusters: &'a mut Vec<Cluster>,
     pub(super) labels: &'a mut Vec<u32>,
-    pub(super) hull: &'a mut Vec<[f32; 2]>,
+    pub(super) bounds: &'a mut Vec<[f32; 2]>,
 }
 
 /// What clusters are found in.
@@ -47,6 +47,7 @@ pub(super) struct Scratch {
     /// Where the points of one cluster are.
     points: Vec<[f32; 2]>,
     hull: hull::Scratch,
+    rows: rows::Scratch,
 }
 
 impl Scratch {
@@ -114,15 +115,16 @@ impl Scratch {
         }
     }
 
-    /// Hull and teeth of each of so many clusters.
+    /// What bounds each of so many clusters, and its teeth.
     fn describe(&mut self, task: Task, count: u32, found: Found) {
         let Task { mesh, traces, settings, height } = task;
-        let Found { clusters, labels, hull } = found;
+        let Found { clusters, labels, bounds } = found;
         self.members.clear();
         self.members.extend(labels.iter().copied().zip(0..).filter(|(label, _)| *label > 0));
         self.members.sort_unstable();
         clusters.clear();
-        hull.clear();
+        bounds.clear();
+        let mut room = rows::SHARED;
         let mut rest = &self.members[..];
         for label in 1..=count {
             let cluster;
@@ -132,14 +134,31 @@ impl Scratch {
             self.points.extend(points.map(|[x, y, ..]| [x, y]));
             self.movers.clear();
             self.movers.extend(cluster.iter().map(|(_, point)| Mover::new(*point, traces)));
-            let begin = hull.len();
-            self.hull.extremes(&self.points, hull);
+            let begin = bounds.len();
+            let ahead = match settings.extent {
+                settings::Extent::Row => common_direction(&self.movers),
+                settings::Extent::Part => None,
+            };
+            let across = match ahead {
+                Some(ahead) => {
+                    let of = rows::Task { mesh, motion: traces.motion, labels, members: cluster, ahead };
+                    self.rows.find(of, f64::from(Settings::scaled(rows::ROW, height)), &mut room, bounds)
+                }
+                None => {
+                    self.hull.extremes(&self.points, bounds);
+                    rows::Across::default()
+                }
+            };
             clusters.push(Cluster {
                 object: cluster.first().map_or(0, |(_, point)| mesh.point_objects()[*point as usize]),
-                hull_begin: begin as u32,
-                hull_end: hull.len() as u32,
-                teeth: teeth(settings, height, &self.movers, &hull[begin..]),
+                bounds_begin: begin as u32,
+                bounds_end: bounds.len() as u32,
+                teeth: teeth(settings, height, &self.movers, &self.points),
                 points: cluster.len() as u32,
+                aside: across.begin,
+                ahead: ahead.unwrap_or_default(),
+                width: across.width,
+                unused: 0,
             });
         }
     }
@@ -157,27 +176,39 @@ fn is_coherent(movers: &[Mover], cosine: f64) -> bool {
     length >= f64::from(NO_MEAN) * fastest && length > 0.0 && movers.iter().all(within)
 }
 
+/// The direction in which movers go together, of length 1; none where too much of their speed cancels.
+fn common_direction(movers: &[Mover]) -> Option<[f32; 2]> {
+    let [x, y] = mean_velocity(movers);
+    let length = x.hypot(y);
+    (length > 0.0 && length >= f64::from(COMMON) * mean_speed(movers))
+        .then(|| [x / length, y / length].map(|c| c as f32))
+}
+
 /// In units.
 fn mean_velocity(movers: &[Mover]) -> [f64; 2] {
     [2, 3].map(|c| movers.iter().map(|mover| i128::from(mover.place[c])).sum::<i128>() as f64 / movers.len() as f64)
 }
 
+/// In units.
+fn mean_speed(movers: &[Mover]) -> f64 {
+    movers.iter().map(Mover::speed).sum::<f64>() / movers.len() as f64
+}
+
 /// Random numbers across a cluster: as many as teeth fit across its mean velocity, or across its longer side where that
 /// is 0.
-fn teeth(settings: &Settings, height: u32, movers: &[Mover], extremes: &[[f32; 2]]) -> u32 {
+fn teeth(settings: &Settings, height: u32, movers: &[Mover], points: &[[f32; 2]]) -> u32 {
     if let Some(teeth) = settings.teeth {
         return teeth;
     }
     let tooth = f64::from(Settings::scaled(settings.tooth_width(), height));
     let width = |[x, y]: [f64; 2]| {
-        let across = extremes.iter().map(|p| f64::from(p[0]) * x + f64::from(p[1]) * y);
+        let across = points.iter().map(|p| f64::from(p[0]) * x + f64::from(p[1]) * y);
         let [least, most] = across.fold([f64::MAX, f64::MIN], |[a, b], c| [a.min(c), b.max(c)]);
         most - least
     };
     let [x, y] = mean_velocity(movers);
     let length = x.hypot(y);
-    let width = match length > 0.0 && length >= f64::from(NO_MEAN) * movers.iter().map(Mover::speed).fold(0.0, f64::max)
-    {
+    let width = match length > 0.0 && length >= f64::from(NO_MEAN) * mean_speed(movers) {
         true => width([y / length, -x / length]),
         false => width([1.0, 0.0]).max(width([0.0, 1.0])),
     };

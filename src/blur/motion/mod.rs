@@ -12,6 +12,7 @@ mod ldf;
 mod movers;
 mod projection;
 mod ranks;
+mod rows;
 pub(super) mod seams;
 mod spline;
 mod trace;
@@ -27,6 +28,8 @@ use trace::Traces;
 pub use crate::shaders::blur::constants::{FRONT_BITS, FRONTS_A_WORD};
 pub use projection::PixelClip;
 pub(crate) use projection::clip_rows;
+pub(super) use rows::ROW;
+pub use rows::most_bounds;
 pub use seams::MOST_NEIGHBOURS;
 pub(crate) use window::MOST_FRAMES;
 pub use window::{FrameView, Interval, Knot, Pose, Segment, WINDOW, Window};
@@ -36,6 +39,13 @@ use super::parts::Parts;
 use super::settings::{Settings, Space, Trajectory};
 use crate::error::{Error, Result};
 pub use crate::shaders::blur::blocks::{Cluster, Piece};
+
+impl Cluster {
+    /// Whether front and rear are those of rows across its direction: it has one.
+    pub fn has_rows(&self) -> bool {
+        self.ahead != [0.0; 2]
+    }
+}
 
 /// Makes [`Interval`]s. Besides settings it keeps memory to work in, and nothing of one interval that the next depends on.
 #[derive(Clone, Debug)]
@@ -129,11 +139,11 @@ impl Motion {
         if !self.trace(scratch, interval, window, threads) {
             return Err(not_finite(mesh, window));
         }
-        let Interval { generation, motion, labels, clusters, hull, seams, fronts, .. } = interval;
+        let Interval { generation, motion, labels, clusters, bounds, seams, fronts, .. } = interval;
         *generation = window.frame / self.settings.hold;
         let traces = Traces { motion, moves: scratch.trace.moves() };
         let task = clusters::Task { mesh, traces, settings: &self.settings, height: self.size[1] };
-        scratch.clusters.find(task, parts, Found { labels, clusters, hull });
+        scratch.clusters.find(task, parts, Found { labels, clusters, bounds });
         seams.clear();
         match parts {
             _ if self.settings.seam_smoothing == 0 => {}
@@ -211,6 +221,20 @@ impl Motion {
 pub fn outline(points: &[[f32; 2]]) -> Vec<[f32; 2]> {
     let mut found = Vec::new();
     hull::Scratch::default().extremes(points, &mut found);
+    found
+}
+
+/// The rows of an interval's clusters as they are found from its points, anew: what that costs can be measured.
+#[cfg(feature = "cli")]
+pub(crate) fn rows_again(mesh: &Mesh, interval: &Interval, height: u32) -> Vec<[f32; 2]> {
+    let (mut rows, mut room, mut found) = (rows::Scratch::default(), rows::SHARED, Vec::new());
+    for (label, cluster) in (1..).zip(&interval.clusters) {
+        let members = interval.labels.iter().copied().zip(0..).filter(|(of, _)| *of == label);
+        let members: Vec<(u32, u32)> = members.collect();
+        let Interval { motion, labels, .. } = interval;
+        let task = rows::Task { mesh, motion, labels, members: &members, ahead: cluster.ahead };
+        rows.find(task, f64::from(Settings::scaled(ROW, height)), &mut room, &mut found);
+    }
     found
 }
 

@@ -7,6 +7,7 @@ use crate::blur::settings::{self, Space, Trajectory};
 use crate::random::{hash, unit};
 use crate::view::{Camera, View};
 
+mod rows;
 mod trajectories;
 
 const SIZE: [u32; 2] = [1920, 1080];
@@ -97,7 +98,7 @@ fn check_invariants(mesh: &Mesh, interval: &Interval) {
     assert!(interval.clusters.is_sorted_by_key(|cluster| cluster.points));
     for (label, cluster) in (1..).zip(&interval.clusters) {
         assert_eq!(cluster.points, counts[label]);
-        assert!(cluster.hull_begin < cluster.hull_end);
+        assert!(cluster.bounds_begin < cluster.bounds_end);
         assert!((1..=4096).contains(&cluster.teeth));
     }
     for (point, label) in interval.labels.iter().enumerate() {
@@ -106,6 +107,8 @@ fn check_invariants(mesh: &Mesh, interval: &Interval) {
         }
     }
     assert!(interval.seams.is_sorted() && interval.seams.iter().all(|p| interval.labels[*p as usize] > 0));
+    assert!(interval.bounds.len() as u64 <= most_bounds(mesh.points() as u32));
+    rows::check_rows(mesh, interval);
 }
 
 /// Five points on curves of their own, up to 60 pixels a frame.
@@ -348,7 +351,7 @@ fn a_mean_of_zero_is_split_and_coincident_points_are_not() {
         assert_eq!(interval.labels[0], interval.labels[2]);
         let same = Shot::new(mesh(4, &grid(2, 2), None), 4, |_, f| at_pixel(500.0 + 8.0 * f as f64, 500.0));
         let interval = same.interval(&Settings { clusters, angle: 0.0, ..Settings::default() }, 1);
-        assert_eq!((interval.clusters.len(), interval.hull.len()), (1, 1));
+        assert_eq!((interval.clusters.len(), interval.bounds.len()), (1, 1));
     }
 }
 
@@ -420,7 +423,7 @@ fn the_order_of_points_and_triangles_changes_nothing() {
             let (shot, order) = shuffled(seed);
             let interval = shot.interval(&settings, 14);
             assert_eq!(interval.clusters, reference.clusters);
-            assert_eq!(interval.hull, reference.hull);
+            assert_eq!(interval.bounds, reference.bounds);
             let other = extent::extents(&shot.mesh, &interval, 5, 1.0, 8);
             for (new, old) in order.iter().enumerate() {
                 assert_eq!(interval.labels[new], reference.labels[*old]);

@@ -69,9 +69,9 @@ pub struct Interval {
     pub labels: Vec<u32>,
     /// The clusters, by ascending number of points, so that the larger label is the larger cluster. Empty: nothing moves.
     pub clusters: Vec<Cluster>,
-    /// Extreme points of the clusters in pixels. k and l that are found from them have the same bits as those from all
-    /// of a cluster's points.
-    pub hull: Vec<[f32; 2]>,
+    /// What bounds the clusters, in pixels. Of those with rows, the rear and the front of each row. Of others their extreme points: k
+    /// and l that are found from them have the same bits as those from all of a cluster's points.
+    pub bounds: Vec<[f32; 2]>,
     /// Points within 3 edges of a seam, ascending; those in no cluster and those with too many neighbours are not here.
     pub seams: Vec<u32>,
     /// Which side of each triangle is outside: `FRONT_BITS` each, `FRONTS_A_WORD` of them a word. 1: it is of a closed
@@ -91,9 +91,9 @@ impl Interval {
         self.clusters.get((label as usize).checked_sub(1)?)
     }
 
-    /// The extreme points of a cluster.
-    pub fn hull_of(&self, cluster: &Cluster) -> &[[f32; 2]] {
-        &self.hull[cluster.hull_begin as usize..cluster.hull_end as usize]
+    /// What bounds a cluster.
+    pub fn bounds_of(&self, cluster: &Cluster) -> &[[f32; 2]] {
+        &self.bounds[cluster.bounds_begin as usize..cluster.bounds_end as usize]
     }
 }
 

@@ -4,6 +4,7 @@ use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Cluster, Interval};
 use crate::blur::params::{LEAST_EXTENT, LEAST_SPEED_SQUARED, UNIT};
 use crate::random::{hash, unit};
+use crate::shaders::blur::constants::SMOOTHED;
 
 /// The state of a vertex of the distorted mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,75 @@ pub fn extent(motion: [f32; 4], points: &[[f32; 2]]) -> [f32; 2] {
     [share(along).unwrap_or(1.0), share([along[1], -along[0]]).unwrap_or(0.0)]
 }
 
+/// k and l of a vertex of a cluster: in its row, or among the cluster's extreme points. In f32, each operation rounded by itself.
+pub fn extent_in(motion: [f32; 4], cluster: &Cluster, bounds: &[[f32; 2]]) -> [f32; 2] {
+    if !cluster.has_rows() {
+        return extent(motion, bounds);
+    }
+    let [x, y, vx, vy] = motion;
+    let squared = vx * vx + vy * vy;
+    if squared.is_nan() || squared < LEAST_SPEED_SQUARED {
+        return [1.0, 0.0];
+    }
+    let [dx, dy] = cluster.ahead;
+    let aside = (dy * x - dx * y) - cluster.aside;
+    let l = if cluster.width < LEAST_EXTENT { 0.0 } else { (aside / cluster.width).clamp(0.0, 1.0) };
+    let last = bounds.len() - 1;
+    let row = l * last as f32;
+    let index = (row as usize).min(last.max(1) - 1);
+    let (from, to) = (bounds[index], bounds[(index + 1).min(last)]);
+    let [rear, front] = [0, 1].map(|side| from[side] + (row - index as f32) * (to[side] - from[side]));
+    let length = front - rear;
+    let k = if length < LEAST_EXTENT { 1.0 } else { (((dx * x + dy * y) - rear) / length).clamp(0.0, 1.0) };
+    [k, l]
+}
+
+/// Rear and front of each of so many rows of a cluster, by looking at all of its points and edges for each (see
+/// [`crate::blur::settings::Extent::Row`]): `points` are at these places, `edges` join them.
+pub fn rows(cluster: &Cluster, points: &[[f64; 2]], edges: &[[usize; 2]], count: usize) -> Vec<[f64; 2]> {
+    let [dx, dy] = cluster.ahead.map(f64::from);
+    let (begin, width) = (f64::from(cluster.aside), f64::from(cluster.width));
+    let spacing = if count > 1 { width / (count - 1) as f64 } else { f64::INFINITY };
+    let place = |point: usize| {
+        let [x, y] = points[point];
+        [dx * x + dy * y, dy * x - dx * y]
+    };
+    let own = |row: usize| -> Option<[f64; 2]> {
+        let middle = if count > 1 { begin + row as f64 * spacing } else { begin };
+        let is_here = |aside: f64| (aside - middle).abs() <= 0.5 * spacing;
+        let mut ahead: Vec<f64> =
+            (0..points.len()).map(place).filter(|[_, aside]| is_here(*aside)).map(|[ahead, _]| ahead).collect();
+        for [a, b] in edges {
+            let ([from, at], [to, end]) = (place(*a), place(*b));
+            for border in [middle - 0.5 * spacing, middle + 0.5 * spacing] {
+                if (border - at) * (border - end) < 0.0 {
+                    ahead.push(from + (border - at) / (end - at) * (to - from));
+                }
+            }
+        }
+        let [rear, front] = [f64::min, f64::max].map(|of| ahead.iter().copied().reduce(of));
+        rear.zip(front).map(Into::into)
+    };
+    let own: Vec<Option<[f64; 2]>> = (0..count).map(own).collect();
+    let filled = |row: usize| -> [f64; 2] {
+        if let Some(bounds) = own[row] {
+            return bounds;
+        }
+        let before = (0..row).rev().find_map(|row| Some((row, own[row]?)));
+        let after = (row + 1..count).find_map(|row| Some((row, own[row]?)));
+        let ((before, from), (after, to)) = before.zip(after).expect("the first and the last row have a point");
+        let share = (row - before) as f64 / (after - before) as f64;
+        [0, 1].map(|side| from[side] + share * (to[side] - from[side]))
+    };
+    let filled: Vec<[f64; 2]> = (0..count).map(filled).collect();
+    let mean = |row: usize| {
+        let far = (SMOOTHED as usize).min(row).min(count - 1 - row);
+        let around = &filled[row - far..=row + far];
+        [0, 1].map(|side| around.iter().map(|bounds| bounds[side]).sum::<f64>() / around.len() as f64)
+    };
+    (0..count).map(mean).collect()
+}
+
 /// The same in f64, as the equations are written.
 pub fn extent_f64(motion: [f64; 4], points: &[[f64; 2]]) -> [f64; 2] {
     let [x, y, vx, vy] = motion;
@@ -88,7 +158,7 @@ pub fn shifted(strength: f32, raw: f32, offset: f32) -> f32 {
 pub fn extents(mesh: &Mesh, interval: &Interval, seed: u32, strength: f32, rounds: u32) -> Vec<Extent> {
     let of_point = |(motion, label): (&[f32; 4], &u32)| {
         let Some(cluster) = interval.cluster(*label) else { return Extent::NONE };
-        let [k, l] = extent(*motion, interval.hull_of(cluster));
+        let [k, l] = extent_in(*motion, cluster, interval.bounds_of(cluster));
         let raw = time(strength, k, tooth(seed, interval.generation, cluster, l));
         Extent { k, l, offset: 0.0, time: raw }
     };
@@ -128,7 +198,7 @@ mod tests {
     use crate::blur::mesh::MeshInput;
 
     fn cluster(teeth: u32) -> Cluster {
-        Cluster { object: 3, hull_begin: 0, hull_end: 0, teeth, points: 0 }
+        Cluster { object: 3, teeth, ..bytemuck::Zeroable::zeroed() }
     }
 
     #[test]

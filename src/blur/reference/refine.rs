@@ -1,7 +1,7 @@
 //! Refinement: triangles are bisected where the distorted mesh departs from them. In f32, each operation rounded by
 //! itself, in this order.
 
-use super::extent::{Extent, extent, shifted, time, tooth};
+use super::extent::{Extent, extent_in, shifted, time, tooth};
 use super::path::{Path, State};
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Interval, Piece};
@@ -128,7 +128,7 @@ impl Rules<'_> {
             return Extent { k: half(|extent| extent.k), l: half(|extent| extent.l), offset, time: half(|e| e.time) };
         }
         let Some(cluster) = self.interval.cluster(label) else { return Extent::NONE };
-        let [k, l] = extent(motion, self.interval.hull_of(cluster));
+        let [k, l] = extent_in(motion, cluster, self.interval.bounds_of(cluster));
         let raw = time(self.settings.strength, k, tooth(self.seed, self.interval.generation, cluster, l));
         Extent { k, l, offset, time: shifted(self.settings.strength, raw, offset) }
     }

@@ -53,13 +53,14 @@ impl Steps<'_> {
     pub(super) fn interval(&mut self, interval: &IntervalInput) {
         let Some(clusters) = &interval.clusters else {
             self.plan.skip(self.passes.interval, "parts are measured on the device");
-            for (buffer, word) in [(SUPPORT_VALUES, 0), (SUPPORT_POINTS, NONE), (FRONTS, 0)] {
+            let rows = (!self.passes.rows.is_empty()).then_some((ROW_VALUES, 0));
+            for (buffer, word) in [(SUPPORT_VALUES, 0), (SUPPORT_POINTS, NONE), (FRONTS, 0)].into_iter().chain(rows) {
                 self.plan.step(self.passes.measure_begin, Command::Fill { buffer, word });
             }
             return;
         };
         let sizes = clusters.sized(&interval.counts, self.desc).map(|(.., bytes)| bytes);
-        self.copies(self.passes.interval, HOST_INTERVAL, [MOTIONS, LABELS, CLUSTERS, HULL, SEAMS, FRONTS], sizes);
+        self.copies(self.passes.interval, HOST_INTERVAL, [MOTIONS, LABELS, CLUSTERS, BOUNDS, SEAMS, FRONTS], sizes);
     }
 
     /// The first bytes of the host's buffers, of each as many.

@@ -212,7 +212,7 @@ fn the_surface_predicts_better_than_the_other_side_and_the_gradient() {
     // Sums of a thousand numbers may be rounded otherwise. Both spheres that move have shadows of their own colour, so that
     // little of a tone is common to all.
     let fast = Scene::new(FAST);
-    for (turn, scene, most) in [(SLOWLY, slow(), [1.0, 1.0]), (FAST, &fast, [0.75, 1.0])] {
+    for (turn, scene, most) in [(SLOWLY, slow(), [1.0, 1.0]), (FAST, &fast, [0.8, 1.0])] {
         let drawing = scene.draw(1, true);
         for (striped, most) in [false, true].into_iter().zip(most) {
             let ways = [Completion::Surface, Completion::Gradient, Completion::None];
