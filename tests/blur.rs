@@ -34,6 +34,8 @@ mod scenes;
 mod scratch;
 #[path = "blur/shade.rs"]
 mod shade;
+#[path = "blur/smears.rs"]
+mod smears;
 #[path = "blur/toon.rs"]
 mod toon;
 #[path = "blur/trajectory.rs"]

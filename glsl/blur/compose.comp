@@ -17,8 +17,14 @@ layout(std430, binding = 22) readonly buffer SampleStates { uint sample_states[]
 layout(std430, binding = 23) writeonly buffer Picture { vec4 picture[]; };
 layout(std430, binding = 24) writeonly buffer ColourLayer { vec4 colour_layer[]; };
 layout(binding = 25) uniform texture2D background_image;
+layout(std430, binding = 27) readonly buffer Lines { float lines[]; };
+#include "toon.glsl"
 layout(constant_id = 0) const uint LAYERS = 0;  // 1: layers are kept
 layout(constant_id = 1) const uint DEPTH = 0;   // 1: the host has a depth
+layout(constant_id = 2) const uint CHOOSES = 0; // 1: one of two colours, 0: their mixture
+layout(constant_id = 3) const uint INKED = 0;   // 1: ink is drawn here, over what has been distorted
+layout(constant_id = 4) const int REACH = 1;    // samples from which a line can reach a sample
+#include "mix.glsl"
 #include "surface.glsl"
 #include "background.glsl"
 
@@ -43,6 +49,22 @@ bool is_beside(ivec2 pixel) {
 // Whether frames are drawn by this effect, with all ink on the mesh.
 bool is_drawn() {
     return params.is_drawn != 0u;
+}
+
+// Lines are known of what sees the mesh.
+float line_near(ivec2 at) {
+    uint index = index_of_sample(at);
+    return (sample_states[index] & MASK) != NOTHING_SEEN ? lines[index] : 0.0;
+}
+#include "ink_width.glsl"
+
+// Ink on a pixel's samples.
+vec4 ink_of(ivec2 pixel) {
+    vec4 ink = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        ink[i] = INKED != 0u && is_drawn() ? line_of(sample_of(pixel, i), REACH) : 0.0;
+    }
+    return ink;
 }
 
 // A frame's pixel, finished.
@@ -126,8 +148,7 @@ vec4 around(Skirt skirt, vec2 place) {
     look_beside(2u, skirt, place, colours[1], weights[1]);
     bool has_previous = weights[0] > LEAST_WEIGHT;
     bool has_next = weights[1] > LEAST_WEIGHT;
-    float later = clamp(skirt.fragment.moved, 0.0, 1.0);
-    return has_previous && has_next ? mix(colours[0], colours[1], later)
+    return has_previous && has_next ? mixture(colours[0], colours[1], skirt.fragment.moved)
         : has_previous ? colours[0] : has_next ? colours[1] : vec4(0.0);
 }
 
@@ -157,6 +178,7 @@ void main() {
     if (!is_in_picture(pixel)) {
         return;
     }
+    vec4 ink = ink_of(pixel);
     uint cover = cover_at(pixel);
     float farthest = 1.0;
     float front = texelFetch(depth_next, pixel, 0).x;
@@ -192,6 +214,7 @@ void main() {
         bool is_seen = (state & MASK) != NOTHING_SEEN && !is_hidden;
         nearness = is_hidden ? 0.0 : nearness;
         vec4 colour = is_seen ? sample_colours[index] : vec4(0.0);
+        colour.rgb = mix(colour.rgb, colour.w * toon.ink_colour.rgb, ink[i]);
         bool is_part = is_seen && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
         parts[i] = colour;

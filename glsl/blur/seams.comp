@@ -30,5 +30,6 @@ void main() {
         sum += smooth_values[from + neighbours[i]];
     }
     uint count = last - first + 1u;
-    smooth_values[to + point] = (sum + count / 2u) / count;
+    // What leads stays whole: nothing is drawn back farther.
+    smooth_values[to + point] = min((sum + count / 2u) / count, smooth_values[from + point]);
 }

@@ -57,6 +57,10 @@ vec4 predicted(Fragment fragment, uint frame, vec4 known) {
     return vec4(clamp(colour, vec3(0.0), max(vec3(scale_of_images()), known.xyz)), known.w);
 }
 
+Sides known_sides(Fragment fragment) {
+    return sides_of(fragment, uvec2(1u, 2u), SHOWN_BOTH);
+}
+
 void keep(uint index, Sides sides) {
     if (COMPLETION == FROM_GRADIENT) {
         sample_sides[index] = uvec4(packed(sides.colours[0]), packed(sides.colours[1]));

@@ -8,9 +8,11 @@ layout(std430, binding = 23) writeonly buffer SampleColours { vec4 sample_colour
 layout(std430, binding = 24) writeonly buffer SampleStates { uint sample_states[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
 layout(constant_id = 1) const uint COMPLETION = 0;  // 0: none, or one of these
+layout(constant_id = 2) const uint CHOOSES = 0;     // 1: one of two colours, 0: their mixture
 const uint FROM_SURFACE = 1u;
 const uint FROM_GRADIENT = 2u;
 #include "tables.glsl"
+#include "mix.glsl"
 
 // Whether a sample of the workgroup is to be made from its neighbours': where neither frame shows it, or one.
 shared uint pending[2];
@@ -32,6 +34,9 @@ Sides sides_of(Fragment fragment, uvec2 frames, uint wanted) {
     return sides;
 }
 
+// What frames i and i + 1 show.
+Sides known_sides(Fragment fragment);
+
 // The colour of a place in a frame, i (0) or i + 1 (1), where neither shows it; w below 0: unknown.
 vec4 typical(Fragment fragment, uint frame);
 
@@ -41,16 +46,14 @@ vec4 predicted(Fragment fragment, uint frame, vec4 known);
 // Keeps both sides of a sample for its neighbours.
 void keep(uint index, Sides sides);
 
-// The mixture at the time, or what is known of it.
+// Both at the time, or what is known of it.
 vec4 mixed(Sides sides, float moved) {
-    float later = clamp(moved, 0.0, 1.0);
-    vec4 both = (1.0 - later) * sides.colours[0] + later * sides.colours[1];
-    return sides.known == SHOWN_BOTH ? both : sides.colours[sides.known >> 1];
+    return sides.known == SHOWN_BOTH ? mixture(sides.colours[0], sides.colours[1], moved) : sides.colours[sides.known >> 1];
 }
 
 // Colour and state of a sample.
 vec4 shade(Fragment fragment, uint index, out uint state) {
-    Sides sides = sides_of(fragment, uvec2(1u, 2u), SHOWN_BOTH);
+    Sides sides = known_sides(fragment);
     uint mask = sides.known;
     keep(index, sides);
     state = mask | KNOWN;

@@ -12,6 +12,7 @@ layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(std430, binding = 26) readonly buffer Poses { float poses[]; };
 #include "unit.glsl"
 #include "toon_tone.glsl"
+layout(constant_id = 3) const uint IS_BARE = 0;  // 1: ink is drawn later
 
 vec4 typical(Fragment fragment, uint frame) {
     uvec4 groups = corner_groups[fragment.place];
@@ -32,3 +33,11 @@ vec4 predicted(Fragment fragment, uint frame, vec4 known) {
 }
 
 void keep(uint index, Sides sides) {}
+
+// Without ink they need not be looked up.
+Sides known_sides(Fragment fragment) {
+    if (IS_BARE != 0u) {
+        return Sides(vec4[2](typical(fragment, 0u), typical(fragment, 1u)), SHOWN_BOTH);
+    }
+    return sides_of(fragment, uvec2(1u, 2u), SHOWN_BOTH);
+}

@@ -21,7 +21,6 @@ layout(location = 0) out vec4 colour;
 #include "normal_order.glsl"
 #include "unit.glsl"
 #include "toon_tone.glsl"
-#include "toon/ink_width.glsl"
 #include "common/fragment.glsl"
 
 // Unit normal of a group; 0 where it has no area.
@@ -48,20 +47,10 @@ vec3 tone_of(uint index, vec2 at) {
     return toned(constants.frame, index, triangle, barycentrics, normal);
 }
 
-// The line, widened: the strongest of the samples near enough, fading over the last sample.
-float line_of(ivec2 at) {
-    ivec2 size = 2 * ivec2(params.size);
-    ivec2 low = max(at - REACH, ivec2(0));
-    ivec2 high = min(at + REACH, size - 1);
-    float opacity = 0.0;
-    for (int y = low.y; y <= high.y; ++y) {
-        for (int x = low.x; x <= high.x; ++x) {
-            float share = ink_share(toon.ink_width, length(vec2(ivec2(x, y) - at)));
-            opacity = max(opacity, share * lines[index_of_sample(ivec2(x, y))]);
-        }
-    }
-    return opacity;
+float line_near(ivec2 at) {
+    return lines[index_of_sample(at)];
 }
+#include "ink_width.glsl"
 
 vec4 sample_at(ivec2 at) {
     uint triangle_id = texelFetch(sampled, at, 0).x;
@@ -69,7 +58,7 @@ vec4 sample_at(ivec2 at) {
         return vec4(0.0);
     }
     vec3 tone = tone_of(triangle_id - 1u, 0.5 * (vec2(at) + 0.5));
-    float line = INKED != 0u ? line_of(at) : 0.0;
+    float line = INKED != 0u ? line_of(at, REACH) : 0.0;
     return vec4(mix(tone, toon.ink_colour.rgb, line), 1.0);
 }
 

@@ -426,7 +426,8 @@ impl Inventory for Layout {
         if desc.layers || desc.settings.draws_behind() || desc.temporal != TemporalFormats::default() {
             return Vec::new();
         }
-        let refinement = [SPLINES, ACTIVE, NEXT, LINES].map(Resource::Buffer).into();
+        let of_frames = Some(LINES).filter(|_| !(desc.toon && desc.settings.toon.inks_smears()));
+        let refinement = [SPLINES, ACTIVE, NEXT].into_iter().chain(of_frames).map(Resource::Buffer).collect();
         let samples = vec![vec![SAMPLED.into()], vec![LISTS.into()], vec![PICTURE.into()]];
         vec![vec![refinement, vec![SAMPLE_COLOURS.into()]], samples]
     }

@@ -222,14 +222,14 @@ fn depth_unit(projection: &Projection, size: [u32; 2]) -> f64 {
     0.5 * f64::from(size[1]) / projection.focal.y / 20.0_f64.to_radians().tan()
 }
 
-/// Width of the ink in samples, of which a pixel has two a side.
-fn ink_width(toon: &Toon) -> f32 {
-    2.0 * toon.outline.width
+/// Width of the ink in samples, of which a pixel has two a side, in a picture of so many lines.
+fn ink_width(toon: &Toon, height: u32) -> f32 {
+    (2.0 * Settings::scaled(toon.outline.width, height)).max(1.0)
 }
 
 /// Samples from which a line can reach a sample.
-pub fn ink_reach(toon: &Toon) -> u32 {
-    crate::toon::ink_reach(ink_width(toon))
+pub fn ink_reach(toon: &Toon, height: u32) -> u32 {
+    crate::toon::ink_reach(ink_width(toon, height))
 }
 
 impl ToonParams {
@@ -248,7 +248,7 @@ impl ToonParams {
             eye: projection.eye_terms(),
             ink_colour: [r, g, b, 0.0],
             ink_strength: toon.outline.strength,
-            ink_width: ink_width(toon),
+            ink_width: ink_width(toon, desc.size[1]),
             sample_extent: span as f32,
             ambient: light.ambient as f32,
             fill: light.fill_axis(),

@@ -8,7 +8,7 @@ use crate::blur::layout::*;
 use crate::blur::params::{
     BlurParams, Control, FROM_GRADIENT, FROM_SURFACE, Knot, PIECE_SEGMENTS, ROUNDS, Round, ToonParams, ink_reach,
 };
-use crate::blur::settings::{Completion, Extent, Refine, Space};
+use crate::blur::settings::{Completion, Extent, Mix, Refine, Space};
 use crate::effect::DeviceTraits;
 use crate::host::DepthFormat;
 use crate::plan::{
@@ -123,10 +123,17 @@ passes! {
     tone = Pass::compute("blur.tones", &glsl::tone::SHADER).times(2);
     shade_params = Pass::transfer("blur.shade").updates::<ToonParams>(TOON_BUFFER, 1);
     /// Of frames that are drawn, if any are and completion follows from the surface.
-    shade_drawn: Option<PassId> = (desc.toon && desc.settings.completion == Completion::Surface).then(|| {
-        Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise([desc.groups, completion(desc)])
+    shade_drawn: Option<PassId> = draws_hidden(desc).then(|| {
+        let facts = [completion(desc), chooses(desc), desc.settings.toon.draws_smears().into()];
+        let [completion, chooses, is_bare] = facts;
+        Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise([desc.groups, completion, chooses, is_bare])
     });
-    shade = Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion(desc)]);
+    shade =
+        Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion(desc), chooses(desc)]);
+    /// Of frames that are drawn, if ink comes after the distortion.
+    smear_lines: Option<PassId> = inks_smears(desc).then(|| {
+        Pass::compute("blur.ink", &glsl::smear_lines::SHADER).specialise(desc.settings.toon.outline.operator.words())
+    });
     sides = Pass::compute("blur.layers", &glsl::sides::SHADER);
     /// Of samples that neither frame shows, and of those that one does.
     border: [PassId; 2] = [0, 1]
@@ -137,8 +144,7 @@ passes! {
         let pass = pass.specialise([gradient, inward_iterations(traits)]);
         pass.times(inward_dispatches(traits)[gradient as usize] as usize)
     });
-    compose = Pass::compute("blur.compose", &glsl::compose::SHADER)
-        .specialise([u32::from(desc.layers), u32::from(desc.depth.is_some())]);
+    compose = compose(desc);
     composite = match desc.depth {
         Some(format) => composite_depth(desc, format),
         None => whole("blur.composite", &glsl::composite_fragment::SHADER, TARGET, desc),
@@ -149,10 +155,9 @@ passes! {
     toon_params = Pass::transfer("blur.toon").updates::<ToonParams>(TOON_BUFFER, 1).times(DRAWN_FRAMES);
     toon_project = Pass::compute("blur.toon", &glsl::project::SHADER);
     toon_see = sampling("blur.toon", desc).times(DRAWN_FRAMES);
-    toon_lines = {
-        let second = desc.settings.toon.outline.operator.is_second();
-        Pass::compute("blur.toon", &glsl::toon_lines::SHADER).specialise([second.into()]).times(DRAWN_FRAMES)
-    };
+    toon_lines = Pass::compute("blur.toon", &glsl::toon_lines::SHADER)
+        .specialise(desc.settings.toon.outline.operator.words())
+        .times(DRAWN_FRAMES);
     /// Into each place.
     toon: [PassId; TOON.len()] = TOON.map(|image| toon(desc, image));
     /// Of each place.
@@ -208,6 +213,33 @@ const DRAWN_FRAMES: usize = 4;
 /// Whether trajectories are straight in screen space, as a specialisation constant.
 fn in_screen(desc: &Desc) -> u32 {
     u32::from(desc.settings.space == Space::Screen)
+}
+
+/// Whether what drawn frames hide is drawn, too.
+fn draws_hidden(desc: &Desc) -> bool {
+    desc.toon && (desc.settings.completion == Completion::Surface || desc.settings.toon.draws_smears())
+}
+
+/// Whether there may be ink that is drawn after the distortion.
+fn inks_smears(desc: &Desc) -> bool {
+    desc.toon && desc.settings.toon.inks_smears()
+}
+
+/// What is made of two colours, as a specialisation constant.
+fn chooses(desc: &Desc) -> u32 {
+    u32::from(desc.settings.mix == Mix::Choose)
+}
+
+fn compose(desc: &Desc) -> Pass {
+    let pass = Pass::compute("blur.compose", &glsl::compose::SHADER).specialise([
+        u32::from(desc.layers),
+        u32::from(desc.depth.is_some()),
+        chooses(desc),
+        u32::from(inks_smears(desc)),
+        ink_reach(&desc.settings.toon, desc.size[1]),
+    ]);
+    // Without ink lines are not looked at, and something else may be where they have been.
+    if inks_smears(desc) { pass } else { pass.bind(glsl::compose::LINES, SAMPLE_STATES) }
 }
 
 /// How colours are completed, as a specialisation constant.
@@ -311,7 +343,7 @@ fn from_toon(name: &'static str, to: &[ImageId]) -> Pass {
 fn toon(desc: &Desc, image: ImageId) -> Pass {
     let toon = &desc.settings.toon;
     let inked = u32::from(toon.outline.is_on());
-    whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise([inked, ink_reach(toon)])
+    whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise([inked, ink_reach(toon, desc.size[1])])
 }
 
 /// A frame over the background, as the target's first content.

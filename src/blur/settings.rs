@@ -64,6 +64,28 @@ words! {
 }
 
 words! {
+    /// What is made of the colours that the two frames have of a place.
+    pub enum Mix {
+        /// One of them: the later from the middle of the time between on. No colour is one that nobody has drawn.
+        #[default]
+        Choose = "choose",
+        /// Their mixture at the time (the paper's way, equation 12).
+        Blend = "blend",
+    }
+}
+
+words! {
+    /// When ink is drawn, of frames without images.
+    pub enum Ink {
+        /// After the distortion, from what that has made of the mesh: lines are as dark in smears as elsewhere.
+        #[default]
+        After = "after",
+        /// Before it, in the frames: lines are smeared with them (the paper's way).
+        Before = "before",
+    }
+}
+
+words! {
     /// What replaces a colour that one of the two frames hides.
     pub enum Completion {
         /// The colour of the other frame, changed as the light on the surface changes: how that follows from normals is learnt
@@ -115,8 +137,11 @@ settings! {
             Tone::new(0.0, [0.38, 0.36, 0.50]),
             Tone::new(0.45, [1.0, 1.0, 1.0]),
         ];
-        /// The ink line; by default from second differences, because meshes have slopes.
-        outline: Outline = Outline { operator: Operator::Second, ..Outline::default() };
+        /// When the ink is drawn: "after" the distortion, or "before" it, so that it is smeared as the rest (the original
+        /// way).
+        ink: Ink = Ink::default();
+        /// The ink line.
+        outline: Outline = Outline { operator: Operator::Step, ..Outline::default() };
     }
 }
 
@@ -148,7 +173,7 @@ settings! {
         /// What is drawn back: all that trails in its own "row" across the part's motion, or what is behind the front of the
         /// whole "part" (the original way).
         extent: Extent = Extent::default();
-        /// Rounds of smoothing where parts meet.
+        /// Rounds of smoothing where parts meet: what trails there is drawn back less.
         seam_smoothing: u32 = 8, "rounds", 0..=64, "the original way";
         /// Where triangles are divided: where they are off their path by `tolerance`, "error", or by the "length" of their
         /// edges (the original way).
@@ -160,6 +185,9 @@ settings! {
         /// What stands where one frame hides what the other shows: the other's colour under the light that falls on its
         /// "surface" then, changed by the "gradient" of the neighbours (the original way), or as it is: "none".
         completion: Completion = Completion::default();
+        /// What is made of two colours, of the earlier frame and of the later: to "choose" one of them, or to "blend" them
+        /// (the original way).
+        mix: Mix = Mix::default();
         /// How far smears of images reach over the mesh's outline, for lines on it.
         skirt: f32 = 2.0, "pixels", 0.0..=16.0;
         /// Speed lines behind what trails.
@@ -185,6 +213,18 @@ impl Lines {
     }
 }
 
+impl Toon {
+    /// Whether smears are drawn as frames are, and not looked up in these.
+    pub fn draws_smears(&self) -> bool {
+        self.ink == Ink::After
+    }
+
+    /// Whether smears have ink of their own.
+    pub fn inks_smears(&self) -> bool {
+        self.draws_smears() && self.outline.is_on()
+    }
+}
+
 impl Ghosts {
     /// Whether there are any.
     pub fn are_on(&self) -> bool {
@@ -193,6 +233,26 @@ impl Ghosts {
 }
 
 impl Settings {
+    /// The paper's choices: in screen space, at the earlier frame, parts by a linear discriminant, each smeared as a whole, by 43 random
+    /// numbers, triangles by length, colours blended and completed by gradients, ink in the frames.
+    pub fn paper() -> Settings {
+        let outline = Outline { operator: Operator::Second, ..Outline::default() };
+        Settings {
+            teeth: Some(43),
+            space: Space::Screen,
+            reference_time: 0.0,
+            clusters: Clusters::Ldf,
+            angle: 60.0,
+            extent: Extent::Part,
+            seam_smoothing: 0,
+            refine: Refine::Length,
+            completion: Completion::Gradient,
+            mix: Mix::Blend,
+            toon: Toon { ink: Ink::Before, outline, ..Toon::default() },
+            ..Settings::default()
+        }
+    }
+
     /// Whether anything is smeared.
     pub fn smears(&self) -> bool {
         self.strength > 0.0

@@ -147,7 +147,7 @@ impl Steps<'_> {
             // The target has frame i + 1, and only what is behind the mesh is missing.
             self.skip_picture("strength is 0");
         } else {
-            self.tiles();
+            self.tiles(frame);
             self.learn(frame, there);
             self.shade(frame);
         }
@@ -174,7 +174,8 @@ impl Steps<'_> {
     fn skip_picture(&mut self, reason: &'static str) {
         let Passes { tiles, cover, normals, learn, tone, shade, border: [border, _], compose, composite, .. } =
             self.passes;
-        for pass in [tiles, cover, normals, learn, tone, shade, border, compose, composite] {
+        let ink = self.passes.smear_lines.iter();
+        for pass in [tiles, cover, normals, learn, tone, shade, border, compose, composite].into_iter().chain(ink) {
             self.plan.skip(*pass, reason);
         }
         self.skip_temporal(reason);
@@ -456,10 +457,19 @@ impl Steps<'_> {
         Command::Dispatch { threads: [shader.local_size[0] * count, 1, 1] }
     }
 
-    /// Which tiles are worked on; what the others have is nothing.
-    fn tiles(&mut self) {
+    /// Which tiles are worked on; what the others have is nothing. And where ink is on them.
+    fn tiles(&mut self, frame: &Frame) {
         let [width, height] = self.desc.size;
+        if let Some((_, input)) = self.shade_drawn(frame).zip(frame.toon.as_ref()) {
+            let params = ToonParams::new(self.desc, &input.view, &input.light);
+            self.plan.update(self.passes.shade_params, TOON_BUFFER, &params);
+        }
         self.plan.step(self.passes.tiles, Command::Dispatch { threads: [width, height, 1] });
+        match (self.passes.smear_lines, frame.images) {
+            (Some(lines), None) => self.plan.step(lines, Self::over_tiles(2)),
+            (Some(lines), Some(_)) => self.plan.skip(lines, "images have their own"),
+            (None, _) => {}
+        }
     }
 
     /// The pass that knows what frames that are drawn hide, if they are.
@@ -515,12 +525,7 @@ impl Steps<'_> {
     }
 
     fn shade(&mut self, frame: &Frame) {
-        let drawn = self.shade_drawn(frame).zip(frame.toon.as_ref());
-        if let Some((_, input)) = drawn {
-            let params = ToonParams::new(self.desc, &input.view, &input.light);
-            self.plan.update(self.passes.shade_params, TOON_BUFFER, &params);
-        }
-        let pass = drawn.map_or(self.passes.shade, |(pass, _)| pass);
+        let pass = self.shade_drawn(frame).unwrap_or(self.passes.shade);
         self.plan.step(pass, Self::over_tiles(2));
         if self.desc.layers {
             let [width, height] = self.desc.size;

@@ -1,4 +1,4 @@
-//! `celfx bench`: run time against error, and what makes smoke and fire look drawn.
+//! `celfx bench`: run time against error, and what makes smoke, fire and smears look drawn.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ Examples:
   celfx bench smoke --only 'gaussian/per_id_tiles'  one variant at its workloads
   celfx bench flame --only 'tiles R=16/paper'       one row
   celfx bench blur --only refine                    where triangles are divided, at all workloads
-  celfx bench look                                  what makes the built-in smoke and fire look drawn
+  celfx bench look                                  what makes the built-in effects look drawn
   celfx bench look my.toml --set smoke.sigma=8      the same of a shot of one's own
   celfx bench calibrate > mine.toml                 which ways are the fastest here; then:
   celfx render --tuning mine.toml shot.toml -o out/%04d.png";
@@ -36,7 +36,7 @@ pub(super) struct Options {
     /// What to measure
     #[arg(value_parser = names(), default_value = ALL)]
     what: String,
-    /// Of `look`: the shots to measure, files or builtin:NAME [default: those built in with smoke or fire]
+    /// Of `look`: the shots to measure, files or builtin:NAME [default: built-in ones of each effect]
     #[arg(value_name = "SHOT")]
     shots: Vec<String>,
     /// Of `look`: the frames, both ends included [default: 20-40, or the last 21 of a shot that has not all of those]
@@ -75,7 +75,8 @@ fn names() -> PossibleValuesParser {
     });
     let others = [
         PossibleValue::new(CALIBRATE).help("Which ways are the fastest on the device: prints a file for --tuning"),
-        PossibleValue::new(LOOK).help("What makes smoke and fire look drawn, in shares of pixels; no part of all"),
+        PossibleValue::new(LOOK)
+            .help("What makes smoke, fire and smears look drawn, in shares of pixels; no part of all"),
         PossibleValue::new(LIMITS).help("What the device can do: copy and arithmetic"),
         PossibleValue::new(ALL).help("All effects, and the device"),
     ];
@@ -138,9 +139,6 @@ fn scenes(options: &Options) -> Result<Vec<Scene>, Failure> {
 fn scene(name: &str, options: &Options) -> Result<Scene, Failure> {
     let shot = program::load(name, &options.set)?;
     shot.check_effects().map_err(|why| Failure::usage(format!("{}: {why}", shot.name)))?;
-    if !["smoke", "flame"].into_iter().any(|effect| shot.has(effect)) {
-        return Err(Failure::usage(format!("{name}: neither smoke nor fire; expected [smoke] or [flame]")));
-    }
     let frames @ [first, last] = options.frames.unwrap_or_else(|| look::frames_of(shot.frames));
     let [a, b] = shot.frames;
     match a <= first && last <= b {

@@ -49,8 +49,8 @@ threads is the same bit for bit, because smoke is always stepped from the shot's
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// The shot: a TOML file, or builtin:smoke, :cloud, :paper_smoke, :flame, :paper_flame, :campfire or :blur (`celfx
-    /// shot` prints them)
+    /// The shot: a TOML file, or builtin:smoke, :cloud, :paper_smoke, :flame, :paper_flame, :campfire, :blur or
+    /// :paper_blur (`celfx shot` prints them)
     shot: String,
     /// Frames to render, both ends included, within those of the shot [default: all]
     #[arg(long, value_name = "A-B", value_parser = frame_range)]

@@ -14,8 +14,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Options {
-    /// The shot: builtin:smoke, builtin:cloud, builtin:paper_smoke, builtin:flame, builtin:paper_flame, builtin:campfire or
-    /// builtin:blur
+    /// The shot: builtin:smoke, builtin:cloud, builtin:paper_smoke, builtin:flame, builtin:paper_flame, builtin:campfire,
+    /// builtin:blur or builtin:paper_blur
     #[arg(value_name = "builtin:NAME")]
     name: String,
 }

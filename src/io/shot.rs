@@ -56,6 +56,7 @@ pub const BUILTIN: &[(&str, &str)] = &[
     ("builtin:paper_smoke", include_str!("shot/paper_smoke.toml")),
     ("builtin:flame", include_str!("shot/flame.toml")),
     ("builtin:paper_flame", include_str!("shot/paper_flame.toml")),
+    ("builtin:paper_blur", include_str!("shot/paper_blur.toml")),
     ("builtin:campfire", include_str!("shot/campfire.toml")),
     ("builtin:blur", include_str!("shot/blur.toml")),
 ];
@@ -254,6 +255,15 @@ impl Shot {
     /// Its settings of an effect, if it has that.
     pub fn part<P: Part>(&self) -> Option<&P> {
         self.parts.iter().find_map(|(_, part)| (&**part as &dyn Any).downcast_ref())
+    }
+
+    /// The same with other settings of an effect that it has.
+    pub(crate) fn with_part<P: Part>(&self, part: P) -> Shot {
+        let mut shot = self.clone();
+        if let Some((_, own)) = shot.parts.iter_mut().find(|(_, own)| (&**own as &dyn Any).is::<P>()) {
+            *own = Arc::new(part);
+        }
+        shot
     }
 
     /// Checks its effects together.

@@ -18,13 +18,15 @@ words! {
         Roberts = "roberts",
         /// Second differences: no false lines on slopes.
         Second = "second",
+        /// The nearer sides of steps, by second differences: a line is there or not.
+        Step = "step",
     }
 }
 
 impl Operator {
-    /// Whether differences are second ones.
-    pub(crate) fn is_second(self) -> bool {
-        self == Operator::Second
+    /// As specialisation constants: whether differences are second ones, whether lines are the nearer sides of steps.
+    pub(crate) fn words(self) -> [u32; 2] {
+        [Operator::Second, Operator::Step].map(|operator| u32::from(self == operator))
     }
 }
 
@@ -34,11 +36,12 @@ settings! {
     pub struct Outline {
         /// How dark a step in depth is, per its square.
         strength: f32 = 1.0, "", 0.0..=STRONGEST, "off";
-        /// How broad the line is; 1 is the thinnest.
-        width: f32 = 1.5, "pixels", 1.0..=BROADEST;
+        /// How broad the line is; half a pixel of the picture is the thinnest.
+        width: f32 = 3.0, "pixels at 1080 lines", 0.1..=BROADEST;
         /// What it is drawn with.
         colour: [f32; 3] = [0.0; 3], "linear [red, green, blue]", 0.0..=BRIGHTEST;
-        /// Which differences of depth make a line; "second" ones make no false lines on slopes.
+        /// What makes a line: the nearer side of a "step" in depth; or fading with its square, "second" differences, without false
+        /// lines on slopes, or those of "roberts" (the original way).
         operator: Operator = Operator::default();
     }
 }

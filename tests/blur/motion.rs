@@ -116,7 +116,7 @@ fn vectors_are_differences_along_trajectories() {
         let Some(mut rig) = BlurRig::in_larger_images(made, mesh.clone(), [5, 2]) else { return };
         let found = render(&mut rig, &animation, i);
         let drawing = drawing(&mut rig, &mesh, animation.cameras[i].near);
-        let (mut worst, mut counts, mut apart) = (0.0_f64, [0; 3], 0);
+        let (mut worst, mut rough, mut counts, mut apart) = (0.0_f64, 0, [0; 3], 0);
         for pixel in 0..PIXELS {
             let samples = samples(&drawing, pixel);
             let is_still = |fragment: &Fragment| {
@@ -137,15 +137,21 @@ fn vectors_are_differences_along_trajectories() {
             }
             let at = |time| seen(&animation, &mesh, space, i, nearest, time);
             let expected = at(nearest.time - 1.0) - at(nearest.time);
-            worst = worst.max(distance(found.motion[pixel], expected));
+            let off = distance(found.motion[pixel], expected);
+            worst = worst.max(off);
+            rough += usize::from(off >= 0.01);
             counts[0] += 1;
             counts[1] += usize::from(is_still(nearest));
             counts[2] += usize::from(nearest.time < 0.5);
         }
-        println!("{name}: {counts:?} vectors, off by at most {worst:.1e} pixels; {apart} pixels at borders");
+        println!(
+            "{name}: {counts:?} vectors, {rough} rough, off by at most {worst:.1e} pixels; {apart} pixels at borders"
+        );
         // Pieces of refined triangles are flat: places are off by up to `tolerance`, 0.06 pixels here, and vectors by what a place that is
         // so far away moves otherwise, a few hundredths of that. Vectors are some 10 pixels long.
-        assert!(worst < 0.01, "{name}: off by {worst}");
+        // Beside a seam, where k' changes by as much as one in a pixel, a place that is off by 0.01 pixels is another time: that is some
+        // 0.1 pixels of the way.
+        assert!(worst < 0.2 && rough * 200 < counts[0], "{name}: {rough} of {} rough, off by {worst}", counts[0]);
         assert!(counts[0] > 1000 && counts[1] > 100 && apart * 500 < counts[0], "{name}: {counts:?}, {apart}");
         early += counts[2];
     }

@@ -2,7 +2,7 @@
 
 use ash::vk;
 use celfx::blur::motion::{Motion, Window};
-use celfx::blur::settings::Completion;
+use celfx::blur::settings::{Completion, Mix};
 use celfx::blur::{DepthFormat, Desc, Interval, Settings};
 use celfx::low_level::blur::layout;
 use celfx::view::Projection;
@@ -153,7 +153,7 @@ fn what_stands_before_the_mesh_is_not_smeared() {
         // What completion does with it does not depend on the view.
         let count = if is_other { 1 } else { 3 };
         for completion in completions.into_iter().take(count) {
-            let settings = Settings { completion, ..Settings::default() };
+            let settings = Settings { completion, mix: Mix::Blend, ..Settings::default() };
             let Some(mut plain) = Scene::new(settings.clone(), change, None) else { return };
             plain.set_images(&names);
             let without = smeared(&plain.render(true));

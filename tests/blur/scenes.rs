@@ -2,10 +2,14 @@
 
 use celfx::blur::motion::PixelClip;
 use celfx::blur::motion::{Segment, outline};
+use celfx::blur::reference::distort::{Drawing, Outside, Triangle, Vertex, draw, hidden};
+use celfx::blur::reference::scene;
 use celfx::blur::{Cluster, FrameView, Interval, Knot, Mesh, MeshInput, Pose};
+use celfx::low_level::blur::params::BASE_MASK;
 use celfx::view::{Camera, Projection, View};
 use glam::{DVec2, DVec3};
 
+use crate::common::blur::BlurRig;
 use crate::common::scenes::random;
 
 /// A grid of this many points.
@@ -229,4 +233,41 @@ pub fn swing(sides: [u32; 2], frames: u32, size: [u32; 2], reach: f32) -> Animat
         }
     };
     Animation::new((0..frames).map(pose).collect(), (0..frames).map(camera).collect(), size)
+}
+
+/// What samples see of the mesh that a device has refined between two frames.
+pub fn drawn(rig: &mut BlurRig, mesh: &Mesh, animation: &Animation, frames: [usize; 2]) -> Drawing {
+    let (vertices, finished) = (rig.vertices(), rig.finished());
+    let triangle = |row: &[u32; 4]| {
+        let base = row[3] & BASE_MASK;
+        let corner = |i: usize| {
+            let vertex = vertices[row[i] as usize];
+            let [x, y, w, time] =
+                [vertex.drawn[0], vertex.drawn[1], vertex.drawn_depth, vertex.drawn_time].map(f64::from);
+            let weights = match vertex.is_point {
+                1 => mesh.triangles()[base as usize].map(|point| f64::from(u8::from(point == row[i]))),
+                _ => {
+                    let [v, w] = vertex.barycentrics.map(f64::from);
+                    [1.0 - v - w, v, w]
+                }
+            };
+            Vertex { drawn: [x * w, y * w, w], time, weights }
+        };
+        Triangle { corners: [0, 1, 2].map(corner), base }
+    };
+    let triangles: Vec<Triangle> = finished.iter().map(triangle).collect();
+    let seen = |outside: Outside| match (outside, animation.is_mirrored()) {
+        (Outside::Clockwise, true) => Outside::CounterClockwise,
+        (Outside::CounterClockwise, true) => Outside::Clockwise,
+        (outside, _) => outside,
+    };
+    let outsides = frames.map(|frame| {
+        let outsides = scene::outsides(mesh, &animation.poses[frame], &animation.seen(frame), animation.size);
+        outsides.into_iter().map(seen).collect::<Vec<_>>()
+    });
+    let corners =
+        frames.map(|frame| scene::corners(mesh, &animation.poses[frame], &animation.seen(frame), animation.size));
+    let hidden =
+        hidden(corners.each_ref().map(|corners| &corners[..]), outsides.each_ref().map(|outsides| &outsides[..]));
+    draw(&triangles, &hidden, animation.size, animation.cameras[frames[0]].near, 2)
 }

@@ -1,7 +1,7 @@
 //! What is drawn: which triangle a pixel sees, against f64, and the colours that it gets from both frames.
 
 use celfx::blur::motion::{Motion, Window};
-use celfx::blur::settings::Completion;
+use celfx::blur::settings::{Completion, Mix};
 use celfx::blur::{Interval, Mesh, Settings};
 use celfx::low_level::blur::layout;
 use celfx::low_level::blur::params::{BASE_MASK, Vertex};
@@ -244,7 +244,7 @@ fn colours_are_of_the_surface(mut scene: Scene) {
 #[test]
 fn frames_are_mixed_by_time() {
     // What one frame hides is as the other one shows it, and not what light would make of it.
-    let settings = Settings { completion: Completion::None, ..Settings::default() };
+    let settings = Settings { completion: Completion::None, mix: Mix::Blend, ..Settings::default() };
     let Some(mut scene) = Scene::new(settings) else { return };
     let pixels = (SIZE[0] * SIZE[1]) as usize;
     let (red, green) = ([1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]);

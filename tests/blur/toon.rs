@@ -2,7 +2,7 @@
 
 use ash::vk;
 use celfx::blur::motion::{Motion, Window};
-use celfx::blur::settings::{Completion, Toon};
+use celfx::blur::settings::{Completion, Ink, Mix, Toon};
 use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings};
 use celfx::effect::Effort;
 use celfx::io::scene::{AnimatedMesh, Clock};
@@ -171,7 +171,7 @@ impl Film {
     }
 
     /// Unit normals of the corners of each triangle in a frame.
-    fn normals(&self, frame: usize) -> Vec<[DVec3; 3]> {
+    pub fn normals(&self, frame: usize) -> Vec<[DVec3; 3]> {
         let at = |point: u32| DVec3::from_array(self.animation.poses[frame][point as usize].map(f64::from));
         let area = |t: &u32| {
             let [a, b, c] = self.mesh.triangles()[*t as usize].map(at);
@@ -222,6 +222,16 @@ impl Film {
         nearest.iter().map(seen).collect()
     }
 
+    /// The colour of a place of a triangle in a frame; none where rounding may decide.
+    pub fn tone(&self, frame: usize, index: usize, shares: DVec3, normals: &[[DVec3; 3]]) -> Option<[f64; 4]> {
+        let place = |point: &u32| self.animation.pixel(frame, *point as usize);
+        let corners = [0, 1, 2].map(|i| place(&self.mesh.triangles()[index][i]));
+        let [p, q, r] = corners.map(DVec3::truncate);
+        let away = ((q - p).perp_dot(r - p) > 0.0) != self.animation.is_mirrored();
+        let seen = self.seen(frame, index, shares, away, &normals[index], false);
+        (!seen.unsure).then_some(seen.colour)
+    }
+
     fn seen(&self, frame: usize, index: usize, shares: DVec3, away: bool, normals: &[DVec3; 3], unsure: bool) -> Seen {
         let mix = |of: &dyn Fn(usize) -> DVec3| (0..3).map(|i| shares[i] * of(i)).sum::<DVec3>();
         let normal = mix(&|i| normals[i]).normalize_or_zero() * if away { -1.0 } else { 1.0 };
@@ -255,7 +265,8 @@ impl Film {
         let size = self.animation.size.map(|side| 2 * side as i32);
         let at = |x: i32, y: i32| &samples[(y.clamp(0, size[1] - 1) * size[0] + x.clamp(0, size[0] - 1)) as usize];
         let outline = &self.settings.toon.outline;
-        let (width, reach) = (2.0 * f64::from(outline.width), (2.0 * outline.width).ceil() as i32 - 1);
+        let width = 2.0 * outline.width * self.animation.size[1] as f32 / 1080.0;
+        let (width, reach) = (f64::from(width), width.ceil() as i32 - 1);
         let line = |x: i32, y: i32| {
             let own = at(x, y).object;
             own > 0 && [(-1, 1), (1, -1), (-1, -1), (1, 1)].iter().any(|(i, j)| at(x + i, y + j).object != own)
@@ -302,7 +313,9 @@ struct Seen {
 fn toon(strength: f32, width: f32) -> Toon {
     let tone = |from, colour| Tone::new(from, colour);
     let tones = vec![tone(0.0, [0.2, 0.25, 0.5]), tone(0.4, [0.6, 0.5, 0.5]), tone(0.8, [1.0, 1.0, 0.9])];
-    Toon { tones, outline: Outline { strength, width, colour: [0.02, 0.0, 0.1], operator: Operator::Roberts } }
+    // Widths of the picture's 180 lines.
+    let outline = Outline { strength, width: 6.0 * width, colour: [0.02, 0.0, 0.1], operator: Operator::Roberts };
+    Toon { tones, ink: Ink::Before, outline }
 }
 
 /// A rim, and a second light.
@@ -367,7 +380,7 @@ fn compare_with_f64(name: &str, film: &mut Film) {
 
 #[test]
 fn depth_makes_lines_and_slopes_none() {
-    let mut settings = Settings { toon: toon(1.0, 1.0), ..Settings::default() };
+    let mut settings = Settings { toon: toon(1.0, 1.7), ..Settings::default() };
     settings.toon.outline.operator = Operator::Second;
     let dark = |settings: &Settings| {
         let mut film = Film::new(Builtin::Spin, 1500, [192, 108], 0..4, settings.clone(), false)?;
@@ -427,7 +440,8 @@ fn drawn_frames_are_those_that_images_bring() {
     let mut seen = 0;
     for i in [2, 3] {
         // Only images have lines beside the mesh, and only what they hide has to be guessed.
-        let settings = Settings { skirt: 0.0, completion: Completion::None, ..Settings::default() };
+        let mut settings = Settings { skirt: 0.0, completion: Completion::None, ..Settings::default() };
+        settings.toon.ink = Ink::Before;
         let make = || Film::new(Builtin::Crossing, 800, [192, 108], 18..26, settings.clone(), false);
         let (Some(mut film), Some(mut other)) = (make(), make()) else { return };
         film.set_light(Light::default(), Background::Keep);
@@ -481,8 +495,8 @@ fn turning_bar(completion: Completion, is_hidden: bool) -> Option<Vec<([f32; 4],
     // So many tones that each turn shows, and no ink.
     let tone = |i: u8| Tone::new(f32::from(i) / 64.0, [f32::from(i) / 64.0; 3]);
     let outline = Outline { strength: 0.0, ..Outline::default() };
-    let toon = Toon { outline, tones: (0..64).map(tone).collect() };
-    let settings = Settings { completion, toon, skirt: 0.0, ..Settings::default() };
+    let toon = Toon { outline, ink: Ink::Before, tones: (0..64).map(tone).collect() };
+    let settings = Settings { completion, toon, skirt: 0.0, mix: Mix::Blend, ..Settings::default() };
     let mut film = Film::new(Builtin::Crossing, 800, [320, 180], 14..30, settings, false)?;
     for (frame, pose) in film.animation.poses.iter_mut().enumerate() {
         let rear: Vec<usize> = (0..pose.len()).filter(|point| pose[*point][2] < 0.0).collect();

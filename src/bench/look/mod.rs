@@ -1,4 +1,4 @@
-//! `celfx bench look`: what makes smoke and fire look drawn, or not, from the layers of rendered frames.
+//! `celfx bench look`: what makes smoke, fire and smears look drawn, or not, from the layers of rendered frames.
 //!
 //! | file | holds |
 //! |---|---|
@@ -7,6 +7,7 @@
 //! | `still.rs` | what is measured in one frame |
 //! | `motion.rs` | what is measured between a frame and the next |
 //! | `detail.rs` | what is measured of fire |
+//! | `smear.rs` | what is measured of smears |
 //! | `faults.rs` | pictures of it |
 //! | `rows.rs` | rows of `bench.json` and the table |
 
@@ -16,6 +17,7 @@ mod frame;
 mod motion;
 mod plane;
 pub(super) mod rows;
+mod smear;
 mod still;
 mod take;
 
@@ -28,7 +30,8 @@ use super::{BenchError, Watch};
 use crate::gpu::headless::Headless;
 use crate::io::WriteError;
 use crate::io::image::write_png8;
-use crate::io::shot::{BUILTIN, Shot};
+use crate::io::shot::{BUILTIN, Background, Shot};
+use crate::program::blur::Blur;
 use crate::program::smoke::Smoke;
 use crate::view::Camera;
 use detail::{brightness, fine_detail};
@@ -36,7 +39,8 @@ use faults::{Faults, LEGEND};
 use frame::SmokeFrame;
 use motion::compare;
 use plane::Plane;
-use rows::{Counts, FlameLook, FrameCounts, LookRow, middle};
+use rows::{Counts, FlameLook, FrameCounts, LookRow, SmearCounts, SmearLook, middle};
+use smear::Sides;
 use still::{Share, airbrushed, borders, inked, largest_tone, specks};
 use take::{Motion, Still, Take};
 
@@ -51,13 +55,20 @@ const HALVINGS: i32 = 4;
 /// Of a quick run: frames, views, and by what the picture's sides are divided.
 const QUICK: [u32; 3] = [3, 4, 4];
 /// Measured where no shot is named: as far as they are built in.
-const SCENES: [&str; 5] =
-    ["builtin:smoke", "builtin:cloud", "builtin:paper_smoke", "builtin:flame", "builtin:paper_flame"];
+const SCENES: [&str; 7] = [
+    "builtin:smoke",
+    "builtin:cloud",
+    "builtin:paper_smoke",
+    "builtin:flame",
+    "builtin:paper_flame",
+    "builtin:blur",
+    "builtin:paper_blur",
+];
 
 /// A shot, and the frames of it that are measured.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The shot. Its smoke and its fire are measured; at least one of them is there.
+    /// The shot. Its smoke, its fire and its smears are measured; at least one of them is there.
     pub shot: Arc<Shot>,
     /// First and last frame, within the shot's.
     pub frames: [u32; 2],
@@ -108,9 +119,10 @@ pub(super) fn measure(
     let is_wanted = |scene: &&Scene| only.is_empty() || only.iter().any(|only| scene.shot.name.contains(only));
     for scene in scenes.iter().filter(is_wanted) {
         let scene = if quick { cut(scene) } else { scene.clone() };
-        let mut shown = Shown { scene: &scene, quick, watch, counts: Counts::default(), faults: None, flame: None };
+        let mut shown =
+            Shown { scene: &scene, quick, watch, counts: Counts::default(), faults: None, flame: None, blur: None };
         device = shown.measure(device)?;
-        let Shown { counts, faults, flame, .. } = shown;
+        let Shown { counts, faults, flame, blur, .. } = shown;
         let shot = &scene.shot;
         look.rows.push(LookRow {
             scene: shot.name.clone(),
@@ -118,6 +130,7 @@ pub(super) fn measure(
             frames: scene.frames,
             smoke: shot.part::<Smoke>().map(|_| counts.look()),
             flame,
+            blur,
         });
         let name = file_name(&shot.name, &look.pictures.iter().map(|(name, ..)| name.as_str()).collect::<Vec<_>>());
         look.pictures.extend(faults.map(|faults| (name, shot.size, faults)));
@@ -150,6 +163,7 @@ struct Shown<'a> {
     counts: Counts,
     faults: Option<Faults>,
     flame: Option<FlameLook>,
+    blur: Option<SmearLook>,
 }
 
 impl Shown<'_> {
@@ -162,9 +176,50 @@ impl Shown<'_> {
             self.sequence(&mut take, smoke)?;
             device = take.into_device();
         }
+        if let Some(blur) = shot.part::<Blur>() {
+            device = self.smears(device, blur)?;
+        }
         let mut take = Take::new(device, shot, &[middle([first, last])], self.watch)?;
         self.around(&mut take)?;
         Ok(take.into_device())
+    }
+
+    /// The frames of smears, and the same without them; nothing is behind them.
+    fn smears(&mut self, mut device: Headless, blur: &Blur) -> Result<Headless, BenchError> {
+        let shot = &self.scene.shot;
+        let [first, last] = self.scene.frames;
+        self.next(&format!("frames {first} to {last}"));
+        let frames: Vec<u32> = (first..=last).collect();
+        let ink = blur.settings.toon.outline.colour;
+        let mesh = blur.mesh(shot)?;
+        let triangles = &mesh.topology().triangles;
+        let mut still = blur.clone();
+        still.settings.strength = 0.0;
+        let mut counts = vec![[Share::default(); 4]; frames.len()];
+        for (is_still, part) in [(false, blur.clone()), (true, still)] {
+            let mut shot = shot.with_part(part);
+            shot.background = Background::None;
+            let shot = Arc::new(shot);
+            let mut take = Take::new(device, &shot, &frames, self.watch)?;
+            for (number, counts) in frames.iter().zip(&mut counts) {
+                let still = take.frame(*number)?;
+                counts[1 + usize::from(is_still)] = smear::inked(&still.picture, ink);
+                if !is_still {
+                    let vertices: Vec<_> = still.values("blur.vertices").as_chunks().0.to_vec();
+                    let sides = Sides {
+                        picture: &still.picture,
+                        previous: still.colours("blur.previous"),
+                        next: still.colours("blur.next"),
+                        mask: still.values("blur.mask"),
+                        subframe: still.values("blur.subframe"),
+                    };
+                    (counts[0], counts[3]) = (smear::leading(&vertices, triangles), smear::mixed(&sides, ink));
+                }
+            }
+            device = take.into_device();
+        }
+        self.blur = Some(SmearCounts { frames: counts }.look());
+        Ok(device)
     }
 
     fn next(&self, what: &str) {

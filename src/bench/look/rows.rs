@@ -20,6 +20,8 @@ pub(crate) struct LookRow {
     pub(crate) smoke: Option<SmokeLook>,
     /// Of its fire, if it has any.
     pub(crate) flame: Option<FlameLook>,
+    /// Of its smears, if it has any.
+    pub(crate) blur: Option<SmearLook>,
 }
 
 /// Means over the frames, or over the pairs of a frame and the next, in percent unless said otherwise; none where there is
@@ -55,6 +57,33 @@ pub(crate) struct FlameLook {
     pub(crate) distance: Vec<f64>,
     /// Fine detail there, in levels of 8 bits; none where no fire is seen.
     pub(crate) fine_detail: Vec<Option<f64>>,
+}
+
+/// Means over the frames, in percent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct SmearLook {
+    /// Vertices on the leading side of their part that are drawn back.
+    pub(crate) leading: Option<f64>,
+    /// Of what is seen, ink.
+    pub(crate) ink: Option<f64>,
+    /// The same without smears.
+    pub(crate) ink_still: Option<f64>,
+    /// Pixels of smears whose sides differ and that show neither.
+    pub(crate) mixed: Option<f64>,
+}
+
+/// What was counted in each smeared frame: leading, ink, ink without smears, mixed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SmearCounts {
+    pub(super) frames: Vec<[Share; 4]>,
+}
+
+impl SmearCounts {
+    pub(super) fn look(&self) -> SmearLook {
+        let [leading, ink, ink_still, mixed] =
+            [0, 1, 2, 3].map(|which| mean(self.frames.iter().map(|frame| frame[which].percent())));
+        SmearLook { leading, ink, ink_still, mixed }
+    }
 }
 
 /// What was counted in each frame and each pair of frames.
@@ -133,6 +162,7 @@ pub(crate) fn table(rows: &[LookRow]) -> String {
         }
         text += &line("aim", &|column| column.1.to_owned());
     }
+    text += &smears(rows);
     for (row, look) in rows.iter().filter_map(|row| Some((row, row.flame.as_ref()?))) {
         let _ = writeln!(text, "\nlook of fire: {}, frame {}", row.scene, middle(row.frames));
         let _ = writeln!(text, "{:>12} {:>28}", "distance m", "fine detail, 8-bit levels");
@@ -140,6 +170,22 @@ pub(crate) fn table(rows: &[LookRow]) -> String {
             let detail = detail.map_or("-".into(), |detail| format!("{detail:.2}"));
             let _ = writeln!(text, "{distance:>12.3} {detail:>28}");
         }
+    }
+    text
+}
+
+/// The part of the table that is of smears.
+fn smears(rows: &[LookRow]) -> String {
+    let mut text = String::new();
+    for (row, look) in rows.iter().filter_map(|row| Some((row, row.blur.as_ref()?))) {
+        let cell = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.1}"));
+        let SmearLook { leading, ink, ink_still, mixed } = *look;
+        let [leading, ink, still, mixed] = [leading, ink, ink_still, mixed].map(cell);
+        let _ = writeln!(
+            text,
+            "\nlook of smears: {}, frames {} to {}\nleading {leading} % (< 3), ink {ink} % (within 15 % of {still}), mixed {mixed} % (< 1)",
+            row.scene, row.frames[0], row.frames[1]
+        );
     }
     text
 }
@@ -171,8 +217,14 @@ mod tests {
     fn the_table_has_every_scene() {
         let smoke = SmokeLook { airbrush: Some(43.96), ..SmokeLook::default() };
         let flame = FlameLook { distance: vec![2.0, 1.0], fine_detail: vec![Some(4.9), None] };
-        let row =
-            |scene: &str, smoke, flame| LookRow { scene: scene.into(), size: [8, 8], frames: [1, 4], smoke, flame };
+        let row = |scene: &str, smoke, flame| LookRow {
+            scene: scene.into(),
+            size: [8, 8],
+            frames: [1, 4],
+            smoke,
+            flame,
+            blur: None,
+        };
         let rows = [row("builtin:smoke", Some(smoke), None), row("fire.toml", None, Some(flame))];
         let table = table(&rows);
         for text in ["builtin:smoke, frames 1 to 4", "44.0", "fire.toml, frame 2", "4.90", "2.000", "aim", "< 70"] {

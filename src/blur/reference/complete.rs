@@ -5,20 +5,20 @@ pub mod table;
 pub mod tone;
 
 use super::distort::Drawing;
-use super::visible::{Colour, Frame, Shaded, Surface, mix};
-use crate::blur::settings::Completion;
+use super::visible::{Colour, Frame, Shaded, Surface, mixture};
+use crate::blur::settings::{Completion, Mix};
 use table::Table;
 use tone::Tones;
 
 /// The colour of every sample of the distorted mesh, premultiplied; 0 where it sees nothing.
 ///
-/// - Where both sides are known: [`mix`].
-/// - Where frames i - 1 and i + 2 had to help (mask 0): [`mix`] of the two, or the one that is known.
+/// - Where both sides are known: their [`mixture`].
+/// - Where frames i - 1 and i + 2 had to help (mask 0): the mixture of the two, or the one that is known.
 /// - Where one side is known and the triangle stays where it is: that side. Nothing moves there.
-/// - Where one side is known else: by `how`. `None`: that side. `Surface`: [`mix`] of that side and what
+/// - Where one side is known else: by `how`. `None`: that side. `Surface`: the mixture of that side and what
 ///   [`Tones::predict`] says of the other; that side where it says nothing, as of objects whose colours do not follow from
 ///   tones. `Gradient`: [`gradient`].
-/// - Where nothing is known: with `Surface`, [`mix`] of what [`Table::typical`] says of both frames, or the one of which
+/// - Where nothing is known: with `Surface`, the mixture of what [`Table::typical`] says of both frames, or the one of which
 ///   it says something. All that is left: `inward`, the mean of the neighbours that have a colour. Samples that this
 ///   does not reach have no colour: 0.
 pub fn complete(
@@ -27,7 +27,9 @@ pub fn complete(
     frames: [&Frame; 2],
     shaded: &[Shaded],
     how: Completion,
+    mixing: Mix,
 ) -> Vec<Colour> {
+    let mix = |time, sides| mixture(mixing, time, sides);
     let tables = (how == Completion::Surface).then(|| {
         let tables = [Table::learn(surface, frames[0], frames[1]), Table::learn(surface, frames[1], frames[0])];
         (tables, Tones::learn(surface, frames))

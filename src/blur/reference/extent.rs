@@ -173,7 +173,7 @@ pub fn extents(mesh: &Mesh, interval: &Interval, seed: u32, strength: f32, round
 }
 
 /// The change of k' of the points of `seams` by `rounds` of smoothing: each round makes each of them the mean of itself
-/// and its neighbours, all at once. In whole numbers, so that neighbours may come in any order: the nearest ones of
+/// and its neighbours, all at once, if that is later: what leads stays whole. In whole numbers, so that neighbours may come in any order: the nearest ones of
 /// 2^-18, of 1 - k', which is not negative.
 pub fn smooth(mesh: &Mesh, seams: &[u32], times: &[f32], rounds: u32) -> Vec<(u32, f32)> {
     let begin: Vec<u32> = times.iter().map(|time| ((1.0 - time) * UNIT + 0.5) as u32).collect();
@@ -183,7 +183,7 @@ pub fn smooth(mesh: &Mesh, seams: &[u32], times: &[f32], rounds: u32) -> Vec<(u3
             let others = mesh.neighbours().of(*point as usize);
             let count = others.len() as u32 + 1;
             let sum = now[*point as usize] + others.iter().map(|other| now[*other as usize]).sum::<u32>();
-            (sum + count / 2) / count
+            ((sum + count / 2) / count).min(now[*point as usize])
         };
         let next: Vec<u32> = seams.iter().map(mean).collect();
         seams.iter().zip(next).for_each(|(point, mean)| now[*point as usize] = mean);
@@ -253,14 +253,14 @@ mod tests {
             MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
         let mesh = Mesh::new(&mesh).unwrap();
         let times = [1.0, 1.0, 0.25, 0.25, -0.5];
-        assert_eq!(smooth(&mesh, &[1, 2], &times, 1), [(1, -0.25), (2, 0.25)]);
+        assert_eq!(smooth(&mesh, &[1, 2], &times, 1), [(1, 0.0), (2, 0.25)]);
         assert_eq!(smooth(&mesh, &[1, 2], &times, 0), [(1, 0.0), (2, 0.0)]);
         // Two units among three points: the nearest whole number of units is one.
-        let little = [1.0, 1.0, 1.0 - 2.0 / UNIT, 1.0, 1.0];
-        assert_eq!(smooth(&mesh, &[1], &little, 1), [(1, -1.0 / UNIT)]);
+        let little = [1.0, 1.0 - 2.0 / UNIT, 1.0, 1.0, 1.0];
+        assert_eq!(smooth(&mesh, &[1], &little, 1), [(1, 1.0 / UNIT)]);
         let far: Vec<f32> = smooth(&mesh, &[1, 2, 3], &times, 64).iter().map(|(_, offset)| *offset).collect();
-        // Between fixed ends the limit is a straight line: 1, 0.625, 0.25, -0.125, -0.5.
-        for (found, limit) in far.iter().zip([-0.375, 0.0, -0.375]) {
+        // The middle comes to lie evenly between its neighbours, which are above what is even, and stay.
+        for (found, limit) in far.iter().zip([0.0, 0.375, 0.0]) {
             assert!((found - limit).abs() < 2e-5, "{far:?}");
         }
     }

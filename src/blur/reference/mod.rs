@@ -4,6 +4,7 @@
 pub mod complete;
 pub mod distort;
 pub mod extent;
+pub mod ink;
 pub mod path;
 pub mod raster;
 pub mod refine;

@@ -2,6 +2,7 @@
 
 use super::distort::{Drawing, Fragment, interpolate};
 use super::raster::{Clip, Raster, Shape, raster, volume};
+use crate::blur::settings::Mix;
 
 /// Share by which the depth that a tap sees may differ from that of the surface looked for.
 const DEPTH_TOLERANCE: f64 = 0.003;
@@ -204,6 +205,14 @@ pub fn shade(surface: &Surface, drawing: &Drawing, frames: [&Frame; 2], outer: [
 pub fn mix(time: f64, sides: [Colour; 2]) -> Colour {
     let share = time.clamp(0.0, 1.0);
     std::array::from_fn(|i| (1.0 - share) * sides[0][i] + share * sides[1][i])
+}
+
+/// What `how` makes of two colours at a time: [`mix`], or the later one from the middle on.
+pub fn mixture(how: Mix, time: f64, sides: [Colour; 2]) -> Colour {
+    match how {
+        Mix::Blend => mix(time, sides),
+        Mix::Choose => sides[usize::from(time >= 0.5)],
+    }
 }
 
 /// The finished image, pixel by pixel: the mean of each pixel's samples. `colours` is the distorted mesh alone

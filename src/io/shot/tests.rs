@@ -129,7 +129,11 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[blur]\nlines = { count = -1 }", "shot.toml:2: blur.lines.count = -1: ", "0 (off) to 1024"),
         ("[blur]\nghosts = { count = 16, step = 1 }", "shot.toml:2: blur.ghosts.count = 16: ", "8 frames"),
         ("[blur.toon]\ntones = [[2, [0, 0, 0]]]", "shot.toml:2: blur.toon.tones", "0 to 1"),
-        ("[blur.toon.outline]\nwidth = 0", "shot.toml:2: blur.toon.outline.width = 0: ", "pixels, 1 to 16"),
+        (
+            "[blur.toon.outline]\nwidth = 0",
+            "shot.toml:2: blur.toon.outline.width = 0: ",
+            "pixels at 1080 lines, 0.1 to 16",
+        ),
         ("[blur]\nscene = \"builtin:rum\"", "shot.toml:2: blur.scene = \"builtin:rum\": ", "builtin:run"),
         ("[blur]\nscene = \"no.####.npz\"", "shot.toml:2: blur.scene = \"no.####.npz\": ", "no sequences of files"),
         ("[blur]\nscene = \"no.%d.glb\"", "shot.toml:2: blur.scene = \"no.%d.glb\": ", "no sequences of files"),

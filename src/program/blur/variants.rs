@@ -3,7 +3,7 @@
 use ash::vk::{self, Handle};
 
 use crate::blur::parts::PartSizes;
-use crate::blur::settings::{Completion, Refine, Space};
+use crate::blur::settings::{Completion, Ink, Mix, Refine, Space};
 use crate::blur::{BlurKind, Desc, Settings, Source};
 use crate::effect::{DeviceTraits, Effort};
 use crate::error::Result;
@@ -39,7 +39,13 @@ fn variant(
     let mut settings = Settings { completion, ..Settings::default() };
     settings.space = if screen { Space::Screen } else { Space::Homogeneous };
     settings.refine = if by_length { Refine::Length } else { Refine::Error };
-    settings.toon.outline.operator = if second { Operator::Second } else { Operator::Roberts };
+    settings.mix = if screen { Mix::Blend } else { Mix::Choose };
+    settings.toon.ink = if by_length { Ink::Before } else { Ink::After };
+    settings.toon.outline.operator = match (second, by_length) {
+        (true, true) => Operator::Second,
+        (true, false) => Operator::Step,
+        (false, _) => Operator::Roberts,
+    };
     settings.toon.outline.width = if second { 16.0 } else { 1.0 };
     settings.toon.outline.strength = if plain { 0.0 } else { 1.0 };
     let (depth, occluders) = (depth.then_some(DEPTH), depth.then_some(DEPTH));

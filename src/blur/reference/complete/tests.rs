@@ -4,7 +4,7 @@ use super::*;
 use crate::blur::params;
 use crate::blur::reference::distort::Fragment;
 use crate::blur::reference::visible::rig::{Rig, Square};
-use crate::blur::reference::visible::shade;
+use crate::blur::reference::visible::{mix, shade};
 
 /// Bins of a table, and along each of its sides.
 const ALL_BINS: usize = params::BINS as usize;
@@ -197,14 +197,18 @@ fn what_neither_frame_shows_is_typical_or_like_its_neighbours() {
     assert_eq!(shaded[hidden].mask, 3);
     (shaded[hidden].mask, shaded[hidden].sides) = (0, [None; 2]);
     shaded[hidden - 1].sides = [Some(grey(0.4)); 2];
-    let typical = complete(&surface, &drawing, frames, &shaded, Completion::Surface)[hidden];
+    let typical = complete(&surface, &drawing, frames, &shaded, Completion::Surface, Mix::Blend)[hidden];
     assert!(close(typical, grey(0.75 * 0.8 + 0.25 * 0.4), 1e-4), "{typical:?}");
-    let mean = complete(&surface, &drawing, frames, &shaded, Completion::None)[hidden];
+    let mean = complete(&surface, &drawing, frames, &shaded, Completion::None, Mix::Blend)[hidden];
     assert!(close(mean, grey((3.0 * 0.7 + 0.4) / 4.0), 1e-6), "{mean:?}");
-    assert_eq!(complete(&surface, &drawing, frames, &shaded, Completion::None)[0], [0.0; 4]);
+    assert_eq!(complete(&surface, &drawing, frames, &shaded, Completion::None, Mix::Blend)[0], [0.0; 4]);
     // With the help of the frames around.
     shaded[hidden].sides = [Some(grey(0.3)), None];
-    assert_eq!(complete(&surface, &drawing, frames, &shaded, Completion::Surface)[hidden], grey(0.3));
+    assert_eq!(complete(&surface, &drawing, frames, &shaded, Completion::Surface, Mix::Blend)[hidden], grey(0.3));
     shaded[hidden].sides = [Some(grey(0.3)), Some(grey(0.7))];
-    assert!(close(complete(&surface, &drawing, frames, &shaded, Completion::Gradient)[hidden], grey(0.4), 1e-12));
+    assert!(close(
+        complete(&surface, &drawing, frames, &shaded, Completion::Gradient, Mix::Blend)[hidden],
+        grey(0.4),
+        1e-12
+    ));
 }

@@ -10,7 +10,7 @@ use crate::blur::reference::distort::{Drawing, draw, hidden};
 use crate::blur::reference::extent::extents;
 use crate::blur::reference::refine::{Rules, refine};
 use crate::blur::reference::visible::{Colour, Frame, Surface, compose, mix, shade};
-use crate::blur::settings::{Completion, Settings};
+use crate::blur::settings::{Completion, Mix, Settings};
 use crate::view::Camera;
 
 const SIZE: [u32; 2] = [240, 160];
@@ -193,7 +193,7 @@ fn errors(scene: &Scene, drawing: &Drawing, striped: bool, ways: [Completion; 3]
     let frames = [&frames[0], &frames[1]];
     let surface = scene.surface();
     let shaded = shade(&surface, drawing, frames, [None; 2]);
-    let colours = ways.map(|how| complete(&surface, drawing, frames, &shaded, how));
+    let colours = ways.map(|how| complete(&surface, drawing, frames, &shaded, how, Mix::Blend));
     let (mut sums, mut count) = ([0.0; 3], 0);
     for (place, sample) in shaded.iter().enumerate().filter(|(_, sample)| [1, 2].contains(&sample.mask)) {
         let Some(fragment) = sample.fragment.filter(|f| !scene.still[f.base as usize]) else { continue };
@@ -233,7 +233,7 @@ fn the_sphere_that_stays_is_the_next_image() {
     let frames = [&frames[0], &frames[1]];
     let (surface, drawing) = (scene.surface(), scene.draw(2, true));
     let shaded = shade(&surface, &drawing, frames, [None; 2]);
-    let colours = complete(&surface, &drawing, frames, &shaded, Completion::Surface);
+    let colours = complete(&surface, &drawing, frames, &shaded, Completion::Surface, Mix::Blend);
     let image = compose(&surface, &drawing, frames, &shaded, &colours, [0.0; 4]);
     let is_same = |pixel: &usize| image[*pixel] == images[1][*pixel].map(f64::from);
     let object =
