@@ -19,7 +19,7 @@ pub struct Canvas<'a> {
     pub softness: f64,
 }
 
-/// The light on a picture, all smoothed: what [`painted`] makes colours of.
+/// The light on a picture, all smoothed: what [`Canvas::painted`] makes colours of.
 #[derive(Clone, Copy, Debug)]
 pub struct Lit<'a> {
     /// Luminance, with the rim.
