@@ -214,7 +214,10 @@ void main() {
         bool is_seen = (state & MASK) != NOTHING_SEEN && !is_hidden;
         nearness = is_hidden ? 0.0 : nearness;
         vec4 colour = is_seen ? sample_colours[index] : vec4(0.0);
-        colour.rgb = mix(colour.rgb, colour.w * toon.ink_colour.rgb, ink[i]);
+        // Without ink its colour is not there.
+        if (INKED != 0u && ink[i] > 0.0) {
+            colour.rgb = mix(colour.rgb, colour.w * toon.ink_colour.rgb, ink[i]);
+        }
         bool is_part = is_seen && !(is_next && (state & STILL) != 0u);
         vec4 own = is_part ? colour + (1.0 - colour.w) * behind : behind;
         parts[i] = colour;
