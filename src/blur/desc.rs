@@ -142,6 +142,11 @@ impl Desc {
         1 + settings.reach().ceil() as u32
     }
 
+    /// Whether frames i - 1 and i + 2 are drawn: smears that are drawn themselves need nothing that these show.
+    pub(super) fn draws_outer(&self) -> bool {
+        self.toon && self.outer && !self.settings.toon.draws_smears()
+    }
+
     /// Checks every value that does not depend on the device.
     pub(super) fn validate(&self) -> Result<()> {
         self.settings.validate()?;

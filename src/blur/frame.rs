@@ -152,7 +152,7 @@ pub struct Drawn {
 impl Drawn {
     /// Where its image is among [`crate::blur::layout::TOON`].
     pub(super) fn place(&self, desc: &Desc) -> usize {
-        self.view.frame as usize % if desc.outer { DRAWN_PLACES } else { 2 }
+        self.view.frame as usize % if desc.draws_outer() { DRAWN_PLACES } else { 2 }
     }
 
     /// Its number.
@@ -495,11 +495,12 @@ impl Frame<'_> {
     /// and the outer ones if they exist and the effect has room for them.
     pub(super) fn drawn(&self, desc: &Desc) -> [Option<Drawn>; 4] {
         let Some(ToonInput { view, light }) = self.toon.filter(|_| self.images.is_none()) else { return [None; 4] };
+        let has_outer = desc.draws_outer();
         let [before, previous, after] = match &self.interval {
             Some(IntervalInput { views: [before, previous, next, after], .. }) => [
-                Some(*before).filter(|view| desc.outer && view.frame.checked_add(1) == Some(previous.frame)),
+                Some(*before).filter(|view| has_outer && view.frame.checked_add(1) == Some(previous.frame)),
                 Some(*previous),
-                Some(*after).filter(|view| desc.outer && next.frame.checked_add(1) == Some(view.frame)),
+                Some(*after).filter(|view| has_outer && next.frame.checked_add(1) == Some(view.frame)),
             ],
             None => [None; 3],
         };

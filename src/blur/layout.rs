@@ -367,7 +367,7 @@ impl Layout {
             self.set(CORNER_GROUPS, 16 * u64::from(desc.triangles));
             self.set(GROUP_STARTS, 4 * (u64::from(desc.groups) + 1));
             self.set(GROUP_TRIANGLES, 4 * u64::from(desc.group_triangles));
-            let frames = if desc.outer && desc.toon { 4 } else { 2 };
+            let frames = if desc.draws_outer() { 4 } else { 2 };
             self.set(NORMALS, frames * 16 * u64::from(desc.groups));
             let most_large = u64::from(desc.group_triangles / (FEW_TRIANGLES + 1));
             self.set(LARGE_GROUPS, 4 * (LARGE_WORDS as u64 + most_large));
@@ -461,7 +461,7 @@ impl Inventory for Layout {
             lifetime: Lifetime::Kept,
             ..frame
         };
-        let outer_drawn = ImageDesc { extent: if desc.outer { drawn.extent } else { [1; 2] }, ..drawn };
+        let outer_drawn = ImageDesc { extent: if desc.draws_outer() { drawn.extent } else { [1; 2] }, ..drawn };
         let ghost = ImageDesc {
             name: "blur ghost",
             extent: if desc.settings.ghosts.are_on() { extent } else { [1; 2] },

@@ -152,7 +152,7 @@ impl BlurInput {
         let desc = blur::Desc::new(&self.mesh, size, settings.clone());
         blur::Desc {
             target_format: super::TARGET_FORMAT,
-            outer: true,
+            outer: !toon || !settings.toon.draws_smears(),
             toon,
             most_triangles: desc
                 .most_triangles

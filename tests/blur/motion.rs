@@ -3,11 +3,10 @@
 
 use ash::vk;
 use celfx::blur::motion::PixelClip;
-use celfx::blur::reference::distort::{Drawing, Fragment, Triangle, Vertex, draw};
+use celfx::blur::reference::distort::{Drawing, Fragment};
 use celfx::blur::settings::Space;
 use celfx::blur::{Background, DepthFormat, Desc, Mesh, Settings};
 use celfx::host::TemporalFormats;
-use celfx::low_level::blur::params::BASE_MASK;
 use celfx::low_level::shaders::common::constants::LEAST_SHARE;
 use celfx::simulate::mesh::Builtin;
 use celfx::view::Light;
@@ -16,7 +15,7 @@ use glam::{DVec2, DVec3};
 use crate::common::blur::{BlurRig, Shot, desc, incomplete};
 use crate::common::temporal::{FORMATS, Found, HOSTS, distance};
 use crate::common::views;
-use crate::scenes::{Animation, Change, grid, interval, natural, spline, swing};
+use crate::scenes::{Animation, Change, drawn, grid, interval, natural, spline, swing};
 use crate::toon::Film;
 
 const SIZE: [u32; 2] = [240, 136];
@@ -44,28 +43,6 @@ fn render(rig: &mut BlurRig, animation: &Animation, i: usize) -> Found {
     rig.share = SHARE;
     rig.frame(&shot).expect("a frame");
     rig.found()
-}
-
-/// The device's refined mesh at four samples a pixel.
-fn drawing(rig: &mut BlurRig, mesh: &Mesh, near: f64) -> Drawing {
-    let (vertices, finished) = (rig.vertices(), rig.finished());
-    let triangle = |row: &[u32; 4]| {
-        let base = row[3] & BASE_MASK;
-        let corner = |i: usize| {
-            let vertex = vertices[row[i] as usize];
-            let [x, y, w, time] =
-                [vertex.drawn[0], vertex.drawn[1], vertex.drawn_depth, vertex.drawn_time].map(f64::from);
-            let [second, third] = vertex.barycentrics.map(f64::from);
-            let weights = match vertex.is_point {
-                1 => mesh.triangles()[base as usize].map(|point| f64::from(u8::from(point == row[i]))),
-                _ => [1.0 - second - third, second, third],
-            };
-            Vertex { drawn: [x * w, y * w, w], time, weights }
-        };
-        Triangle { corners: [0, 1, 2].map(corner), base }
-    };
-    let triangles: Vec<Triangle> = finished.iter().map(triangle).collect();
-    draw(&triangles, &vec![false; mesh.triangles().len()], SIZE, near, 2)
 }
 
 /// The four samples of a pixel.
@@ -115,7 +92,7 @@ fn vectors_are_differences_along_trajectories() {
         let (space, made) = (settings.space, Desc { temporal: FORMATS, ..desc(SIZE, &mesh, settings) });
         let Some(mut rig) = BlurRig::in_larger_images(made, mesh.clone(), [5, 2]) else { return };
         let found = render(&mut rig, &animation, i);
-        let drawing = drawing(&mut rig, &mesh, animation.cameras[i].near);
+        let drawing = drawn(&mut rig, &mesh, &animation, [i, i + 1]);
         let (mut worst, mut rough, mut counts, mut apart) = (0.0_f64, 0, [0; 3], 0);
         for pixel in 0..PIXELS {
             let samples = samples(&drawing, pixel);

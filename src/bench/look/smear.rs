@@ -48,12 +48,13 @@ fn leading_of_part(vertices: &[Vertex], members: &[u32], edges: &[[u32; 2]]) -> 
         let [x, y, ..] = vertices[vertex as usize].map(f64::from);
         [dy * x - dx * y, dx * x + dy * y]
     };
-    // Edges by the rows of a pixel that they pass.
-    let mut rows = BTreeMap::<i64, Vec<[[f64; 2]; 2]>>::new();
+    // Edges by the rows of a pixel that they pass, as far as there are vertices in these.
+    let row_of = |vertex: &u32| (place(*vertex)[0].floor() as i64, Vec::new());
+    let mut rows: BTreeMap<i64, Vec<[[f64; 2]; 2]>> = members.iter().map(row_of).collect();
     for [a, b] in edges {
         let ends = [place(*a), place(*b)];
         let [low, high] = [ends[0][0].min(ends[1][0]) - 0.5, ends[0][0].max(ends[1][0]) + 0.5];
-        (low.floor() as i64..=high.floor() as i64).for_each(|row| rows.entry(row).or_default().push(ends));
+        rows.range_mut(low.floor() as i64..=high.floor() as i64).for_each(|(_, edges)| edges.push(ends));
     }
     let mut share = Share::default();
     for vertex in members {

@@ -168,12 +168,11 @@ impl Scratch {
 fn is_coherent(movers: &[Mover], cosine: f64) -> bool {
     let mean = mean_velocity(movers);
     let length = mean[0].hypot(mean[1]);
-    let fastest = movers.iter().map(Mover::speed).fold(0.0, f64::max);
     let within = |mover: &Mover| {
         let [x, y] = mover.direction.map(|c| c as f64);
         (x * mean[0] + y * mean[1]) >= cosine * length * x.hypot(y)
     };
-    length >= f64::from(NO_MEAN) * fastest && length > 0.0 && movers.iter().all(within)
+    length >= f64::from(NO_MEAN) * mean_speed(movers) && length > 0.0 && movers.iter().all(within)
 }
 
 /// The direction in which movers go together, of length 1; none where too much of their speed cancels.
