@@ -23,11 +23,6 @@ vec2 row_place(Cluster cluster, uint point) {
     return vec2(along(cluster.ahead, position), rows > 0.0 ? aside * (rows / cluster.width) : 0.0);
 }
 
-void widen(uint row, float ahead) {
-    atomicMax(row_values[2u * row], ordered(ahead));
-    atomicMax(row_values[2u * row + 1u], ordered(-ahead));
-}
-
 void add(Cluster cluster, vec2 from, vec2 to) {
     if (from.y > to.y) {
         vec2 other = from;
@@ -39,11 +34,12 @@ void add(Cluster cluster, vec2 from, vec2 to) {
     uint end = uint(clamp(floor(to.y + 0.5), 0.0, last));
     float rows = to.y - from.y;
     for (uint row = first; row <= end; ++row) {
-        for (uint side = 0u; side < 2u; ++side) {
-            float border = float(row) - 0.5 + float(side);
-            float share = rows > 0.0 ? clamp((border - from.y) / rows, 0.0, 1.0) : 0.0;
-            widen(cluster.bounds_begin + row, mix(from.x, to.x, share));
-        }
+        vec2 borders = float(row) + vec2(-0.5, 0.5);
+        vec2 shares = rows > 0.0 ? clamp((borders - from.y) / rows, 0.0, 1.0) : vec2(0.0);
+        vec2 ahead = mix(vec2(from.x), vec2(to.x), shares);
+        uint at = 2u * (cluster.bounds_begin + row);
+        atomicMax(row_values[at], ordered(max(ahead.x, ahead.y)));
+        atomicMax(row_values[at + 1u], ordered(-min(ahead.x, ahead.y)));
     }
 }
 

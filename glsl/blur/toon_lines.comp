@@ -27,7 +27,7 @@ float depth_of_sample(ivec2 at) {
 vec3 place_of_sample(ivec2 at) {
     return vec3(at, depth_of_sample(at));
 }
-#include "ink.glsl"
+#include "ink_line.glsl"
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);

@@ -131,8 +131,8 @@ passes! {
     shade =
         Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion(desc), chooses(desc)]);
     /// Of frames that are drawn, if ink comes after the distortion.
-    smear_lines: Option<PassId> = inks_smears(desc).then(|| {
-        Pass::compute("blur.ink", &glsl::smear_lines::SHADER).specialise(desc.settings.toon.outline.operator.words())
+    ink: Option<PassId> = inks_smears(desc).then(|| {
+        Pass::compute("blur.ink", &glsl::ink::SHADER).specialise(desc.settings.toon.outline.operator.words())
     });
     sides = Pass::compute("blur.layers", &glsl::sides::SHADER);
     /// Of samples that neither frame shows, and of those that one does.

@@ -174,7 +174,7 @@ impl Steps<'_> {
     fn skip_picture(&mut self, reason: &'static str) {
         let Passes { tiles, cover, normals, learn, tone, shade, border: [border, _], compose, composite, .. } =
             self.passes;
-        let ink = self.passes.smear_lines.iter();
+        let ink = self.passes.ink.iter();
         for pass in [tiles, cover, normals, learn, tone, shade, border, compose, composite].into_iter().chain(ink) {
             self.plan.skip(*pass, reason);
         }
@@ -465,7 +465,7 @@ impl Steps<'_> {
             self.plan.update(self.passes.shade_params, TOON_BUFFER, &params);
         }
         self.plan.step(self.passes.tiles, Command::Dispatch { threads: [width, height, 1] });
-        match (self.passes.smear_lines, frame.images) {
+        match (self.passes.ink, frame.images) {
             (Some(lines), None) => self.plan.step(lines, Self::over_tiles(2)),
             (Some(lines), Some(_)) => self.plan.skip(lines, "images have their own"),
             (None, _) => {}

@@ -47,7 +47,7 @@ float depth_of_sample(ivec2 at) {
 vec3 place_of_sample(ivec2 at) {
     return places[cell_of(at)];
 }
-#include "ink.glsl"
+#include "ink_line.glsl"
 
 // Where frame i + 1 has what a sample sees.
 vec3 place_in_frame(uint name, ivec2 at) {
