@@ -276,7 +276,8 @@ fn nothing_is_missing_of_what_a_shot_turns_inside_out() {
     }
     for frame in 2..=FRAMES as u32 {
         let share = share_of_differing(&stage, ["closed.npz", "open.npz"], frame);
-        assert!(share < 20.0 * TRIANGLE, "frame {frame}: {share}");
+        // Most where it passes through a plane: teeth of its back stand over the outline.
+        assert!(share < 10.0 * TRIANGLE, "frame {frame}: {share}");
     }
 }
 
