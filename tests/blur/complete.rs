@@ -429,3 +429,21 @@ fn outlines_go_with_the_mesh() {
     // Teeth are narrower than the outline here, so that not all that is beside them is ink.
     assert!(inked * 10 > all * 6 && 6 * inked > 7 * inked_without);
 }
+
+/// An outline that is of another colour in each frame is of one of them: both are in a pixel only where one ends and the other begins.
+#[test]
+fn outlines_are_chosen_as_the_rest_is() {
+    let both = |mix: Mix| {
+        let settings = Settings { mix, ..Settings::default() };
+        let mut case = Case::new(scene(Builtin::Crossing, 0.6, None, false), settings, 2)?;
+        for (image, colour) in case.images[1..3].iter_mut().zip([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]]) {
+            image.iter_mut().filter(|pixel| **pixel == [1.0, 0.0, 1.0, 1.0]).for_each(|pixel| *pixel = colour);
+        }
+        // The mesh itself has blue in it.
+        let picture = case.render(false);
+        Some(picture.iter().filter(|[r, g, b, _]| *b < 0.005 && r.min(*g) > 0.1).count())
+    };
+    let Some(chosen) = both(Mix::Choose) else { return };
+    let blended = both(Mix::Blend).expect("a device");
+    assert!(blended > 50 && 4 * chosen < blended, "{chosen} pixels of {blended}");
+}
