@@ -1,5 +1,6 @@
 //! The data from which the device makes trajectories of the poses that it holds.
 
+use super::breaks::{Corners, corners};
 use super::spline::Spline;
 use super::window::{FrameView, Knot, MOST_POSES, Pose, Segment, Window};
 use super::{Motion, Scratch};
@@ -23,7 +24,7 @@ impl Motion {
         let window = &self.nearby(window);
         let is_found = self.with_scratch(|motion, scratch| {
             motion.find_cuts(&mut scratch.cuts, window);
-            motion.find_knots(scratch, window)
+            motion.find_knots(scratch, window, Some(&corners(&window.poses[window.current])))
         });
         is_found.then_some(&self.scratch.knots.knots)
     }
@@ -44,15 +45,15 @@ impl Motion {
         let window = Window { frame, poses: &poses[..views.len()], current, between: &[] };
         let is_found = self.with_scratch(|motion, scratch| {
             scratch.cuts.found.clear();
-            motion.find_knots(scratch, &window)
+            motion.find_knots(scratch, &window, None)
         });
         is_found.then_some((&self.scratch.knots.knots, &self.scratch.knots.segments))
     }
 
     /// Finds the knots of a window whose cuts are found; false if there are none.
-    fn find_knots(&self, scratch: &mut Scratch, window: &Window) -> bool {
+    fn find_knots(&self, scratch: &mut Scratch, window: &Window, corners: Option<&Corners>) -> bool {
         let Scratch { cuts, timeline, knots: Found { knots, segments, spline }, .. } = scratch;
-        if !window.between.is_empty() || !self.find_timeline(timeline, window, &cuts.found) {
+        if !window.between.is_empty() || !self.find_timeline(timeline, window, &cuts.found, corners) {
             return false;
         }
         if timeline.knots.len() > MOST_KNOTS || timeline.spans.len() > PIECE_SEGMENTS as usize {
@@ -62,10 +63,10 @@ impl Motion {
         knots.clear();
         for knot in &timeline.knots {
             let Ok(frame) = u32::try_from(first + knot.pose as i64) else { return false };
-            let view = FrameView { frame, view: *window.pose(knot.pose).view };
+            let view = FrameView { frame, view: *window.pose(knot.sight).view };
             knots.push(Knot { view, weights: [[0.0; 4]; PIECE_SEGMENTS as usize] });
         }
-        spline.renew(timeline.steps(), self.settings.trajectory);
+        spline.renew(timeline.times(), self.settings.trajectory);
         for (place, span) in timeline.spans.iter().enumerate() {
             let ([a, b], squared) = (span.knots, timeline.squared(span.knots));
             knots[b].weights[place][1] += 1.0;

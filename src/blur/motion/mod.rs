@@ -1,9 +1,9 @@
 //! Where the points of a mesh are between two frames, which of them move together, and where clusters meet: all that
 //! the device needs of an animation for one output.
 
+mod breaks;
 mod clusters;
 mod crumbs;
-mod cuts;
 mod direction;
 mod fronts;
 mod hull;
@@ -15,14 +15,15 @@ mod ranks;
 mod rows;
 pub(super) mod seams;
 mod spline;
+mod timeline;
 mod trace;
 mod window;
 
 use std::ops::Range;
 
 use clusters::Found;
-use cuts::Cuts;
-use spline::Timeline;
+use breaks::{Corners, Cuts, corners};
+use timeline::Timeline;
 use trace::Traces;
 
 pub use crate::shaders::blur::constants::{FRONT_BITS, FRONTS_A_WORD};
@@ -182,12 +183,19 @@ impl Motion {
     }
 
     /// Finds the timeline of a window; false if nothing moves.
-    fn find_timeline(&self, timeline: &mut Timeline, window: &Window, cuts: &[usize]) -> bool {
+    fn find_timeline(
+        &self,
+        timeline: &mut Timeline,
+        window: &Window,
+        cuts: &[usize],
+        corners: Option<&Corners>,
+    ) -> bool {
         let after = window.current + 1;
         if after >= window.poses.len() || cuts.contains(&after) {
             return false;
         }
-        timeline.renew(window, cuts, self.settings.reach().ceil() as usize, |pose| self.project(window, pose));
+        let (earlier, height) = (self.settings.reach().ceil() as usize, f64::from(self.size[1]));
+        timeline.renew(window, cuts, earlier, height, corners, |pose| self.project(window, pose));
         timeline.ends[0] != timeline.ends[1]
     }
 
@@ -201,7 +209,7 @@ impl Motion {
         let space = if is_orthographic { Space::Screen } else { self.settings.space };
         self.find_cuts(cuts, window);
         segments.clear();
-        if self.find_timeline(timeline, window, &cuts.found) {
+        if self.find_timeline(timeline, window, &cuts.found, Some(&corners(current))) {
             segments.extend(timeline.spans.iter().map(|span| span.segment));
             let Settings { trajectory, reference_time, .. } = self.settings;
             let (reference_time, reach) = (f64::from(reference_time), f64::from(self.settings.reach()));

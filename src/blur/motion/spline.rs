@@ -1,139 +1,15 @@
 //! Cubic splines through poses.
 
-use super::projection::PixelClip;
-use super::window::{Pose, Segment, WINDOW, Window};
 use crate::blur::settings::Trajectory;
-
-/// A pose that trajectories go through. Equal poses that follow each other are one.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Knot {
-    /// Frames after the first knot, without those in which the mesh is held.
-    pub(super) time: f64,
-    /// Its place, as [`Window::pose`] takes it: the first of the equal poses.
-    pub(super) pose: usize,
-    pub(super) projection: PixelClip,
-}
-
-/// A segment of the trajectories and the knots at its ends: the same one twice where the mesh is held.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
-    pub(super) segment: Segment,
-    pub(super) knots: [usize; 2],
-}
-
-/// The knots of trajectories, and the segments that are looked at.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Timeline {
-    pub(super) knots: Vec<Knot>,
-    /// In the order of [`super::Interval::segments`].
-    pub(super) spans: Vec<Span>,
-    /// Knots of frames i and i + 1.
-    pub(super) ends: [usize; 2],
-    /// All poses that are looked at, by their times.
-    moments: Vec<Moment>,
-}
-
-/// A pose at a time in frames after frame i, and the knot that it is of.
-#[derive(Clone, Copy, Debug)]
-struct Moment {
-    time: f64,
-    pose: usize,
-    knot: usize,
-}
-
-impl Moment {
-    /// Of no knot yet.
-    fn new(time: f64, pose: usize) -> Moment {
-        Moment { time, pose, knot: 0 }
-    }
-}
-
-/// Whether two poses show the same: positions bit for bit, and the view but for its jitter.
-fn held(a: &Pose, b: &Pose) -> bool {
-    let bits = |pose: &Pose| -> *const [f32; 3] { pose.positions.as_ptr() };
-    let same = || bytemuck::cast_slice::<_, u8>(a.positions) == bytemuck::cast_slice::<_, u8>(b.positions);
-    a.view.without_jitter() == b.view.without_jitter() && (bits(a) == bits(b) || same())
-}
-
-impl Timeline {
-    /// Becomes that of a window in which trajectories are cut before the poses of `cuts`, in ascending order, and looked at
-    /// from `earlier` frames before frame i to frame i + 1, which must be there and not behind a cut.
-    pub(super) fn renew(
-        &mut self,
-        window: &Window,
-        cuts: &[usize],
-        earlier: usize,
-        project: impl Fn(&Pose) -> PixelClip,
-    ) {
-        let (i, count) = (window.current, window.poses.len());
-        let begin = cuts.iter().rev().copied().find(|cut| *cut <= i).unwrap_or(0);
-        let end = cuts.iter().copied().find(|cut| *cut > i).unwrap_or(count);
-        let before = until(WINDOW + earlier, &window.poses[i], window.poses[begin..i].iter().rev());
-        let after = until(WINDOW, &window.poses[i + 1], &window.poses[i + 2..end]);
-        let at = |j: usize| Moment::new(j as f64 - i as f64, j);
-        let parts = window.between.len() as f64 + 1.0;
-        let between = (0..window.between.len()).map(|k| Moment::new((k + 1) as f64 / parts, count + k));
-        self.moments.clear();
-        self.moments.extend((i - before..=i).map(at).chain(between).chain((i + 1..i + 2 + after).map(at)));
-        self.collapse(window, project);
-        let moments = &self.moments;
-        let span = |j: usize| Span {
-            segment: Segment { begin: moments[j].time as f32, end: moments[j + 1].time as f32 },
-            knots: [moments[j].knot, moments[j + 1].knot],
-        };
-        let (first, last) = (before, before + window.between.len() + 1);
-        let back = (first.saturating_sub(earlier)..first).rev();
-        self.spans.clear();
-        self.spans.extend((first..last).chain(back).map(span));
-        self.ends = [first, last].map(|end| moments[end].knot);
-    }
-
-    /// One knot for each run of equal poses.
-    fn collapse(&mut self, window: &Window, project: impl Fn(&Pose) -> PixelClip) {
-        self.knots.clear();
-        let mut last: Option<Moment> = None;
-        for moment in &mut self.moments {
-            let pose = window.pose(moment.pose);
-            if !last.is_some_and(|last| held(window.pose(last.pose), pose)) {
-                let gone = last.map_or(0.0, |last| moment.time - last.time);
-                let time = self.knots.last().map_or(0.0, |knot| knot.time + gone);
-                self.knots.push(Knot { time, pose: moment.pose, projection: project(pose) });
-            }
-            moment.knot = self.knots.len() - 1;
-            last = Some(*moment);
-        }
-    }
-
-    /// Times from each knot to the next.
-    pub(super) fn steps(&self) -> impl Iterator<Item = f64> {
-        self.knots.windows(2).map(|pair| pair[1].time - pair[0].time)
-    }
-
-    /// Square of the time from one knot to the other.
-    pub(super) fn squared(&self, [a, b]: [usize; 2]) -> f64 {
-        (self.knots[b].time - self.knots[a].time).powi(2)
-    }
-}
-
-/// How many of the poses that follow `first` come before its change number `count` + 1.
-fn until<'a>(count: usize, first: &'a Pose<'a>, poses: impl IntoIterator<Item = &'a Pose<'a>>) -> usize {
-    let (mut last, mut changes) = (first, 0);
-    let is_within = |pose: &&'a Pose<'a>| {
-        changes += usize::from(!held(last, pose));
-        last = pose;
-        changes <= count
-    };
-    poses.into_iter().take_while(is_within).count()
-}
 
 /// The factorised matrix of the spline through knots at ascending times: gives second derivatives as weighted sums of what
 /// is interpolated. At the ends they are 0; at the last knot of what is past, that of the knot before, which is exact where things
-/// are accelerated evenly.
+/// are accelerated evenly. At a break they are 0 too: what lies on both sides of it knows nothing of each other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spline {
     /// Steps between the knots.
     steps: Vec<f64>,
-    /// Each row's diagonal once the row above is eliminated, for the knots between the ends.
+    /// Each row's diagonal once the row above is eliminated, for the knots between the ends; infinite at a break.
     pivots: Vec<f64>,
     /// The knot before the end, if it has the end's second derivative.
     run_out: Option<usize>,
@@ -144,13 +20,20 @@ pub(super) struct Spline {
 }
 
 impl Spline {
-    /// Becomes that of knots with these steps from each to the next.
-    pub(super) fn renew(&mut self, between: impl Iterator<Item = f64>, trajectory: Trajectory) {
+    /// Becomes that of knots at these times, of which some are breaks.
+    pub(super) fn renew(&mut self, mut knots: impl Iterator<Item = (f64, bool)>, trajectory: Trajectory) {
         let Spline { steps, pivots, run_out, .. } = self;
         steps.clear();
-        steps.extend(between);
         pivots.clear();
-        pivots.extend(steps.windows(2).map(|h| 2.0 * (h[0] + h[1])));
+        let Some(mut last) = knots.next() else { return };
+        for knot in knots {
+            let step = knot.0 - last.0;
+            if let Some(before) = steps.last() {
+                pivots.push(if last.1 { f64::INFINITY } else { 2.0 * (before + step) });
+            }
+            steps.push(step);
+            last = knot;
+        }
         *run_out = Some(pivots.len()).filter(|knot| trajectory == Trajectory::Past && *knot > 0);
         if let (Some(knot), Some(pivot)) = (*run_out, pivots.last_mut()) {
             *pivot += steps[knot];
@@ -166,7 +49,7 @@ impl Spline {
         let rows = pivots.len();
         let knot = run_out.map_or(knot, |last| knot.min(last));
         weights.clear();
-        if knot == 0 || knot > rows {
+        if knot == 0 || knot > rows || pivots[knot - 1].is_infinite() {
             return weights;
         }
         // The matrix is symmetric: a row of its inverse is the solution for a unit vector.
@@ -214,7 +97,7 @@ mod tests {
 
     fn along(times: &[f64], values: &[f64], t: f64, trajectory: Trajectory) -> [f64; 2] {
         let mut spline = Spline::default();
-        spline.renew(times.windows(2).map(|t| t[1] - t[0]), trajectory);
+        spline.renew(times.iter().map(|t| (*t, false)), trajectory);
         let a = (0..times.len() - 2).filter(|k| times[k + 1] <= t).count();
         let length = times[a + 1] - times[a];
         let mut bend = |knot| -> f64 { spline.weights(knot).iter().zip(values).map(|(w, v)| w * v).sum() };

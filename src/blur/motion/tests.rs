@@ -7,6 +7,7 @@ use crate::blur::settings::{self, Space, Trajectory};
 use crate::random::{hash, unit};
 use crate::view::{Camera, View};
 
+mod breaks;
 mod rows;
 mod trajectories;
 
@@ -185,11 +186,11 @@ fn a_jump_is_a_cut_and_steady_speed_is_not() {
         Shot::new(mesh(4, &grid(2, 2), None), 30, |p, f| square(if f < 15 { 0.0 } else { 1200.0 } + f as f64, p));
     assert!(jumping.interval(&Settings::default(), 14).clusters.is_empty());
     assert!(!jumping.interval(&Settings { jump: 0.0, ..Settings::default() }, 14).clusters.is_empty());
-    // The interval beside it does not ring: 1 pixel a frame.
-    let [_, _, vx, _] = jumping.interval(&Settings::default(), 15).motion[0];
-    assert!((vx - 1.0).abs() < 1e-3, "{vx}");
-    let [_, _, ringing, _] = jumping.interval(&Settings { jump: 0.0, ..Settings::default() }, 15).motion[0];
-    assert!(ringing.abs() > 100.0, "{ringing}");
+    // The intervals beside it do not ring, whether it is smeared or not: 1 pixel a frame.
+    for (jump, frame) in [(1.0, 13), (1.0, 15), (0.0, 12), (0.0, 13), (0.0, 15), (0.0, 16)] {
+        let [_, _, vx, _] = jumping.interval(&Settings { jump, ..Settings::default() }, frame).motion[0];
+        assert!((vx - 1.0).abs() < 1e-3, "{frame} {vx}");
+    }
     let steady = Shot::new(mesh(4, &grid(2, 2), None), 6, |p, f| square(1200.0 * f as f64 - 2000.0, p));
     assert!(!steady.interval(&Settings::default(), 2).clusters.is_empty());
 }

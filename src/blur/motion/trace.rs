@@ -7,7 +7,8 @@ use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
 
 use super::projection::PixelClip;
-use super::spline::{Knot, Span, Spline, Timeline, offset};
+use super::spline::{Spline, offset};
+use super::timeline::{Knot, Span, Timeline};
 use super::window::{Segment, Window};
 use crate::blur::settings::{Space, Trajectory};
 use crate::shaders::blur::blocks::Piece;
@@ -206,7 +207,7 @@ impl Plan {
 
     /// Finds the weights.
     fn weigh(&mut self, task: &Task) {
-        self.spline.renew(task.timeline.steps(), task.trajectory);
+        self.spline.renew(task.timeline.times(), task.trajectory);
         self.weights.clear();
         self.bends.clear();
         for knot in &self.used {
