@@ -163,7 +163,8 @@ settings! {
         space: Space = Space::default();
         /// When position and velocity are taken; 0 is the original way.
         reference_time: f32 = 0.5, "frames after the earlier one", 0.0..=1.0;
-        /// A move of the centre of the mesh's box this far in a frame, and 4 times as far as those beside it, is a cut.
+        /// A move of the centre of the mesh's box this far in a frame is a cut, and a turn of the camera by 20 degrees, if it is
+        /// 4 times as far as those beside it.
         jump: f32 = 1.0, "picture heights", 0.0..=1000.0, "never";
         /// The parts, each of which is smeared as one: by "direction" of motion, or by "ldf", a linear discriminant of place
         /// and velocity (the original way).

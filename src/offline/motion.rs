@@ -41,6 +41,8 @@ pub struct BlurInput {
     view: Box<dyn Fn(f64) -> View + Send>,
     /// First and last of the shot.
     frames: [u32; 2],
+    /// Frames at which it is cut, where these are all.
+    cuts: Vec<u32>,
     settings: Settings,
     mesh: Arc<Mesh>,
     colours: Arc<Vec<[f32; 4]>>,
@@ -127,6 +129,7 @@ impl BlurInput {
             colours: Arc::new(colours),
             view: Box::new(view),
             frames,
+            cuts: Vec::new(),
             settings: settings.clone(),
             mesh: Arc::new(mesh),
             motion,
@@ -134,6 +137,14 @@ impl BlurInput {
             threads,
             scene,
         })
+    }
+
+    /// The same, cut at these frames, each the first of what comes then, besides at those that are found: none, if the
+    /// settings' `jump` is 0.
+    #[must_use]
+    pub fn cut_at(mut self, frames: &[u32]) -> BlurInput {
+        self.cuts = frames.to_vec();
+        self
     }
 
     /// The mesh.
@@ -174,25 +185,36 @@ impl BlurInput {
         let [first, last] = self.frames;
         let number = number.clamp(first, last);
         let current = if number == first { first } else { number - 1 };
-        let begin = self.reach(current, |frame| frame.checked_sub(1).filter(|before| *before >= first), current)?;
+        self.read(current)?;
+        self.read(number)?;
+        let changes = self.changes([current, number]);
+        let changes = [changes[0] || self.settings.trajectory == Trajectory::Exact, changes[1]];
+        let begin = self.reach(current, |frame| frame.checked_sub(1).filter(|before| *before >= first), changes)?;
         let end = match number == first {
             // Nothing comes before it: it is the last of its own sequence.
             true => first,
-            false => self.reach(number, |frame| Some(frame + 1).filter(|after| *after <= last), current)?,
+            false => self.reach(number, |frame| Some(frame + 1).filter(|after| *after <= last), changes)?,
         };
         // The next output's window begins no earlier.
         self.poses = self.poses.split_off(&begin);
         let seen: Vec<View> = (begin..=end).map(|frame| (self.view)(f64::from(frame))).collect();
         let positions: Vec<Positions> = self.poses.range(begin..=end).map(|(_, pose)| pose.clone()).collect();
-        let poses = positions.iter().zip(&seen).map(|(positions, view)| Pose { positions, view, cut: false });
+        let poses = (begin..).zip(positions.iter().zip(&seen)).map(|(frame, (positions, view))| Pose {
+            positions,
+            view,
+            cut: self.cuts.contains(&frame),
+        });
         let poses: Vec<Pose> = poses.collect();
         let between = self.between(current, number)?;
         let between: Vec<Pose> = between.iter().map(|(positions, view)| Pose { positions, view, cut: false }).collect();
         let window = Window { frame: current, poses: &poses, current: (current - begin) as usize, between: &between };
         let interval = self.motion.interval(&self.mesh, &window, self.threads)?;
         let knots = self.motion.knots(&window).map(<[_]>::to_vec);
+        // Beside a cut there are no frames of this shot to look into.
+        let own = self.motion.uncut(&window);
+        let ends = [begin + own.start as u32, begin + own.end as u32 - 1].map(i64::from);
         let view = |frame: i64| {
-            let frame = frame.clamp(begin.into(), end.into()) as u32;
+            let frame = frame.clamp(ends[0], ends[1].max(number.into())) as u32;
             FrameView { frame, view: seen[(frame - begin) as usize] }
         };
         let views = [-1, 0, 1, 2].map(|offset| view(i64::from(current) + offset));
@@ -201,25 +223,30 @@ impl BlurInput {
         Ok(BlurFrame { mesh, colours, interval, counts, views, knots, first: begin, poses: positions })
     }
 
-    /// Reads poses from a frame on, each followed by `next`, until enough of them differ; the last one that was read.
-    /// `current` is frame i.
-    fn reach(&mut self, from: u32, next: impl Fn(u32) -> Option<u32>, current: u32) -> Result<u32, BlurError> {
+    /// Reads poses from a frame on, each followed by `next`, until enough of them differ, if it is the mesh that changes, and
+    /// of the views, if it is the camera; the last one that was read.
+    fn reach(&mut self, from: u32, next: impl Fn(u32) -> Option<u32>, is_wanted: [bool; 2]) -> Result<u32, BlurError> {
         let wanted = WINDOW + self.settings.reach().ceil() as usize;
-        let (mut at, mut changes) = (from, 0);
-        self.read(at)?;
-        while let Some(frame) = next(at).filter(|frame| changes < wanted && frame.abs_diff(current) <= FRAMES_BESIDE) {
+        let (mut at, mut found) = (from, [0; 2]);
+        let is_enough = |found: [usize; 2]| [0, 1].iter().all(|k| !is_wanted[*k] || found[*k] >= wanted);
+        while let Some(frame) = next(at).filter(|frame| frame.abs_diff(from) <= FRAMES_BESIDE) {
+            // One is looked into in any case.
+            if at != from && is_enough(found) {
+                break;
+            }
             self.read(frame)?;
-            changes += usize::from(!self.is_held(at, frame));
+            let changes = self.changes([at, frame]);
+            found = [0, 1].map(|k| found[k] + usize::from(changes[k]));
             at = frame;
         }
         Ok(at)
     }
 
-    /// Whether two frames show the same.
-    fn is_held(&self, a: u32, b: u32) -> bool {
-        let view = |frame: u32| (self.view)(f64::from(frame));
+    /// Whether the mesh differs in two frames, and whether the view does.
+    fn changes(&self, frames: [u32; 2]) -> [bool; 2] {
+        let [a, b] = frames.map(|frame| (self.view)(f64::from(frame)));
         let bits = |frame: u32| self.poses.get(&frame).map(|pose| bytemuck::cast_slice::<_, u8>(pose));
-        view(a) == view(b) && bits(a) == bits(b)
+        [bits(frames[0]) != bits(frames[1]), a != b]
     }
 
     /// Reads a frame's pose, and those after it that threads can read in the same time and the window will want.
@@ -253,3 +280,6 @@ impl BlurInput {
         Ok(poses.iter().zip(times).map(|(pose, time)| (self.gathered(pose), (self.view)(time))).collect())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,7 @@
 //! Where trajectories do not go on, or not smoothly.
 
+use std::ops::Range;
+
 use glam::{DMat4, DVec2};
 
 use super::projection::PixelClip;
@@ -23,7 +25,7 @@ pub(super) type Corners = [[f32; 3]; 8];
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cuts {
     /// Poses to which trajectories do not reach from the ones before, ascending.
-    pub(super) found: Vec<usize>,
+    found: Vec<usize>,
     /// Pixel of the centre of each pose's box, if it is seen.
     centres: Vec<Option<DVec2>>,
 }
@@ -36,6 +38,11 @@ pub(super) struct Step {
 }
 
 impl Cuts {
+    /// There are none.
+    pub(super) fn clear(&mut self) {
+        self.found.clear();
+    }
+
     /// Finds poses that say so, and those to which the centre of the mesh's box moves farther than `jump` pixels or the camera
     /// turns far, and either more than 4 times as far as in the frames before and after (in one of them at least it must be
     /// seen). None of the latter if `jump` is 0.
@@ -53,6 +60,13 @@ impl Cuts {
         self.found.clear();
         let is_cut = |j: usize| is_sudden(moves, j - 1, jump) || is_sudden(turns, j - 1, TURN);
         self.found.extend((1..poses.len()).filter(|j| poses[*j].cut || (is_sought && is_cut(*j))));
+    }
+
+    /// Of `count` poses, those that no cut divides from one.
+    pub(super) fn around(&self, pose: usize, count: usize) -> Range<usize> {
+        let begin = self.found.iter().rev().copied().find(|cut| *cut <= pose).unwrap_or(0);
+        let end = self.found.iter().copied().find(|cut| *cut > pose).unwrap_or(count);
+        begin..end
     }
 }
 

@@ -44,7 +44,7 @@ impl Motion {
         let poses: [Pose; MOST_POSES] = std::array::from_fn(pose);
         let window = Window { frame, poses: &poses[..views.len()], current, between: &[] };
         let is_found = self.with_scratch(|motion, scratch| {
-            scratch.cuts.found.clear();
+            scratch.cuts.clear();
             motion.find_knots(scratch, &window, None)
         });
         is_found.then_some((&self.scratch.knots.knots, &self.scratch.knots.segments))
@@ -53,7 +53,7 @@ impl Motion {
     /// Finds the knots of a window whose cuts are found; false if there are none.
     fn find_knots(&self, scratch: &mut Scratch, window: &Window, corners: Option<&Corners>) -> bool {
         let Scratch { cuts, timeline, knots: Found { knots, segments, spline }, .. } = scratch;
-        if !window.between.is_empty() || !self.find_timeline(timeline, window, &cuts.found, corners) {
+        if !window.between.is_empty() || !self.find_timeline(timeline, window, cuts, corners) {
             return false;
         }
         if timeline.knots.len() > MOST_KNOTS || timeline.spans.len() > PIECE_SEGMENTS as usize {

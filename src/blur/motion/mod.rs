@@ -177,6 +177,13 @@ impl Motion {
         PixelClip::new(pose.view, next.view.jitter, self.size)
     }
 
+    /// Places of a window's poses around frame i that no cut divides from it.
+    pub fn uncut(&self, window: &Window) -> Range<usize> {
+        let (mut cuts, window) = (Cuts::default(), self.nearby(window));
+        self.find_cuts(&mut cuts, &window);
+        cuts.around(window.current, window.poses.len())
+    }
+
     fn find_cuts(&self, cuts: &mut Cuts, window: &Window) {
         let jump = f64::from(self.settings.jump) * f64::from(self.size[1]);
         cuts.renew(window.poses, jump, |pose| self.project(window, pose));
@@ -187,15 +194,16 @@ impl Motion {
         &self,
         timeline: &mut Timeline,
         window: &Window,
-        cuts: &[usize],
+        cuts: &Cuts,
         corners: Option<&Corners>,
     ) -> bool {
         let after = window.current + 1;
-        if after >= window.poses.len() || cuts.contains(&after) {
+        let shot = cuts.around(window.current, window.poses.len());
+        if !shot.contains(&after) {
             return false;
         }
         let (earlier, height) = (self.settings.reach().ceil() as usize, f64::from(self.size[1]));
-        timeline.renew(window, cuts, earlier, height, corners, |pose| self.project(window, pose));
+        timeline.renew(window, shot, earlier, height, corners, |pose| self.project(window, pose));
         timeline.ends[0] != timeline.ends[1]
     }
 
@@ -209,7 +217,7 @@ impl Motion {
         let space = if is_orthographic { Space::Screen } else { self.settings.space };
         self.find_cuts(cuts, window);
         segments.clear();
-        if self.find_timeline(timeline, window, &cuts.found, Some(&corners(current))) {
+        if self.find_timeline(timeline, window, cuts, Some(&corners(current))) {
             segments.extend(timeline.spans.iter().map(|span| span.segment));
             let Settings { trajectory, reference_time, .. } = self.settings;
             let (reference_time, reach) = (f64::from(reference_time), f64::from(self.settings.reach()));

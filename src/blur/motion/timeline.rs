@@ -156,31 +156,29 @@ impl Stands {
 }
 
 impl Timeline {
-    /// Becomes that of a window in which trajectories are cut before the poses of `cuts`, in ascending order, and looked at
-    /// from `earlier` frames before frame i to frame i + 1, which must be there and not behind a cut. Pictures have `height`
+    /// Becomes that of a window of which only the poses of `shot` are looked at, from `earlier` frames before frame i to frame i + 1,
+    /// which must be among them. Pictures have `height`
     /// lines. Snaps of the camera are found if it is known where the mesh is.
     pub(super) fn renew(
         &mut self,
         window: &Window,
-        cuts: &[usize],
+        shot: Range<usize>,
         earlier: usize,
         height: f64,
         corners: Option<&Corners>,
         project: impl Fn(&Pose) -> PixelClip,
     ) {
         let (i, count, between) = (window.current, window.poses.len(), window.between.len());
-        let begin = cuts.iter().rev().copied().find(|cut| *cut <= i).unwrap_or(0);
-        let end = cuts.iter().copied().find(|cut| *cut > i).unwrap_or(count);
         let most = [WINDOW + earlier, WINDOW];
         let Timeline { mesh, camera, inner, .. } = self;
         inner.clear();
         inner.extend(std::iter::once(i).chain(count..count + between).chain([i + 1]));
-        mesh.renew(window, &(begin..end), inner, most, same_mesh);
-        camera.renew(window, &(begin..end), inner, most, same_camera);
+        mesh.renew(window, &shot, inner, most, same_mesh);
+        camera.renew(window, &shot, inner, most, same_camera);
         mesh.find_breaks(|step| mesh_snaps(window, step, height, &project));
         camera.find_breaks(|step| corners.is_some_and(|box_| camera_snaps(window, box_, step, height, &project)));
         self.join(window, &project);
-        self.divide(window, begin, earlier);
+        self.divide(window, shot.start, earlier);
     }
 
     /// Knots of the moments of the interval and of what is beside it.

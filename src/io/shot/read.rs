@@ -111,6 +111,15 @@ impl Tree {
         })
     }
 
+    /// Numbers of frames, ascending; none where the shot does not say it.
+    pub(crate) fn frame_list(&self, path: &str) -> Result<Option<Vec<u32>>> {
+        self.read(path, None, |value| {
+            let frames: Vec<u32> = value.as_array()?.iter().map(whole).collect::<Option<_>>()?;
+            let is_good = frames.is_sorted_by(|a, b| a < b) && frames.iter().all(|frame| *frame <= LAST_FRAME);
+            is_good.then_some(Some(frames))
+        })
+    }
+
     /// True or false; false where it is not named.
     pub(crate) fn flag(&self, path: &str) -> Result<bool> {
         self.read(path, false, Value::as_bool)

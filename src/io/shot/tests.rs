@@ -137,6 +137,8 @@ fn wrong_values_name_file_line_key_and_what_is_allowed() {
         ("[blur]\nscene = \"builtin:rum\"", "shot.toml:2: blur.scene = \"builtin:rum\": ", "builtin:run"),
         ("[blur]\nscene = \"no.####.npz\"", "shot.toml:2: blur.scene = \"no.####.npz\": ", "no sequences of files"),
         ("[blur]\nscene = \"no.%d.glb\"", "shot.toml:2: blur.scene = \"no.%d.glb\": ", "no sequences of files"),
+        ("[blur]\ncuts = [12, 7]", "shot.toml:2: blur.cuts = [12, 7]: ", "ascending"),
+        ("[blur]\ncuts = 12", "shot.toml:2: blur.cuts = 12: ", "a list of frames"),
         ("[blur]\nimages = \"a.png\"", "shot.toml:2: blur.images = \"a.png\": ", "####"),
         ("[blur]\nanimation = \"Run\"", "shot.toml:2: blur.animation = \"Run\": ", "only with a glTF file"),
         ("[blur]\nanimation = []", "shot.toml:2: blur.animation = []: ", "a list of names and numbers"),

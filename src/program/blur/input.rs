@@ -56,8 +56,8 @@ pub(super) fn open(shot: &Arc<Shot>) -> Opened {
 
 impl Input for BlurInput {
     fn add_common(&self, hash: &mut Xxh3, files: &mut Files) -> Result<(), ReadError> {
-        let Blur { scene, animations, images, settings } = &self.blur;
-        add(hash, ("blur", self.shot.frames, animations, images.is_some(), settings));
+        let Blur { scene, animations, images, cuts, settings } = &self.blur;
+        add(hash, ("blur", self.shot.frames, animations, images.is_some(), cuts, settings));
         match scene {
             Source::Builtin(which) => add(hash, which),
             Source::File(path) => {
@@ -96,7 +96,7 @@ impl Input for BlurInput {
         let of_shot = self.shot.clone();
         let view = move |frame: f64| of_shot.camera(frame).view(of_shot.size);
         let motion = Motion::new(scene, view, self.shot.frames, &self.blur.settings, self.shot.size, threads)?;
-        self.motion = Some(motion);
+        self.motion = Some(motion.cut_at(self.blur.cuts.as_deref().unwrap_or_default()));
         Ok(())
     }
 

@@ -21,6 +21,8 @@ pub struct Blur {
     pub animations: Vec<Pick>,
     /// The frames that are blurred, one picture each; none: they are drawn.
     pub images: Option<Pattern>,
+    /// Frames that begin a new shot, of mesh and camera; none: they are found.
+    pub cuts: Option<Vec<u32>>,
     /// Everything else; validated.
     pub settings: Settings,
 }
@@ -32,6 +34,7 @@ const INPUTS: &[(&str, &str)] = &[
         "blur.animation",
         "the name of an animation of the glTF file, its number, from 0, a list of names and numbers, or \"*\" for all",
     ),
+    ("blur.cuts", "a list of frames, whole numbers, 0 to 999999, ascending; [] for none"),
     ("blur.images", "a pattern of image files, one a frame (\"frames/####.png\", .exr, .jpg)"),
 ];
 
@@ -61,7 +64,7 @@ impl Blur {
 }
 
 fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
-    const ELSEWHERE: &[&str] = &["scene", "animation", "images"];
+    const ELSEWHERE: &[&str] = &["scene", "animation", "images", "cuts"];
     let Section { tree, folder, .. } = *section;
     let tones = tree.word("blur.toon.tones");
     let elsewhere = [ELSEWHERE, if tones.is_some() { &["toon.tones"] } else { &[] }].concat();
@@ -85,7 +88,12 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
         _ => {}
     }
     let images = images(section)?;
-    Ok(Arc::new(Blur { scene, animations, images, settings }))
+    let cuts = tree.frame_list("blur.cuts")?;
+    if cuts.is_some() {
+        // What is given is all: none are looked for.
+        settings.jump = 0.0;
+    }
+    Ok(Arc::new(Blur { scene, animations, images, cuts, settings }))
 }
 
 fn images(section: &Section) -> Result<Option<Pattern>, ShotError> {
