@@ -1,5 +1,6 @@
 //! Input of effects, in memory: volumes, particles, meshes. Files and simulations make these.
 
+use crate::blur::Texture;
 use crate::smoke::reference::Grid;
 
 /// A density volume in memory: x runs fastest, then y, then z.
@@ -61,8 +62,25 @@ pub struct Topology {
     pub object: Vec<u32>,
     /// Names of the objects.
     pub objects: Vec<String>,
-    /// Linear RGB of each vertex, not negative.
+    /// Linear RGB of each vertex, not negative; without its texture.
     pub colour: Vec<[f32; 3]>,
+    /// How much of a smear's strength each vertex has, 0 to 1: the attribute `_SMEAR` of a glTF file, the array `smear` of a
+    /// cache; 1 where it has none.
+    pub share: Vec<f32>,
+    /// Material of each vertex: its number in `materials`.
+    pub material: Vec<u32>,
+    /// Names of the materials that there are; "" of what has none.
+    pub materials: Vec<String>,
+    /// Textures that vertices' colours are multiplied by.
+    pub textures: Vec<Texture>,
+    /// The texture of each vertex: its number in `textures`.
+    pub texture: Vec<Option<u32>>,
+    /// Where each vertex is in its texture, from the upper left to (1, 1).
+    pub texture_place: Vec<[f32; 2]>,
+    /// Texture coordinates of each vertex, TEXCOORD_0 of a glTF file, where `has_coordinates`.
+    pub coordinates: Vec<[f32; 2]>,
+    /// Whether some vertices have such.
+    pub has_coordinates: bool,
     /// Normal of each vertex at rest, in its object's own space, as the file has it; (0, 0, 0) where it has none.
     pub normal: Vec<[f32; 3]>,
     /// Whether an object has triangles that are meant to be seen from both sides.

@@ -165,11 +165,11 @@ fn the_numbers_of_the_methods_are_what_was_decided() {
         // Of the refinement: rounds, and those after which tolerances grow; of the tables: bins along a side.
         [blur::ROUNDS, blur::USUAL_ROUNDS, blur::SIDE, blur::BETWEEN, 16, 11, 32, u32::MAX],
         // Of tones: steps of the cosine, a change that is seen, places.
-        [blur::TONE_STEPS, blur::CLEAR, blur::WANTED_SITES, blur::MOST_STRIDE, 48, 77, 16_384, 256],
+        [blur::TONE_STEPS, blur::CLEAR, blur::WANTED_SITES, blur::MOST_STRIDE, 48, 77, 8192, 256],
         [blur::MOST_SITES, blur::MOST_FEW, blur::FEW_WEIGHT, blur::WHOLE, 32_768, 8192, 8, 16],
         // Of the search for the light: candidates, and steps of the cosine in its rounds.
-        [blur::STARTS, blur::STILL_STARTS, blur::TURNED_STARTS, blur::SEARCHES, 1024, 512, 8, 6],
-        [blur::COARSE_SEARCHES, blur::COARSE, blur::FINE, blur::FIRST_STEPS, 4, 9, 5, 24],
+        [blur::STARTS, blur::STILL_STARTS, blur::TURNED_STARTS, blur::SEARCHES, 512, 256, 8, 6],
+        [blur::FIRST_SEARCHES, blur::BESIDE, blur::STARTS, blur::FIRST_STEPS, 2, 5, 512, 16],
         [blur::SEARCH_STEPS, blur::RESIDUAL, blur::REPEATS, blur::ALLOWED, 32, 13, 5, 4],
         // Of the mask, and the keys of draws.
         [flame::MASK_SIDE, flame::MASK_LEVELS, flame::COUNT_KEY, flame::PHASE_KEY, 64, 7, u32::MAX, u32::MAX],

@@ -219,6 +219,8 @@ fn occluders_are_beside_images() {
             neighbours: buffer(4096),
             groups: Some(blur::GroupInput { corners: buffer(4096), starts: buffer(4096), triangles: buffer(4096) }),
             colours: None,
+            textures: None,
+            shares: None,
             parts: None,
             source_rows: None,
         };

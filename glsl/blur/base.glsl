@@ -7,6 +7,7 @@ bool is_still(uvec4 base) {
 
 // Barycentrics of a vertex in it, of its second and its third corner.
 vec2 barycentrics_of(uint vertex, uvec4 base) {
-    return vertices[vertex].is_point == 0u ? vertices[vertex].barycentrics
+    vec2 own = vertices[vertex].barycentrics;
+    return own.x >= 0.0 ? own
         : vec2(base.y == vertex ? 1.0 : 0.0, base.z == vertex ? 1.0 : 0.0);
 }

@@ -59,7 +59,8 @@ Offset offset_at(uint a, uint b, uint where, float time) {
     float begin = params.segments[s].begin;
     precise float length_of = params.segments[s].end - begin;
     precise float past = time - begin;
-    float beyond = time < begin ? past : 0.0;
+    precise float late = time - params.segments[s].end;
+    float beyond = time < begin ? past : max(late, 0.0);
     precise float u = (time - beyond - begin) / length_of;
     precise float c = 1.0 - u;
     precise float from = (c * c * c - c) * (1.0 / 6.0);
@@ -70,9 +71,9 @@ Offset offset_at(uint a, uint b, uint where, float time) {
     vec3 origin = s == 0u ? vec3(0.0) : own;
     precise vec3 slope = (piece.step.xyz + from_slope * piece.bend_begin.xyz + to_slope * piece.bend_end.xyz) / length_of;
     precise vec3 value = origin + (u * piece.step.xyz + from * piece.bend_begin.xyz + to * piece.bend_end.xyz);
-    // Straight before the earliest segment.
+    // Straight before the earliest segment and after the latest.
     precise vec3 line = value + beyond * slope;
-    return Offset(beyond < 0.0 ? line : value, slope);
+    return Offset(beyond == 0.0 ? value : line, slope);
 }
 
 // Where the point is in pixels, as what it is off from frame i, so that it is exact for what hardly moves; and its depth.

@@ -11,6 +11,7 @@
 const float LEAST_SPEED_SQUARED = 1e-12;  // (pixels a frame)^2: what is slower has no direction
 const uint FEW = 48u;          // points of a hull that are all looked at
 const uint MOST_WALK = 256u;   // of larger ones, before they are all looked at after all
+const uint AHEAD = 65536u;     // where the teeth of what smears ahead begin
 const uint CHORDS = 1024u;     // directions of a hull are those from each point to one that is so small a part farther on
 
 float turn_from(float start, vec2 v) {
@@ -178,33 +179,58 @@ vec2 extent_of(vec2 position, vec2 velocity, uint label) {
     return shares_of(extremes(cluster, d, u), position, d, u);
 }
 
+// The share of strength that what moves so fast has.
+float share_at(vec2 velocity) {
+    precise float speed = sqrt(velocity.x * velocity.x + velocity.y * velocity.y);
+    float share = 1.0;
+    vec2 before = vec2(-1.0);
+    for (uint k = 0u; k < params.curve_keys; ++k) {
+        vec4 row = params.curve[k / 2u];
+        vec2 key = (k & 1u) == 0u ? row.xy : row.zw;
+        precise float along = (speed - before.x) / (key.x - before.x);
+        precise float mixed = before.y + along * (key.y - before.y);
+        bool is_first = k == 0u;
+        share = is_first || speed >= key.x ? key.y : speed > before.x ? mixed : share;
+        before = key;
+    }
+    return share;
+}
+
 float tooth(Cluster cluster, uint index) {
     return unit(hash(params.seed, cluster.object, index, params.generation));
 }
 
+// A random number across a cluster, linear between teeth, of which the first is `first`.
+float ragged(Cluster cluster, float l, uint first) {
+    if (cluster.teeth < 2u) {
+        return tooth(cluster, first);
+    }
+    precise float x = float(cluster.teeth - 1u) * l;
+    uint index = min(uint(x), cluster.teeth - 2u);
+    float from = tooth(cluster, first + index);
+    precise float mixed = from + (x - float(index)) * (tooth(cluster, first + index + 1u) - from);
+    return mixed;
+}
+
 // k' of a vertex by itself.
-float moved_by(vec2 extent, uint label) {
+float moved_by(vec2 extent, uint label, float share) {
     if (label == 0u) {
         return 1.0;
     }
     Cluster cluster = clusters[label - 1u];
-    float r;
-    if (cluster.teeth < 2u) {
-        r = tooth(cluster, 0u);
-    } else {
-        precise float x = float(cluster.teeth - 1u) * extent.y;
-        uint index = min(uint(x), cluster.teeth - 2u);
-        float from = tooth(cluster, index);
-        precise float mixed = from + (x - float(index)) * (tooth(cluster, index + 1u) - from);
-        r = mixed;
+    precise float strength = params.strength * share;
+    precise float moved = 1.0 - strength * (1.0 - extent.x) * ragged(cluster, extent.y, 0u);
+    if (params.lead == 0.0) {
+        return moved;
     }
-    precise float moved = 1.0 - params.strength * (1.0 - extent.x) * r;
-    return moved;
+    precise float lead = params.lead * share;
+    precise float ahead = moved + lead * extent.x * ragged(cluster, extent.y, AHEAD);
+    return ahead;
 }
 
-// 1 - k' as smoothing has it.
+// How far before the latest k' there may be a k' is, as smoothing has it.
 uint whole_of(float moved) {
-    precise float whole = (1.0 - moved) * UNIT + 0.5;
+    precise float whole = (1.0 + params.lead - moved) * UNIT + 0.5;
     return uint(whole);
 }
 
@@ -212,5 +238,5 @@ uint whole_of(float moved) {
 float shifted(float moved, float added) {
     precise float sum = moved + added;
     precise float least = 1.0 - params.strength;
-    return min(max(sum, least), 1.0);
+    return min(max(sum, least), 1.0 + params.lead);
 }

@@ -9,6 +9,8 @@ struct Fragment {
     uint place;    // its number
     vec3 barycentrics;  // in it
     float moved;   // k'
+    uvec3 corners; // of the refined triangle
+    vec3 inside;   // barycentrics in that
 };
 
 // Of a refined triangle at a place of the picture.
@@ -31,5 +33,5 @@ Fragment fragment_at(uint triangle_id, vec2 at) {
     barycentrics = sum != 0.0 ? barycentrics / sum : vec3(1.0 / 3.0);
     vec2 where = barycentrics.x * places[0] + barycentrics.y * places[1] + barycentrics.z * places[2];
     float moved = barycentrics.x * corners[0].drawn_time + barycentrics.y * corners[1].drawn_time + barycentrics.z * corners[2].drawn_time;
-    return Fragment(base, place, vec3(1.0 - where.x - where.y, where), moved);
+    return Fragment(base, place, vec3(1.0 - where.x - where.y, where), moved, triangle.xyz, barycentrics);
 }

@@ -15,6 +15,8 @@ layout(std430, binding = 6) writeonly buffer Lines { float lines[]; };
 #include "tiles.glsl"
 #include "edges.glsl"
 #include "fragment.glsl"
+#include "dry.glsl"
+layout(constant_id = 2) const float INK_DRY = 0.0;  // the setting `dry`
 
 const uint SEEN_SIDE = TILE + 2u;  // samples that a workgroup looks at, in a row
 
@@ -58,6 +60,20 @@ vec3 place_in_frame(uint name, ivec2 at) {
     return vec3(2.0 * place.xy / widening(place.z), place.z);
 }
 
+// Whether a sample is where bristles end: there is no line around each of these.
+bool is_dry(ivec2 at) {
+    uint name = name_at(at);
+    if (INK_DRY == 0.0 || name == 0u) {
+        return false;
+    }
+    Fragment fragment = fragment_at(name, 0.5 * (vec2(at) + 0.5));
+    vec2 extent = vec2(0.0);
+    for (uint corner = 0u; corner < 3u; ++corner) {
+        extent += fragment.inside[corner] * ends_of(vertices[fragment.corners[corner]]);
+    }
+    return extent.x < longest_dry(INK_DRY, extent.y);
+}
+
 void see(uint cell) {
     ivec2 at = ivec2(first_sample()) + ivec2(cell % SEEN_SIDE, cell / SEEN_SIDE) - 1;
     bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, 2 * ivec2(params.size)));
@@ -74,6 +90,6 @@ void main() {
     barrier();
     ivec2 at = ivec2(first_sample() + gl_LocalInvocationID.xy);
     if (all(lessThan(at, 2 * ivec2(params.size)))) {
-        lines[index_of_sample(at)] = line_at(at);
+        lines[index_of_sample(at)] = is_dry(at) ? 0.0 : line_at(at);
     }
 }

@@ -47,13 +47,12 @@ void main() {
         later = is_still ? earlier : beside(earlier, 1u + turned % TURNED_STARTS, TURNED_STARTS, AROUND);
     } else {
         uint best = candidate_at(round - 1u, best_of(round - 1u));
-        uint directions = round < COARSE_SEARCHES ? COARSE : FINE;
         float distance = REACH / float(1u << round);
-        earlier = beside(lights[best].xyz, index / directions, directions - 1u, distance);
-        later = beside(lights[best + 1u].xyz, index % directions, directions - 1u, distance);
+        earlier = beside(lights[best].xyz, index / BESIDE, BESIDE - 1u, distance);
+        later = beside(lights[best + 1u].xyz, index % BESIDE, BESIDE - 1u, distance);
     }
     uint steps = round == 0u ? FIRST_STEPS : SEARCH_STEPS;
-    uvec2 range = places(round < COARSE_SEARCHES);
+    uvec2 range = places(round);
     if (gl_LocalInvocationIndex == 0u) {
         unexplained = 0u;
     }

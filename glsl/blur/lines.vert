@@ -5,9 +5,11 @@
 layout(std430, binding = 6) readonly buffer Splines { Piece splines[]; };
 layout(std430, binding = 4) readonly buffer Vertices { Vertex vertices[]; };
 layout(std430, binding = 7) readonly buffer Trailing { Trail trailing[]; };
+#include "common/random.glsl"
 #include "lines.glsl"
 layout(location = 0) out float aside;                // pixels from the middle
 layout(location = 1) out float share;  // of the way from its beginning
+layout(location = 2) out float broad;  // pixels at its beginning
 #include "curve.glsl"
 #include "position.glsl"
 
@@ -21,22 +23,26 @@ void main() {
     gl_Position = vec4(0.0, 0.0, 1.0, -1.0);
     aside = 0.0;
     share = 0.0;
+    broad = 0.0;
     if (point == NONE) {
         return;
     }
     float moved = vertices[point].time;
+    vec2 shape = shape_of(point);
+    float length_of = constants.length_of * shape.x;
+    broad = constants.width * shape.y;
     // A line with any part behind the near plane is not drawn, so that no triangle has corners on both sides of it.
     for (uint part = 0u; part <= LINE_PARTS; ++part) {
-        float back = float(part) / float(LINE_PARTS) * constants.length_of;
+        float back = float(part) / float(LINE_PARTS) * length_of;
         if (!(state_at(point, point, 0u, moved - back).depth > params.near)) {
             return;
         }
     }
     share = float(index / 6u % LINE_PARTS + corner.x) / float(LINE_PARTS);
-    State state = state_at(point, point, 0u, moved - share * constants.length_of);
+    State state = state_at(point, point, 0u, moved - share * length_of);
     float speed = length(state.velocity);
     // A pixel wider than it is on both sides, for its soft edge.
-    float reach = 0.5 * constants.width * (1.0 - share) + 1.0;
+    float reach = 0.5 * broad * (1.0 - share) + 1.0;
     aside = corner.y == 0u ? -reach : reach;
     vec2 across = speed > 1e-3 ? vec2(-state.velocity.y, state.velocity.x) / speed : vec2(0.0);
     vec2 at = state.position + aside * across;

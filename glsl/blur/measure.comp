@@ -33,7 +33,9 @@ bool is_seen(uint point) {
         Piece piece = splines[s * params.vertex_room + point];
         seen = seen && lowest_depth(piece, s == 0u ? start : start + piece.origin.z) > 0.0;
     }
-    return seen && state_at(point, point, 0u, -params.reach).depth > 0.0;
+    float behind = state_at(point, point, 0u, -params.reach).depth;
+    float ahead = params.lead > 0.0 ? state_at(point, point, 0u, 1.0 + params.lead).depth : behind;
+    return seen && min(behind, ahead) > 0.0;
 }
 
 vec2 pixel_at(uint frame, uint point) {

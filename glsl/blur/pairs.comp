@@ -15,6 +15,7 @@ layout(std430, binding = 21) writeonly buffer Sites { Site sites[]; };
 layout(constant_id = 0) const uint GROUPS = 0;
 #include "tables.glsl"
 #include "lesson.glsl"
+#include "common/random.glsl"
 
 int change_of(float from, float to) {
     float logarithm = log(lit(to)) - log(lit(from));
@@ -62,6 +63,13 @@ void main() {
         uint few = atomicAdd(completing[FEW_COUNT], 1u);
         if (few < MOST_FEW) {
             sites[MOST_SITES + few] = site;
+        }
+        uint parts = max(completing[MOVING_COUNT] / (stride * stride * WANTED_FIRST), 1u);
+        if (hash(frame, cell.x, cell.y, 0u) % parts == 0u) {
+            uint first = atomicAdd(completing[FIRST_COUNT], 1u);
+            if (first < MOST_FIRST) {
+                sites[MOST_SITES + MOST_FEW + first] = site;
+            }
         }
     }
 }

@@ -36,6 +36,8 @@ const float LEAST_SURFACE = 1.0 / 64.0; // length in pixels at the reference tim
 const uint FRONT_BITS = 4u;        // of a triangle: FRONT_MASK, and one that is unused
 const uint FRONTS_A_WORD = 32u / FRONT_BITS;
 const uint MOST_SEGMENTS = 32u;    // of a trajectory
+const uint CURVE_KEYS = 8u;        // of strength over speed
+const uint CURVE_ROWS = CURVE_KEYS / 2u;
 const uint PIECE_SEGMENTS = 12u;   // of one that is made of poses
 const uint LINE_PARTS = 16u;       // of a speed line
 const uint LINE_VERTICES = 6u * LINE_PARTS; // two triangles a part
@@ -80,7 +82,11 @@ layout(binding = 0) uniform BlurParams {
     uint triangle_budget;      // triangles that refinement may make
     uint list_room;            // samples that there is room for in each list of completion
     uint tables;               // objects that there are tables of colours for
+    vec4 curve[CURVE_ROWS];    // keys of the share of strength, two a row: speed in pixels a frame, and share
+    uint curve_keys;           // how many there are
     float strength;            // how far the smear reaches back, in frames
+    float lead;                // how far it reaches ahead, in frames
+    float dry_back;            // pixels that what ends in all of its bristles is drawn back
     float reach;               // frames before frame i that trajectories are looked at
     float reference_time;      // frames after frame i
     float tolerance;           // pixels
@@ -170,6 +176,9 @@ struct PointMotion {
     vec2 velocity;  // pixels a frame
 };
 
+// Barycentrics of the mesh's own points, which are corners of many triangles.
+const float OF_POINT = -1.0;
+
 // A vertex of the refined mesh. The mesh's own points come first.
 struct Vertex {
     vec2 position;     // pixels, at the reference time
@@ -182,8 +191,8 @@ struct Vertex {
     float drawn_depth; // view depth there, in metres
     float drawn_time;  // `time`, beside what is read with it
     uint cluster;      // from 1; 0: it stays where it is; or BETWEEN
-    uint is_point;     // it is of the mesh
-    vec2 barycentrics; // in its base triangle, of the second and the third corner, if it is not
+    float share;       // of strength: how much of it there is
+    vec2 barycentrics; // in its base triangle, of the second and the third corner; OF_POINT: it is of the mesh
 };
 
 // A round of the refinement.

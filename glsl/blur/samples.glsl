@@ -26,6 +26,7 @@ const uint OVERFLOWS = 36u;         // whether there was no room for a list
 const uint MOVING_COUNT = 38u;      // pixels of both frames that see what moves
 const uint SITE_COUNT = 39u;        // places that both show; of those the few that the search begins with
 const uint FEW_COUNT = 40u;
+const uint FIRST_COUNT = 43u;       // and those with which its first rounds do
 const uint UNEXPLAINED = 41u;       // what tones leave unexplained of how these change, and all of it
 const uint OBJECTS = 64u;           // the same of each object, two words
 

@@ -12,11 +12,13 @@ shared int tones[3u * TONE_STEPS];
 // Tones of all, from which an object's depart by `tones`; 0 while these are not known.
 shared int common_tones[3u * TONE_STEPS];
 
-// Where places begin, and how many there are. None, if there was no room for all of them.
-uvec2 places(bool are_few) {
-    uint count = completing[are_few ? FEW_COUNT : SITE_COUNT];
-    bool fits = completing[SITE_COUNT] <= MOST_SITES && completing[FEW_COUNT] <= MOST_FEW;
-    return uvec2(are_few ? MOST_SITES : 0u, fits ? count : 0u);
+// Where the places of a round of the search begin, and how many there are; of what follows it: all places. None, if there was no room for all of them.
+uvec2 places(uint round) {
+    bool is_first = round < FIRST_SEARCHES;
+    bool are_few = round < SEARCHES;
+    uint count = completing[is_first ? FIRST_COUNT : are_few ? FEW_COUNT : SITE_COUNT];
+    bool fits = completing[SITE_COUNT] <= MOST_SITES && completing[FEW_COUNT] <= MOST_FEW && completing[FIRST_COUNT] <= MOST_FIRST;
+    return uvec2(is_first ? MOST_SITES + MOST_FEW : are_few ? MOST_SITES : 0u, fits ? count : 0u);
 }
 
 uvec2 steps_at(Site site, vec3 earlier, vec3 later, uint steps) {
@@ -140,7 +142,7 @@ void solve(uint steps) {
 // Candidates of a round of the search, and where they stand: earlier and later direction; bits of what they leave
 // unexplained in the first's w.
 uint candidates_of(uint round) {
-    return round == 0u ? STARTS : round < COARSE_SEARCHES ? COARSE * COARSE : FINE * FINE;
+    return round == 0u ? STARTS : BESIDE * BESIDE;
 }
 
 uint candidate_at(uint round, uint index) {

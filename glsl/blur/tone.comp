@@ -20,7 +20,7 @@ void main() {
     uint best = candidate_at(SEARCHES - 1u, best_of(SEARCHES - 1u));
     vec3 earlier = lights[best].xyz;
     vec3 later = lights[best + 1u].xyz;
-    uvec2 range = places(false);
+    uvec2 range = places(SEARCHES);
     begin_solving();
     bool is_own = constants.is_own == 1u;
     uint object = is_own ? group : ALL;

@@ -16,6 +16,8 @@ struct ToonParams {
     uint groups;         // normal groups
     float second_strength; // of the second light
     float rim;           // brightness of edges that turn away
+    uint has_textures;   // texture coordinates, textures and texels follow the base colours
+    uint unused_toon[3];
     vec4 tones[MOST_TONES]; // linear RGB that the base colour is multiplied by; w: luminance where it begins
 };
 layout(std430, binding = 29) readonly buffer ToonBuffer {

@@ -1,6 +1,7 @@
 // Flat tones of a frame that is drawn.
 #include "poses.glsl"
 #include "toon/luminance.glsl"
+#include "textures.glsl"
 
 // The way to a goal, homogeneous as a light is, from a place of a triangle in a frame, i - 1 (0) to i + 2 (3).
 vec3 way_to(vec4 goal, uint frame, uvec4 triangle, vec3 barycentrics) {
@@ -33,5 +34,8 @@ vec3 toned(uint frame, uint index, uvec4 triangle, vec3 barycentrics, vec3 norma
     }
     vec3 base = barycentrics.x * base_colours[3u * index].rgb + barycentrics.y * base_colours[3u * index + 1u].rgb
         + barycentrics.z * base_colours[3u * index + 2u].rgb;
+    if (toon.has_textures != 0u) {
+        base *= texture_at(frame, index, triangle, barycentrics);
+    }
     return tone * max(base, vec3(0.0));
 }

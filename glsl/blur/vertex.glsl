@@ -37,15 +37,16 @@ Vertex vertex_between(uint a, uint b, uint where) {
         seen.velocity = vec2(0.0);
         label = 0u;
     }
+    float share = between(vertices[a].share, vertices[b].share, where);
     vec4 extent = vec4(1.0, 0.0, 0.0, 1.0);
     if (label == BETWEEN) {
         extent = extent_between(a, b, where);
     } else if (label != 0u) {
         extent.xy = extent_of(seen.position, seen.velocity, label);
         extent.z = between(vertices[a].smoothing, vertices[b].smoothing, where);
-        extent.w = shifted(moved_by(extent.xy, label), extent.z);
+        extent.w = shifted(moved_by(extent.xy, label, share), extent.z);
     }
     State state = state_at(a, b, where, extent.w);
     return Vertex(seen.position, seen.velocity, extent.x, extent.y, extent.z, extent.w, state.position, state.depth, extent.w,
-                  label, 0u, vec2(0.0));
+                  label, share, vec2(0.0));
 }

@@ -73,6 +73,8 @@ pub struct Desc {
     pub groups: u32,
     /// As `groups`.
     pub group_triangles: u32,
+    /// Rows of textures ([`crate::blur::texture_rows`]) that the mesh brings for frames that are drawn; 0: none.
+    pub texture_rows: u32,
     /// Whether frames may bring images of frames i - 1 and i + 2, or these are drawn, too.
     pub outer: bool,
     /// Whether there may be outputs without images, whose frames are drawn; needs normal groups and base colours.
@@ -121,6 +123,7 @@ impl Desc {
             objects: mesh.objects().len() as u32,
             groups: mesh.group_triangles().starts.len() as u32 - 1,
             group_triangles: mesh.group_triangles().items.len() as u32,
+            texture_rows: 0,
             outer: false,
             toon: false,
             depth: None,

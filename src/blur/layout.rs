@@ -21,8 +21,8 @@ use crate::shaders::blur::blocks::{
     Vertex,
 };
 use crate::shaders::blur::constants::{
-    BIN_FIELDS, BINS, BLOCK, DIRECTIONS, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_ROWS, MOST_SITES,
-    OBJECTS, ROUNDS, STARTS, TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
+    BIN_FIELDS, BINS, BLOCK, DIRECTIONS, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_FIRST, MOST_ROWS,
+    MOST_SITES, OBJECTS, ROUNDS, STARTS, TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
 };
 
 buffers! {
@@ -35,6 +35,7 @@ buffers! {
     TRIANGLES = "Triangles": Sequence,
     NEIGHBOUR_STARTS = "NeighbourStarts": Sequence,
     NEIGHBOURS = "Neighbours": Sequence,
+    SHARES = "Shares": Sequence,
     MOTIONS = "Motions": Layer,
     LABELS = "Labels": Layer,
     CLUSTERS = "Clusters": Layer,
@@ -130,10 +131,14 @@ pub const HOST_PARTS: [BufferId; 5] = [
 ];
 /// The host's rows of points in its sources.
 pub const HOST_SOURCE_ROWS: BufferId = BufferId(BUFFERS + 20);
+/// The host's shares of strength.
+pub const HOST_SHARES: BufferId = BufferId(BUFFERS + 21);
+/// The host's textures.
+pub const HOST_TEXTURES: BufferId = BufferId(BUFFERS + 22);
 /// The first of the host's sources.
-const FIRST_SOURCE: u16 = BUFFERS + 21;
+const FIRST_SOURCE: u16 = BUFFERS + 23;
 /// Buffers of the host's.
-pub const HOST_BUFFERS: usize = 21 + MOST_SOURCES;
+pub const HOST_BUFFERS: usize = 23 + MOST_SOURCES;
 
 /// A source of the host's.
 pub fn host_source(number: usize) -> BufferId {
@@ -308,6 +313,7 @@ impl Layout {
         self.set(TRIANGLES, 16 * u64::from(desc.triangles));
         self.set(NEIGHBOUR_STARTS, 4 * (points + 1));
         self.set(NEIGHBOURS, 4 * u64::from(desc.neighbours));
+        self.set(SHARES, 4 * points);
         self.set(MOTIONS, size_of::<PointMotion>() as u64 * points);
         self.set(LABELS, 4 * points);
         self.set(CLUSTERS, size_of::<Cluster>() as u64 * points);
@@ -332,7 +338,8 @@ impl Layout {
         self.set(PICTURE, 16 * pixels);
         self.set(SURFACE, if desc.depth.is_some() { size_of::<Covering>() as u64 * pixels } else { 0 });
         self.set(SCENE_WORDS, if desc.occluders.is_some() { 4 * pixels } else { 0 });
-        self.set(TOON_BUFFER, if desc.toon { BASE_COLOURS + 48 * u64::from(desc.triangles) } else { 0 });
+        let rows = 3 * u64::from(desc.triangles) + u64::from(desc.texture_rows);
+        self.set(TOON_BUFFER, if desc.toon { BASE_COLOURS + 16 * rows } else { 0 });
         self.set(
             TRAILING,
             if desc.settings.lines.are_on() { size_of::<Trail>() as u64 * u64::from(MOST_LINES) } else { 0 },
@@ -379,7 +386,7 @@ impl Layout {
         // Behind the tables, the light's directions and tones: of all and of each object.
         let tones = if tables > 0 { 16 * u64::from(TONE_ROWS) * (1 + tables) } else { 0 };
         self.set(TABLES, 2 * TABLE_BYTES * tables + tones);
-        let sites = u64::from(MOST_SITES + MOST_FEW) * size_of::<Site>() as u64;
+        let sites = u64::from(MOST_SITES + MOST_FEW + MOST_FIRST) * size_of::<Site>() as u64;
         self.set(SITES, if tables > 0 { sites } else { 0 });
         self.set(LIGHTS, if tables > 0 { 2 * 2 * 16 * u64::from(STARTS) } else { 0 });
         self.set(SAMPLE_COLOURS, 4 * 16 * pixels);

@@ -1,7 +1,7 @@
 //! How much there may be of everything, and how much is dispatched.
 
 use crate::effect::DeviceTraits;
-use crate::shaders::blur::constants::{COARSE, COARSE_SEARCHES, FINE, SEARCHES, STARTS};
+use crate::shaders::blur::constants::{BESIDE, SEARCHES, STARTS};
 
 /// Places of frames that are drawn because the host has no images of them.
 pub const DRAWN_PLACES: usize = 4;
@@ -16,13 +16,8 @@ pub const MOST_KNOTS: usize = 64;
 pub const MOST_LINES: u32 = 16_384;
 /// Candidates of each round of the search for the light.
 pub const LIGHT_CANDIDATES: [u32; SEARCHES as usize] = {
-    let mut candidates = [FINE * FINE; SEARCHES as usize];
+    let mut candidates = [BESIDE * BESIDE; SEARCHES as usize];
     candidates[0] = STARTS;
-    let mut round = 1;
-    while round < COARSE_SEARCHES as usize {
-        candidates[round] = COARSE * COARSE;
-        round += 1;
-    }
     candidates
 };
 /// Rounds in which the points are chosen that speed lines trail from.

@@ -364,8 +364,8 @@ impl Mesh {
         self.shells.find_solids(&self.triangles, positions, solids);
     }
 
-    /// Positions of the points from those of the vertices; none where their number is another.
-    pub fn gather(&self, vertices: &[[f32; 3]]) -> Option<Vec<[f32; 3]>> {
+    /// What the points have, as positions, from what the vertices have; none where their number is another.
+    pub fn gather<T: Copy>(&self, vertices: &[T]) -> Option<Vec<T>> {
         let point = |vertex: &u32| vertices[*vertex as usize];
         (vertices.len() == self.file_to_point.len()).then(|| self.point_to_file.iter().map(point).collect())
     }

@@ -17,6 +17,7 @@ pub mod reference;
 pub mod settings;
 pub(crate) mod shells;
 pub(crate) mod steps;
+pub mod textures;
 pub mod upload;
 
 use std::ops::Range;
@@ -33,6 +34,7 @@ pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
 pub use parts::{PartSizes, Parts};
 pub use settings::Settings;
+pub use textures::{Texture, Wrap, texture_rows};
 pub use upload::{Placed, Upload};
 
 use crate::effect::{DeviceTraits, Effect, Effort, Kind};
@@ -118,6 +120,8 @@ impl Kind for BlurKind {
             resources.set_host_buffer(id, topology.map(|buffers| buffers[place]));
         }
         resources.set_host_buffer(layout::HOST_COLOURS, frame.mesh.and_then(|mesh| mesh.colours));
+        resources.set_host_buffer(layout::HOST_TEXTURES, frame.mesh.and_then(|mesh| mesh.textures));
+        resources.set_host_buffer(layout::HOST_SHARES, frame.mesh.and_then(|mesh| mesh.shares));
         let groups = frame.mesh.and_then(|mesh| mesh.groups);
         let groups = groups.map(|groups| [groups.corners, groups.starts, groups.triangles]);
         for (place, id) in layout::HOST_GROUPS.into_iter().enumerate() {
@@ -178,7 +182,8 @@ impl Kind for BlurKind {
     }
 
     fn go_on(&mut self, old: &BlurKind, descs: [&Desc; 2], kept: &Kept) {
-        let mesh = descs.map(|d| [d.points, d.triangles, d.neighbours, d.objects, d.groups, d.group_triangles]);
+        let mesh = descs
+            .map(|d| [d.points, d.triangles, d.neighbours, d.objects, d.groups, d.group_triangles, d.texture_rows]);
         let has_normals = descs.map(|desc| self.layout.has_normals(desc));
         let same_parts = descs[0].parts == descs[1].parts && descs[0].sources.len() == descs[1].sources.len();
         let same_mesh =

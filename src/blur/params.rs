@@ -7,12 +7,15 @@ use crate::blur::desc::Desc;
 use crate::blur::frame::{self, Frame, FrameView, IntervalInput};
 use crate::blur::layout::{COMPLETING_WORDS, Layout};
 use crate::blur::motion::clip_rows;
-use crate::blur::settings::{Settings, Toon};
+use crate::blur::settings::{GhostKind, Settings, Toon};
 use crate::host::{Background, HostImage};
 use crate::shaders::blur as glsl;
 pub use crate::shaders::blur::blocks::*;
 pub use crate::shaders::blur::constants::*;
 use crate::view::{self, Light, Projection};
+
+/// How many teeth long a smear is that ends in all of its bristles, if it is dry.
+const DRY_TEETH: f32 = 2.0;
 
 impl BackgroundConstants {
     /// Of what is under a frame that is drawn.
@@ -23,6 +26,32 @@ impl BackgroundConstants {
             Background::Keep => ([0.0; 4], 0),
         };
         BackgroundConstants { background, has_image, corner: target.offset, ..Zeroable::zeroed() }
+    }
+}
+
+impl GhostConstants {
+    /// Of after-image number `ghost`, from 1, in a picture of so many lines.
+    pub fn new(settings: &Settings, ghost: u32, height: u32) -> GhostConstants {
+        let Settings { ghosts, toon, .. } = settings;
+        let share = (ghosts.count + 1 - ghost) as f32 / ghosts.count as f32;
+        let [r, g, b] = toon.outline.colour;
+        let (opacity, strength) = match ghosts.kind {
+            GhostKind::Fade => (ghosts.opacity * share, 0.0),
+            GhostKind::Multiples => (1.0, toon.outline.strength),
+        };
+        GhostConstants {
+            ink: [r, g, b, strength],
+            back: ghost as f32 * ghosts.step,
+            opacity,
+            radius: ink_width(toon, height),
+        }
+    }
+}
+
+impl Vertex {
+    /// Whether it is a point of the mesh, and not made by refinement.
+    pub fn is_point(&self) -> bool {
+        self.barycentrics == [OF_POINT; 2]
     }
 }
 
@@ -169,7 +198,11 @@ impl BlurParams {
             triangle_budget: layout.triangles,
             list_room: layout.listed,
             tables: layout.tables,
+            curve: curve_rows(settings, desc.size[1]),
+            curve_keys: settings.curve.keys.len() as u32,
             strength: settings.strength,
+            lead: settings.lead,
+            dry_back: scaled(DRY_TEETH * settings.tooth_width()),
             reach: settings.reach(),
             reference_time: settings.reference_time,
             tolerance: scaled(settings.tolerance),
@@ -217,6 +250,14 @@ impl BlurParams {
     }
 }
 
+/// Keys of strength over speed, two a row, with speeds in pixels of a picture of so many lines.
+fn curve_rows(settings: &Settings, height: u32) -> [[f32; 4]; CURVE_ROWS as usize] {
+    let mut rows = [[0.0; 4]; CURVE_ROWS as usize];
+    let keys = settings.curve.keys.iter().map(|[speed, share]| [Settings::scaled(*speed, height), *share]);
+    rows.as_flattened_mut().chunks_exact_mut(2).zip(keys).for_each(|(to, key)| to.copy_from_slice(&key));
+    rows
+}
+
 /// The depth whose shares count as those of any depth of an orthographic view: from there, 40 degrees have all of the picture.
 fn depth_unit(projection: &Projection, size: [u32; 2]) -> f64 {
     0.5 * f64::from(size[1]) / projection.focal.y / 20.0_f64.to_radians().tan()
@@ -254,6 +295,7 @@ impl ToonParams {
             fill: light.fill_axis(),
             tone_count: toon.tones.len() as u32,
             groups: desc.groups,
+            has_textures: u32::from(desc.texture_rows > 0),
             ..ToonParams::zeroed()
         };
         for (to, tone) in params.tones.iter_mut().zip(&toon.tones) {

@@ -94,8 +94,7 @@ passes! {
     };
     /// At pixel centres, and at four samples a pixel.
     distort: [PassId; 2] = [(DISTORTED, DISTORTED_DEPTH, 1), (SAMPLED, SAMPLED_DEPTH, 2)].map(|(image, depth, scale)| {
-        let extent = desc.size.map(|side| scale * side);
-        drawing("blur.distort", &glsl::distort_vertex::SHADER, image, depth, extent)
+        distort(desc, image, depth, desc.size.map(|side| scale * side))
     });
     layers = Pass::compute("blur.layers", &glsl::layers::SHADER);
     frames = copies("blur.frames", HOST_FRAMES, FRAMES);
@@ -132,7 +131,8 @@ passes! {
         Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion(desc), chooses(desc)]);
     /// Of frames that are drawn, if ink comes after the distortion.
     ink: Option<PassId> = inks_smears(desc).then(|| {
-        Pass::compute("blur.ink", &glsl::ink::SHADER).specialise(desc.settings.toon.outline.operator.words())
+        let [second, steps] = desc.settings.toon.outline.operator.words();
+        Pass::compute("blur.ink", &glsl::ink::SHADER).specialise([second, steps, desc.settings.dry.to_bits()])
     });
     sides = Pass::compute("blur.layers", &glsl::sides::SHADER);
     /// Of samples that neither frame shows, and of those that one does.
@@ -152,6 +152,9 @@ passes! {
     motion: Option<PassId> = desc.temporal.motion.map(|format| motion(desc, format));
     reactive: Option<PassId> = desc.temporal.reactive.map(|format| reactive(desc, format));
     colours = copies("blur.mesh", [HOST_COLOURS], [TOON_BUFFER]);
+    textures = copies("blur.mesh", [HOST_TEXTURES], [TOON_BUFFER]);
+    shares = copies("blur.mesh", [HOST_SHARES], [SHARES]);
+    shares_all = Pass::transfer("blur.mesh").fills(SHARES);
     toon_params = Pass::transfer("blur.toon").updates::<ToonParams>(TOON_BUFFER, 1).times(DRAWN_FRAMES);
     toon_project = Pass::compute("blur.toon", &glsl::project::SHADER);
     toon_see = sampling("blur.toon", desc).times(DRAWN_FRAMES);
@@ -254,6 +257,17 @@ fn completion(desc: &Desc) -> u32 {
 /// Copies of the host's buffers or images, each to an own one.
 fn copies<R: Into<Resource>, const N: usize>(name: &'static str, from: [R; N], to: [R; N]) -> Pass {
     from.into_iter().zip(to).fold(Pass::transfer(name), |pass, (from, to)| pass.copies(from, to))
+}
+
+/// The distorted mesh.
+fn distort(desc: &Desc, image: ImageId, depth: ImageId, extent: [u32; 2]) -> Pass {
+    let dry = desc.settings.dry;
+    if dry == 0.0 {
+        return drawing("blur.distort", &glsl::distort_vertex::SHADER, image, depth, extent);
+    }
+    let raster = triangles(&glsl::distort_dry_vertex::SHADER, image, depth, extent);
+    let fragment = &glsl::name_dry_fragment::SHADER;
+    Pass::raster("blur.distort", Raster { fragment, ..raster }).specialise([dry.to_bits()])
 }
 
 /// Triangles by their numbers. The first of those that are equally near stays.

@@ -1,5 +1,9 @@
 //! The settings of the blur effect: one field per key of `[blur]`, with unit, range and default.
 
+mod curve;
+
+pub use curve::Curve;
+
 use crate::error::{Error, Result};
 use crate::settings::{Dial, Setting, settings, words};
 use crate::toon::{Operator, Outline, Tone};
@@ -99,6 +103,17 @@ words! {
     }
 }
 
+words! {
+    /// What after-images are.
+    pub enum GhostKind {
+        /// Pale, the earlier the paler.
+        #[default]
+        Fade = "fade",
+        /// Inked, opaque copies.
+        Multiples = "multiples",
+    }
+}
+
 settings! {
     /// Speed lines along the trajectories of trailing vertices.
     #[derive(Copy)]
@@ -111,6 +126,8 @@ settings! {
         width: f32 = 3.0, "pixels at 1080 lines", 0.0..=64.0;
         /// Their opacity where they begin.
         opacity: f32 = 1.0, "", 0.0..=1.0;
+        /// How much shorter, thinner and closer together some are than others.
+        variation: f32 = 0.5, "", 0.0..=1.0, "all are alike";
         /// What they are drawn with.
         colour: [f32; 3] = [0.0; 3], "linear [red, green, blue]", 0.0..=BRIGHTEST;
     }
@@ -124,7 +141,9 @@ settings! {
         count: u32 = 0, "", 0..=16, "off";
         /// Time from one to the next; count times step is at most 8.
         step: f32 = 0.25, "frames", 0.01..=1.0;
-        /// Opacity of the latest; the others' falls to 0 in equal steps.
+        /// Whether they "fade", or are "multiples": opaque copies, each with the ink line of drawn frames around it.
+        kind: GhostKind = GhostKind::default();
+        /// Opacity of the latest that fades; the others' falls to 0 in equal steps.
         opacity: f32 = 0.5, "", 0.0..=1.0;
     }
 }
@@ -150,10 +169,16 @@ settings! {
     pub struct Settings {
         /// How far smears reach back.
         strength: f32 = 1.0, "frames", 0.0..=MOST_STRENGTH, "off";
+        /// How far smears reach ahead of the later frame, along the paths as they leave it.
+        lead: f32 = 0.0, "frames", 0.0..=MOST_LEAD, "off";
+        /// What share of strength and lead each speed has: [[10, 0], [60, 1]] smears nothing that is slower than 10.
+        curve: Curve = Curve::default();
         /// Random numbers across a part, instead of tooth_width, with which they are not given together; the paper has 43.
         teeth: Option<u32> = None, "", 1..=MOST_TEETH;
         /// Width of a tooth; without it and teeth, 12. Small: fine bristles; large: a few broad tongues.
         tooth_width: Option<f32> = None, "pixels at 1080 lines", 0.1..=1e4;
+        /// How far from the rear the bristles of a smear end, at most, as a share of the part's extent: its ends are dry.
+        dry: f32 = 0.0, "", 0.0..=1.0, "off";
         /// Time for which the teeth stay.
         hold: u32 = 1, "frames", 1..=1_000_000;
         /// The paths of vertices: a "spline" through the frames, "exact", through the scene's own poses between frames,
@@ -204,6 +229,8 @@ settings! {
 pub const MOST_TEETH: u32 = 4096;
 /// The largest strength.
 pub const MOST_STRENGTH: f32 = 4.0;
+/// The largest lead.
+pub const MOST_LEAD: f32 = 1.0;
 /// How far lines and after-images reach back at most, in frames.
 pub const MOST_LENGTH: f32 = 8.0;
 
@@ -256,7 +283,7 @@ impl Settings {
 
     /// Whether anything is smeared.
     pub fn smears(&self) -> bool {
-        self.strength > 0.0
+        self.strength > 0.0 || self.lead > 0.0
     }
 
     /// Whether there are speed lines or after-images.

@@ -5,6 +5,8 @@ use crate::effect::{DeviceTraits, Effort};
 use std::mem::offset_of;
 use std::ops::Range;
 
+use bytemuck::Zeroable;
+
 use crate::blur::desc::Desc;
 use crate::blur::frame::{DepthInput, Drawn, Frame, FrameView, IntervalInput, Trajectories};
 use crate::blur::layout::*;
@@ -102,6 +104,7 @@ impl Steps<'_> {
                 self.mesh();
                 self.groups();
                 self.colours(mesh);
+                self.shares(mesh);
                 self.parts(mesh);
             }
             None => self.plan.skip(self.passes.mesh, "unchanged"),
@@ -188,8 +191,7 @@ impl Steps<'_> {
             return self.plan.skip(self.passes.ghost, "none are asked for");
         }
         for ghost in (1..=ghosts.count).rev() {
-            let share = (ghosts.count + 1 - ghost) as f32 / ghosts.count as f32;
-            let constants = GhostConstants { back: ghost as f32 * ghosts.step, opacity: ghosts.opacity * share };
+            let constants = GhostConstants::new(&self.desc.settings, ghost, self.desc.size[1]);
             let draw = Command::DrawIndirect { arguments: CONTROL, offset: offset_of!(Control, draw) as u64 };
             self.plan.step_with(self.passes.ghost, draw, &constants);
             self.plan.step_with(self.passes.ghost_blend, Command::Draw { vertices: 4 }, &constants);
@@ -213,7 +215,7 @@ impl Steps<'_> {
             return self.plan.skip(self.passes.lines, "there are too many clusters");
         }
         for round in 0..CHOOSE_ROUNDS {
-            let constants = ChooseConstants { round, strips };
+            let constants = ChooseConstants { round, strips, variation: lines.variation };
             self.plan.step_with(self.passes.lines_choose, self.points(), &constants);
         }
         let [r, g, b] = lines.colour;
@@ -221,6 +223,7 @@ impl Steps<'_> {
             colour: [r, g, b, lines.opacity],
             length_of: lines.length,
             width: Settings::scaled(lines.width, self.desc.size[1]),
+            variation: lines.variation,
         };
         let vertices = LINE_VERTICES * clusters * strips;
         self.plan.step_with(self.passes.lines, Command::Draw { vertices }, &constants);
@@ -320,7 +323,7 @@ impl Steps<'_> {
     fn knots(&mut self, interval: &IntervalInput) {
         match interval.trajectories {
             Trajectories::Poses(knots) => {
-                let mut rows = [<Knot as bytemuck::Zeroable>::zeroed(); MOST_KNOTS];
+                let mut rows = [Knot::zeroed(); MOST_KNOTS];
                 rows.iter_mut().zip(knots).for_each(|(row, knot)| *row = Knot::new(knot, &interval.views, self.desc));
                 self.plan.update_slice(self.passes.knots, KNOTS, &rows[..knots.len()]);
             }

@@ -32,6 +32,8 @@ const ALIGNMENT: usize = 256;
 pub struct Upload {
     bytes: Vec<u8>,
     mesh: Option<[Range<usize>; 7]>,
+    textures: Option<Range<usize>>,
+    shares: Option<Range<usize>>,
     parts: Option<[Range<usize>; 5]>,
     source_rows: Option<Range<usize>>,
     poses: Option<(u32, u32, Range<usize>)>,
@@ -53,7 +55,8 @@ impl Upload {
     /// Nothing is in it any more; its memory stays.
     pub fn clear(&mut self) {
         self.bytes.clear();
-        (self.mesh, self.parts, self.source_rows) = (None, None, None);
+        (self.mesh, self.textures, self.shares) = (None, None, None);
+        (self.parts, self.source_rows) = (None, None);
         (self.poses, self.interval) = (None, None);
     }
 
@@ -99,6 +102,16 @@ impl Upload {
             self.add(&groups.items),
             self.add(colours),
         ]);
+    }
+
+    /// Adds the rows of textures ([`crate::blur::texture_rows`]), with the mesh.
+    pub fn textures(&mut self, rows: &[[u32; 4]]) {
+        self.textures = Some(self.add(rows));
+    }
+
+    /// Adds the share of strength that each point has, with the mesh ([`Mesh::gather`]).
+    pub fn shares(&mut self, shares: &[f32]) {
+        self.shares = Some(self.add(shares));
     }
 
     /// Adds the parts of the mesh, with it.
@@ -155,8 +168,20 @@ impl Upload {
                 let [labels, members, chunks, rows, seams] = ranges.each_ref().map(part);
                 PartInput { labels, members, chunks, rows, seams }
             });
-            let (colours, source_rows) = (Some(colours), self.source_rows.as_ref().map(part));
-            TopologyInput { triangles, neighbour_starts, neighbours, groups, colours, parts, source_rows }
+            let (colours, textures) = (Some(colours), self.textures.as_ref().map(part));
+            let shares = self.shares.as_ref().map(part);
+            let source_rows = self.source_rows.as_ref().map(part);
+            TopologyInput {
+                triangles,
+                neighbour_starts,
+                neighbours,
+                groups,
+                colours,
+                textures,
+                shares,
+                parts,
+                source_rows,
+            }
         });
         Placed {
             mesh,

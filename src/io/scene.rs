@@ -14,6 +14,7 @@ mod meshopt;
 mod reach;
 mod references;
 mod rig;
+mod shares;
 mod texels;
 mod track;
 mod weld;

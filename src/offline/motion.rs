@@ -8,7 +8,9 @@ use crate::blur::motion::MOST_FRAMES;
 use crate::blur::motion::WINDOW;
 use crate::blur::params::MOST_SEGMENTS;
 use crate::blur::settings::{Settings, Trajectory};
-use crate::blur::{self, Counts, FrameView, Interval, Knot, Mesh, MeshInput, Motion, Pose, TopologyInput, Window};
+use crate::blur::{
+    self, Counts, FrameView, Interval, Knot, Mesh, MeshInput, Motion, Pose, TopologyInput, Window, texture_rows,
+};
 use crate::error::Error;
 use crate::io::ReadError;
 use crate::io::scene::{AnimatedMesh, shading_groups};
@@ -46,6 +48,8 @@ pub struct BlurInput {
     settings: Settings,
     mesh: Arc<Mesh>,
     colours: Arc<Vec<[f32; 4]>>,
+    textures: Arc<Vec<[u32; 4]>>,
+    shares: Arc<Vec<f32>>,
     motion: Motion,
     poses: BTreeMap<u32, Positions>,
     threads: usize,
@@ -64,6 +68,10 @@ pub struct BlurFrame {
     pub mesh: Arc<Mesh>,
     /// Base colours: [`TopologyInput::colour_rows`] of the shot's mesh.
     pub colours: Arc<Vec<[f32; 4]>>,
+    /// Rows of textures ([`crate::blur::texture_rows`]) for frames that are drawn.
+    pub textures: Arc<Vec<[u32; 4]>>,
+    /// Share of strength of each point; none, where all have all of it.
+    pub shares: Arc<Vec<f32>>,
     /// The motion from frame i to frame i + 1. None in the shot's first frame, which has none before it.
     pub interval: Interval,
     /// How much of it there is.
@@ -125,8 +133,12 @@ impl BlurInput {
         let mesh = mesh.faceted(|triangle| topology.is_flat(triangle));
         let motion = Motion::new(settings, size)?;
         let colours = TopologyInput::colour_rows(&mesh, &topology.colour);
+        let textures = texture_rows(&mesh, &topology.textures, &topology.texture, &topology.texture_place);
+        let shares = mesh.gather(&topology.share).filter(|shares| shares.iter().any(|share| *share != 1.0));
         Ok(BlurInput {
             colours: Arc::new(colours),
+            textures: Arc::new(textures),
+            shares: Arc::new(shares.unwrap_or_default()),
             view: Box::new(view),
             frames,
             cuts: Vec::new(),
@@ -163,6 +175,7 @@ impl BlurInput {
         let desc = blur::Desc::new(&self.mesh, size, settings.clone());
         blur::Desc {
             target_format: super::TARGET_FORMAT,
+            texture_rows: if toon { self.textures.len() as u32 } else { 0 },
             outer: !toon || !settings.toon.draws_smears(),
             toon,
             most_triangles: desc
@@ -219,8 +232,20 @@ impl BlurInput {
         };
         let views = [-1, 0, 1, 2].map(|offset| view(i64::from(current) + offset));
         let counts = Counts::of(&interval, self.mesh.neighbours());
-        let (mesh, colours) = (self.mesh.clone(), self.colours.clone());
-        Ok(BlurFrame { mesh, colours, interval, counts, views, knots, first: begin, poses: positions })
+        let (mesh, colours, shares) = (self.mesh.clone(), self.colours.clone(), self.shares.clone());
+        let textures = self.textures.clone();
+        Ok(BlurFrame {
+            mesh,
+            colours,
+            textures,
+            shares,
+            interval,
+            counts,
+            views,
+            knots,
+            first: begin,
+            poses: positions,
+        })
     }
 
     /// Reads poses from a frame on, each followed by `next`, until enough of them differ, if it is the mesh that changes, and

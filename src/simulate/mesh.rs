@@ -190,6 +190,10 @@ fn assemble(which: Builtin, parts: Vec<Part>) -> (Model, Topology) {
         topology.normal.extend(shape.normals.iter().map(|n| n.as_vec3().to_array()));
         model.parts.push((transform, shape.positions));
     }
+    let vertices = topology.object.len();
+    (topology.share, topology.material) = (vec![1.0; vertices], vec![0; vertices]);
+    (topology.materials, topology.coordinates) = (vec![String::new()], vec![[0.0; 2]; vertices]);
+    (topology.texture, topology.texture_place) = (vec![None; vertices], vec![[0.0; 2]; vertices]);
     (model, topology)
 }
 

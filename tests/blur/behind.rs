@@ -1,7 +1,8 @@
 //! What is drawn behind the mesh: speed lines and after-images.
 
-use celfx::blur::Settings;
-use celfx::blur::settings::{Ghosts, Lines};
+use celfx::blur::reference::dry::Brush;
+use celfx::blur::settings::{GhostKind, Ghosts, Lines};
+use celfx::blur::{Cluster, Settings};
 use celfx::low_level::blur::layout;
 use celfx::simulate::mesh::Builtin;
 
@@ -20,7 +21,7 @@ fn lines() -> Lines {
 }
 
 fn ghosts() -> Ghosts {
-    Ghosts { count: 3, step: 0.5, opacity: 0.6 }
+    Ghosts { count: 3, step: 0.5, opacity: 0.6, ..Ghosts::default() }
 }
 
 /// Pixels that differ, and pixels deep within the distorted mesh.
@@ -114,7 +115,8 @@ fn lines_taper() {
 #[test]
 fn ghosts_are_behind_and_fade() {
     let plain = Settings { strength: 0.0, ..Settings::default() };
-    let settings = Settings { ghosts: Ghosts { count: 2, step: 1.0, opacity: 0.6 }, ..plain.clone() };
+    let settings =
+        Settings { ghosts: Ghosts { count: 2, step: 1.0, opacity: 0.6, ..Ghosts::default() }, ..plain.clone() };
     let (Some(mut plain), Some(mut film)) = (film(Builtin::Spin, plain), film(Builtin::Spin, settings)) else {
         return;
     };
@@ -126,4 +128,98 @@ fn ghosts_are_behind_and_fade() {
     let alpha = |a: f32| 0.5 + 0.5 * a;
     let count = |a: f32| changed.iter().filter(|p| (with[**p][3] - alpha(a)).abs() < 1e-3).count();
     assert!(count(0.6) > 100 && count(0.3) > 100, "{} {}", count(0.6), count(0.3));
+}
+
+/// Lines that vary are within those that do not: no longer and no broader, and not all of one length.
+#[test]
+fn lines_vary_within_their_length_and_width() {
+    let plain = Settings { strength: 0.0, ..Settings::default() };
+    let with = |variation| Settings { lines: Lines { variation, ..lines() }, ..plain.clone() };
+    let films = [plain.clone(), with(0.0), with(1.0)].map(|settings| film(Builtin::Crossing, settings));
+    let [Some(mut plain), Some(mut even), Some(mut varied)] = films else { return };
+    let (without, even, first) = (plain.output(I, true), even.output(I, true), varied.output(I, true));
+    let ink = |picture: &[[f32; 4]]| picture.iter().zip(&without).map(|(a, b)| (b[2] - a[2]).abs()).sum::<f32>();
+    let (all, some) = (ink(&even), ink(&first));
+    // Both length and width are uniform in 0 to 1: a quarter of the area is left on average, of a dozen lines.
+    assert!(some > 0.05 * all && some < 0.6 * all, "{some} of {all}");
+    assert!(varied.output(I, true) == first, "same frame, same bits");
+    assert!(varied.output(I + 1, true) != first);
+}
+
+/// Multiples are opaque, and lines are around each: what is changed is ink, or a colour of the mesh's.
+#[test]
+fn multiples_are_opaque_and_inked() {
+    let mut plain = Settings { strength: 0.0, ..Settings::default() };
+    plain.toon.outline.colour = [0.0, 1.0, 0.0];
+    let ghosts = Ghosts { count: 2, step: 1.0, kind: GhostKind::Multiples, ..Ghosts::default() };
+    let settings = Settings { ghosts, ..plain.clone() };
+    let (Some(mut plain), Some(mut film)) = (film(Builtin::Spin, plain), film(Builtin::Spin, settings)) else {
+        return;
+    };
+    let (without, with) = (plain.output(I, true), film.output(I, true));
+    let (changed, deep) = changes(&mut film, &with, &without);
+    assert!(changed.len() > 400 && changed.iter().all(|p| deep.binary_search(p).is_err()), "{}", changed.len());
+    // Pixels at borders are covered in part.
+    let opaque: Vec<usize> = changed.iter().copied().filter(|p| (with[*p][3] - 1.0).abs() < 1e-3).collect();
+    assert!(opaque.len() * 10 > changed.len() * 8, "{} of {}", opaque.len(), changed.len());
+    let is_ink = |p: &usize| with[*p][0] < 1e-3 && (with[*p][1] - 1.0).abs() < 1e-3;
+    let inked = opaque.iter().filter(|p| is_ink(p)).count();
+    assert!(inked > 100 && inked * 2 < opaque.len(), "{inked} of {}", opaque.len());
+    // A line surrounds them: where a copy ends at what was there, ink is within its width, which is 0.75 pixels here.
+    let width = SIZE[0] as usize;
+    let is_open = |p: usize| with[p] == without[p] && without[p][3] < 0.6;
+    for p in opaque.iter().filter(|p| [1, width].iter().any(|step| is_open(**p - step) || is_open(**p + step))) {
+        assert!(with[*p][1] > 0.45, "pixel {p}: {:?}", with[*p]);
+    }
+}
+
+/// Which bristles of a dry smear have left something, against f64: what is gone shows what is behind it.
+#[test]
+fn dry_smears_end_where_their_bristles_do() {
+    let wet = Settings { strength: 1.5, ..Settings::default() };
+    let dry = Settings { dry: 0.7, ..wet.clone() };
+    let (Some(mut wet), Some(mut film)) = (film(Builtin::Run, wet), film(Builtin::Run, dry)) else { return };
+    let _ = (wet.output(I, true), film.output(I, true));
+    let [whole, left]: [Vec<u32>; 2] = [&mut wet, &mut film].map(|film| film.rig.layer(layout::DISTORTED_NAMES));
+    let (vertices, finished) = (film.rig.vertices(), film.rig.finished());
+    let interval = film.interval(I);
+    let clusters: &[Cluster] = &interval.clusters;
+    let brush = Brush {
+        dry: 0.7,
+        full: 2.0 * 12.0 * f64::from(SIZE[1]) / 1080.0,
+        seed: film.rig.desc().seed,
+        generation: interval.generation,
+    };
+    let (mut gone, mut stay) = (0, 0);
+    for (pixel, name) in whole.iter().copied().enumerate().filter(|(_, name)| *name > 0) {
+        let row = finished[name as usize - 1];
+        let corners = [0, 1, 2].map(|i| vertices[row[i] as usize]);
+        let at = [(pixel % SIZE[0] as usize) as f64 + 0.5, (pixel / SIZE[0] as usize) as f64 + 0.5];
+        let drawn = corners.map(|v| v.drawn.map(f64::from));
+        let cross = |p: [f64; 2], q: [f64; 2]| (p[0] - at[0]) * (q[1] - at[1]) - (p[1] - at[1]) * (q[0] - at[0]);
+        let parts = [cross(drawn[1], drawn[2]), cross(drawn[2], drawn[0]), cross(drawn[0], drawn[1])];
+        let sum: f64 = parts.iter().sum();
+        let mean = |of: &dyn Fn(usize) -> f64| (0..3).map(|i| parts[i] / sum * of(i)).sum::<f64>();
+        let label = corners[0].cluster;
+        if label == 0 || label == u32::MAX || corners.iter().any(|v| v.cluster != label) {
+            assert_eq!(left[pixel], name, "what is between clusters stays");
+            continue;
+        }
+        let cluster = &clusters[label as usize - 1];
+        let front = mean(&|i| Brush::front(corners[i].k.into(), corners[i].smoothing.into()));
+        let back = mean(&|i| {
+            let [vx, vy] = corners[i].velocity.map(f64::from);
+            (1.0 - f64::from(corners[i].drawn_time)).max(0.0) * vx.hypot(vy)
+        });
+        let l = mean(&|i| corners[i].l.into());
+        // Rasterisers interpolate to a few 1/1000 of what a triangle has; beside that they decide.
+        let bristle = Brush::bristle(cluster, l);
+        let margin = brush.left(cluster, front, l, back);
+        if (bristle - bristle.round()).abs() < 0.02 || margin.abs() < 5e-3 {
+            continue;
+        }
+        assert_eq!(left[pixel] == name, margin > 0.0, "pixel {pixel}: {margin} of {front} {l} {back}");
+        *(if margin > 0.0 { &mut stay } else { &mut gone }) += 1;
+    }
+    assert!(gone > 100 && stay > 1000, "{gone} {stay}");
 }

@@ -316,7 +316,11 @@ fn depth_is_that_of_orthographic_views_too() {
 #[test]
 fn a_part_of_larger_images_is_as_a_whole_one() {
     let lines = Lines { count: 6, length: 2.0, width: 8.0, ..Lines::default() };
-    let settings = Settings { ghosts: Ghosts { count: 2, step: 0.5, opacity: 0.6 }, lines, ..Settings::default() };
+    let settings = Settings {
+        ghosts: Ghosts { count: 2, step: 0.5, opacity: 0.6, ..Ghosts::default() },
+        lines,
+        ..Settings::default()
+    };
     for toon in [false, true] {
         let outputs = [[0, 0], [7, 5]].map(|corner| {
             let mut scene = Scene::in_larger_images(settings.clone(), Some((true, f32::INFINITY)), toon, corner)?;

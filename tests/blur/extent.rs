@@ -4,8 +4,8 @@
 use std::f32::consts::TAU;
 
 use celfx::blur::motion::{Piece, Segment, outline};
-use celfx::blur::reference::extent::{Extent, extent, extents};
-use celfx::blur::settings::Ghosts;
+use celfx::blur::reference::extent::{Extent, Pull, extent, extents};
+use celfx::blur::settings::{Curve, Ghosts};
 use celfx::blur::{Cluster, Desc, Interval, Mesh, Settings};
 use celfx::low_level::blur::params::Vertex;
 
@@ -181,15 +181,24 @@ fn new_vertices_have_the_extents_of_brute_force() {
 fn smoothing_is_the_references() {
     let sides = [24, 16];
     let animation = swing(sides, 6, [480, 270], 0.4);
-    for (strength, rounds, teeth) in [(1.0, 8, 43), (0.4, 3, 1), (3.0, 5, 7), (1.0, 0, 2)] {
-        let settings = Settings { strength, seam_smoothing: rounds, ..incomplete() };
+    let curve = Curve { keys: vec![[2.0, 0.25], [12.0, 1.0], [40.0, 0.5]] };
+    for (strength, rounds, teeth, lead, curve) in [
+        (1.0, 8, 43, 0.0, Curve::default()),
+        (0.4, 3, 1, 0.0, curve.clone()),
+        (3.0, 5, 7, 0.5, Curve::default()),
+        (1.0, 0, 2, 1.0, curve),
+    ] {
+        let settings = Settings { strength, seam_smoothing: rounds, lead, curve, ..incomplete() };
         let mesh: Mesh = crate::scenes::grid(sides);
-        let desc = desc(animation.size, &mesh, settings);
+        let desc = desc(animation.size, &mesh, settings.clone());
         let segments = desc.segments as usize;
         let label = |p: u32| if p % 24 < 4 { 0 } else { 1 + u32::from(p % 24 > 13) };
         let labels: Vec<u32> = (0..24 * 16).map(label).collect();
         let interval = crate::scenes::interval(&animation, 3, &labels, 0.5, teeth, segments);
         let Some(mut rig) = BlurRig::new(desc, mesh.clone()) else { return };
+        // Some points have less than all of it, and with one kind of smoothing all have all.
+        let shares = |point: u32| (point % 5) as f32 * 0.25;
+        rig.shares = if rounds == 8 { Vec::new() } else { (0..24 * 16).map(shares).collect() };
         let knots = animation.knots(3, segments);
         let shot = Shot {
             poses: Some((0, &animation.poses)),
@@ -198,10 +207,11 @@ fn smoothing_is_the_references() {
             knots: Some(&knots),
         };
         rig.frame(&shot).expect("a frame");
-        let expected = extents(&mesh, &interval, 1, strength, rounds);
+        let pull = Pull { interval: &interval, settings: &settings, height: animation.size[1], seed: 1 };
+        let expected = extents(&mesh, &pull, &rig.shares);
         let found: Vec<Extent> = rig.vertices()[..labels.len()]
             .iter()
-            .map(|v| Extent { k: v.k, l: v.l, offset: v.smoothing, time: v.time })
+            .map(|v| Extent { k: v.k, l: v.l, offset: v.smoothing, time: v.time, share: v.share })
             .collect();
         let different = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
         assert_eq!(

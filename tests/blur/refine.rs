@@ -56,9 +56,9 @@ impl Case {
     fn reference(&self, interval: &Interval) -> Refined {
         let settings = &self.desc.settings;
         let (seed, size) = (self.desc.seed, self.desc.size);
-        let extents = extents(&self.mesh, interval, seed, settings.strength, settings.seam_smoothing);
         let budget = self.desc.most_triangles as usize;
-        refine(&self.mesh, &extents, &Rules { interval, settings, size, seed, budget })
+        let rules = Rules { interval, settings, size, seed, budget };
+        refine(&self.mesh, &extents(&self.mesh, &rules.pull(), &[]), &rules)
     }
 }
 
@@ -73,10 +73,10 @@ type Row = (u32, [[u32; 2]; 3], [[u32; 3]; 3]);
 fn rows(rig: &mut BlurRig, mesh: &Mesh) -> BTreeSet<Row> {
     let (vertices, finished) = (rig.vertices(), rig.finished());
     let place = |base: u32, vertex: u32| {
-        let Vertex { is_point, barycentrics, .. } = vertices[vertex as usize];
+        let vertex_of = vertices[vertex as usize];
         let corners = mesh.triangles()[base as usize];
         let whole = |corner: usize| f32::from(u8::from(corners[corner] == vertex)).to_bits();
-        if is_point == 1 { [whole(1), whole(2)] } else { barycentrics.map(f32::to_bits) }
+        if vertex_of.is_point() { [whole(1), whole(2)] } else { vertex_of.barycentrics.map(f32::to_bits) }
     };
     let row = |triangle: &[u32; 4]| {
         assert_eq!(triangle[3] & CULLED, 0, "open meshes are drawn whole");

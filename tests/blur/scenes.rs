@@ -244,9 +244,9 @@ pub fn drawn(rig: &mut BlurRig, mesh: &Mesh, animation: &Animation, frames: [usi
             let vertex = vertices[row[i] as usize];
             let [x, y, w, time] =
                 [vertex.drawn[0], vertex.drawn[1], vertex.drawn_depth, vertex.drawn_time].map(f64::from);
-            let weights = match vertex.is_point {
-                1 => mesh.triangles()[base as usize].map(|point| f64::from(u8::from(point == row[i]))),
-                _ => {
+            let weights = match vertex.is_point() {
+                true => mesh.triangles()[base as usize].map(|point| f64::from(u8::from(point == row[i]))),
+                false => {
                     let [v, w] = vertex.barycentrics.map(f64::from);
                     [1.0 - v - w, v, w]
                 }

@@ -209,9 +209,9 @@ fn colours_are_of_the_surface(mut scene: Scene) {
         let drawn = corners.map(|v| drawn(&v));
         let (Some(shares), false) = within(is_parallel, &drawn, centre(pixel)) else { continue };
         let base = triangle[3] & BASE_MASK;
-        let places = [0, 1, 2].map(|i| match corners[i].is_point {
-            1 => scene.surface(triangle[i]),
-            _ => {
+        let places = [0, 1, 2].map(|i| match corners[i].is_point() {
+            true => scene.surface(triangle[i]),
+            false => {
                 let [v, w] = corners[i].barycentrics.map(f64::from);
                 scene.place(base, [1.0 - v - w, v, w])
             }

@@ -2,8 +2,9 @@
 
 use ash::vk;
 use celfx::blur::motion::{Motion, Window};
+use celfx::blur::reference::texture::Levels;
 use celfx::blur::settings::{Completion, Ink, Mix, Toon};
-use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings};
+use celfx::blur::{Background, Interval, Mesh, MeshInput, Settings, Texture, Wrap, texture_rows};
 use celfx::effect::Effort;
 use celfx::io::scene::{AnimatedMesh, Clock};
 use celfx::low_level::blur::layout;
@@ -14,6 +15,7 @@ use celfx::view::{Light, LightSource, Projection, SecondLight};
 use glam::{DVec2, DVec3, Quat, Vec3};
 
 use crate::common::blur::{BlurRig, Shot, desc};
+use crate::common::scenes::random;
 use crate::common::views;
 use crate::scenes::{Animation, Change};
 
@@ -27,6 +29,8 @@ pub struct Film {
     /// Of the file: triangles and colours.
     pub triangles: Vec<[u32; 3]>,
     pub colours: Vec<[f32; 3]>,
+    /// The texture of all triangles, and where vertices are in it.
+    pub texture: Option<(Levels, Vec<[f32; 2]>)>,
     pub rig: BlurRig,
     light: Light,
 }
@@ -128,7 +132,7 @@ impl Film {
         let mut rig = BlurRig::with_effort(desc, mesh.clone(), effort)?;
         rig.colours = colours.clone();
         let light = Light::default();
-        let mut film = Film { mesh, animation, settings, triangles, colours, rig, light };
+        let mut film = Film { mesh, animation, settings, triangles, colours, texture: None, rig, light };
         film.set_light(light, Background::Clear(GREY));
         Some(film)
     }
@@ -254,9 +258,38 @@ impl Film {
         let near_a_tone = tones.iter().skip(1).any(|tone| (luminance - f64::from(tone.from)).abs() < 1e-4);
         let vertices = self.triangles[index];
         let base = mix(&|i| DVec3::from_array(self.colours[vertices[i] as usize].map(f64::from)));
+        let (texture, is_unsure) = self.texture(frame, index, shares);
+        let (base, unsure) = (base * texture, unsure || is_unsure);
         let colour = DVec3::from_array(tone.colour.map(f64::from)) * base;
         let object = 1 + self.mesh.triangle_objects()[index];
         Seen { object, colour: colour.extend(1.0).to_array(), unsure: unsure || near_a_tone }
+    }
+
+    /// What the texture is at a place of a triangle that a frame sees, and whether rounding may decide that; white without one.
+    fn texture(&self, frame: usize, index: usize, shares: DVec3) -> (DVec3, bool) {
+        let Some((levels, places)) = &self.texture else { return (DVec3::ONE, false) };
+        let place = self.triangles[index].map(|vertex| DVec2::from_array(places[vertex as usize].map(f64::from)));
+        let at = |shares: DVec3| shares.x * place[0] + shares.y * place[1] + shares.z * place[2];
+        // How many texels a sample has: from where the triangle's plane is seen a little to the right, and down.
+        let corners = [0, 1, 2].map(|i| self.animation.pixel(frame, self.mesh.triangles()[index][i] as usize));
+        let is_parallel = self.animation.is_parallel();
+        let own = (0..3).map(|i| shares[i] * corners[i].z).sum::<f64>();
+        let weights =
+            DVec3::from_array([0, 1, 2].map(|i| shares[i] * if is_parallel { 1.0 } else { corners[i].z / own }));
+        let pixel = (0..3).map(|i| weights[i] * corners[i].truncate()).sum::<DVec2>();
+        let seen_at = |pixel: DVec2| {
+            let [p, q, r] = corners.map(|corner| corner.truncate() - pixel);
+            let parts = DVec3::new(q.perp_dot(r), r.perp_dot(p), p.perp_dot(q));
+            let parts = if is_parallel { parts } else { parts / DVec3::from_array(corners.map(|corner| corner.z)) };
+            at(parts / parts.element_sum())
+        };
+        let off = 1e-4;
+        let [right, down] =
+            [DVec2::X, DVec2::Y].map(|way| (seen_at(pixel + off * way) - seen_at(pixel - off * way)) / (2.0 * off));
+        let size = DVec2::from_array(levels.size());
+        let texels = 0.25 * (right * size).perp_dot(down * size).abs();
+        let (colour, is_unsure) = levels.at(at(shares).to_array(), texels);
+        (colour, is_unsure)
     }
 
     /// The picture of a frame where it is sure, with a line where objects change only.
@@ -376,6 +409,45 @@ fn compare_with_f64(name: &str, film: &mut Film) {
     let covered = expected.iter().flatten().filter(|colour| colour[3] == 1.0).count();
     assert!(looked > 40_000 && covered > 40, "{name}: {looked}, {covered}");
     assert_eq!(wrong, 0, "{name}");
+}
+
+/// Textures at each sample, magnified and made smaller, against f64.
+#[test]
+fn textures_are_those_of_f64() {
+    const VERTICES: u32 = 600;
+    for (size, wrap, is_nearest, scale) in [
+        ([8, 4], [Wrap::Repeat, Wrap::Mirror], false, 1.0),
+        ([5, 7], [Wrap::Clamp, Wrap::Repeat], true, 1.3),
+        ([256, 64], [Wrap::Mirror, Wrap::Clamp], false, 3.0),
+    ] {
+        let count = size[0] * size[1];
+        let texel = |i: u32| [0, 1, 2].map(|c| (random(7, i, c) * 256.0) as u8);
+        let texture = Texture { size, texels: (0..count).map(texel).collect(), wrap, is_nearest };
+        let scene =
+            AnimatedMesh::builtin(Builtin::Crossing, VERTICES, Clock { first: 0, fps: Builtin::Crossing.fps() });
+        let rest = scene.pose(0.0).expect("a pose");
+        let places: Vec<[f32; 2]> =
+            rest.iter().map(|[x, y, z]| [scale * (x + 0.3 * z) - 0.4, scale * 1.3 * y + 0.2 * x]).collect();
+        let mut rows = Vec::new();
+        let film = Film::described(Builtin::Crossing, VERTICES, 0..4, |mesh| {
+            rows = texture_rows(mesh, std::slice::from_ref(&texture), &vec![Some(0); places.len()], &places);
+            let settings = Settings { toon: toon(0.0, 1.0), ..Settings::default() };
+            celfx::blur::Desc { toon: true, texture_rows: rows.len() as u32, ..desc([320, 180], mesh, settings) }
+        });
+        let Some(mut film) = film else { return };
+        film.rig.textures = rows;
+        film.texture = Some((Levels::new(&texture), places));
+        let picture = film.output(1, false);
+        let (mut looked, mut worst) = (0, 0.0_f64);
+        for (found, expected) in picture.iter().zip(film.expected(2)).filter(|(found, _)| found[3] == 1.0) {
+            let Some(expected) = expected else { continue };
+            looked += 1;
+            worst = (0..3).map(|c| (f64::from(found[c]) - expected[c]).abs()).fold(worst, f64::max);
+        }
+        eprintln!("{size:?}: {looked} pixels, at most {worst:.1e} off");
+        // Texels have 10 bits of their square roots: 1e-3 of light.
+        assert!(looked > 1500 && worst < 1.5e-3, "{size:?}: {looked} pixels, {worst} off");
+    }
 }
 
 #[test]

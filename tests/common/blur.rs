@@ -61,7 +61,7 @@ pub struct BlurRig {
     pub mesh: Mesh,
     /// Of each slot: target, frames i and i + 1, frames i - 1 and i + 2, background.
     images: Vec<Image>,
-    uploads: [[Upload; 22]; SLOTS],
+    uploads: [[Upload; 24]; SLOTS],
     /// What the effect was made for: with them, the device measures what moves.
     pub parts: Option<Parts>,
     /// What the host's skinning has made, and the row of each point in it.
@@ -80,6 +80,10 @@ pub struct BlurRig {
     pub toon: Option<(Light, Background)>,
     /// Base colours, one of each vertex; none is white.
     pub colours: Vec<[f32; 3]>,
+    /// Rows of textures, if the effect was made for such.
+    pub textures: Vec<[u32; 4]>,
+    /// Shares of strength, one of each point; none is all of it.
+    pub shares: Vec<f32>,
     /// Whether frames i - 1 and i + 2 have images.
     outer: [bool; 2],
     /// The host's depth, if the effect was made for one.
@@ -200,6 +204,8 @@ impl BlurRig {
             is_first: true,
             toon: None,
             colours: Vec::new(),
+            textures: Vec::new(),
+            shares: Vec::new(),
             outer: [false; 2],
             depth,
             wall: 0.0,
@@ -414,6 +420,14 @@ impl BlurRig {
                 triangles: self.upload(13, &group_items),
             }),
             colours: Some(self.upload(14, &colours)),
+            textures: {
+                let rows = self.textures.clone();
+                (!rows.is_empty()).then(|| self.upload(23, &rows))
+            },
+            shares: {
+                let shares = self.shares.clone();
+                (!shares.is_empty()).then(|| self.upload(22, &shares))
+            },
             parts: self.parts.clone().map(|parts| PartInput {
                 labels: self.upload(16, parts.labels()),
                 members: self.upload(17, parts.members()),

@@ -120,6 +120,7 @@ fn a_frame_of_blur() {
     let view = |frame| blur::FrameView { frame, view: Camera::default().view(SIZE) };
     let settings = blur::Settings::default();
     let desc = blur::Desc {
+        texture_rows: 0,
         occluders: None,
         size: SIZE,
         target_format: FORMAT,

@@ -54,6 +54,8 @@ pub fn mesh() -> blur::TopologyInput {
         neighbours: buffer(),
         groups: Some(groups),
         colours: Some(buffer()),
+        textures: None,
+        shares: Some(buffer()),
         parts: None,
         source_rows: None,
     }
@@ -388,6 +390,7 @@ fn blur_with_everything_that_a_frame_may_bring() {
             }
             let (formats, outputs) = temporal(has_depth);
             let desc = blur::Desc {
+                texture_rows: 0,
                 occluders: has_depth.then_some(DEPTH),
                 size: SIZE,
                 target_format: FORMAT,

@@ -10,7 +10,7 @@ use crate::bench::{Outcome, Session};
 use crate::blur::Settings;
 use crate::blur::layout::{CONTROL, FINISHED, VERTICES};
 use crate::blur::params::{BASE_MASK, CULLED, Control, ENDED_BY_BUDGET, Piece, Vertex};
-use crate::blur::reference::extent;
+use crate::blur::reference::extent::{self, Pull};
 use crate::blur::reference::path::Path;
 use crate::blur::settings::Refine;
 use crate::error::Result;
@@ -180,11 +180,11 @@ impl Surface<'_> {
 
     /// Barycentrics in the base triangle.
     fn barycentrics(&self, base: &[u32; 3], vertex: u32) -> [f64; 3] {
-        let Vertex { is_point, barycentrics, .. } = self.vertices[vertex as usize];
-        if is_point == 1 {
+        let vertex_of = &self.vertices[vertex as usize];
+        if vertex_of.is_point() {
             return base.map(|corner| f64::from(u8::from(corner == vertex)));
         }
-        let [b, c] = barycentrics.map(f64::from);
+        let [b, c] = vertex_of.barycentrics.map(f64::from);
         [1.0 - b - c, b, c]
     }
 
@@ -240,16 +240,16 @@ impl Surface<'_> {
         let label = interval.labels[base[0] as usize];
         let Some(cluster) = interval.cluster(label) else { return path.at(1.0).position };
         let [k, l] = extent::extent_in([x, y, vx, vy], cluster, interval.bounds_of(cluster));
-        let tooth = extent::tooth(SEED, interval.generation, cluster, l);
-        let offset = mix(&|p| self.vertices[p].smoothing);
-        let time = extent::shifted(settings.strength, extent::time(settings.strength, k, tooth), offset);
-        path.at(time).position
+        let (offset, share) = (mix(&|p| self.vertices[p].smoothing), mix(&|p| self.vertices[p].share));
+        let pull = Pull { interval, settings, height: FULL_HD[1], seed: SEED };
+        path.at(pull.shifted(pull.time(cluster, [k, l], share), offset)).position
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blur::params::OF_POINT;
 
     #[test]
     fn every_documented_name_is_there() {
@@ -272,13 +272,14 @@ mod tests {
         let scene = Scene::builtin(Builtin::Run, 330, FULL_HD)?;
         let settings = Settings { seam_smoothing: 0, ..Settings::default() };
         let prepared = scene.prepare(&settings)?;
-        let extents = extent::extents(&scene.mesh, &prepared.interval, SEED, 1.0, 0);
+        let pull = Pull { interval: &prepared.interval, settings: &settings, height: FULL_HD[1], seed: SEED };
+        let extents = extent::extents(&scene.mesh, &pull, &[]);
         let points = scene.mesh.points();
         let vertex = |p: usize| {
             let piece = [prepared.interval.pieces[p]];
             let path = Path { segments: &prepared.interval.segments, pieces: &piece, on_screen: false };
             let [x, y] = path.at(extents[p].time).position;
-            Vertex { drawn: [x, y], is_point: 1, ..Vertex::zeroed() }
+            Vertex { drawn: [x, y], share: 1.0, barycentrics: [OF_POINT; 2], ..Vertex::zeroed() }
         };
         let triangles = scene.mesh.triangles().iter().zip(0..).map(|([a, b, c], base)| [*a, *b, *c, base]).collect();
         let vertices = (0..points).map(vertex).collect();

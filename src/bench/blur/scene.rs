@@ -157,6 +157,8 @@ impl Scene {
         let frame = BlurFrame {
             mesh: self.mesh.clone(),
             colours: Arc::new(TopologyInput::colour_rows(&self.mesh, &[])),
+            textures: Arc::default(),
+            shares: Arc::default(),
             interval: interval.clone(),
             counts: Counts::of(interval, self.mesh.neighbours()),
             views: self.seen(),

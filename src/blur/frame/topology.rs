@@ -22,6 +22,11 @@ pub struct TopologyInput {
     pub groups: Option<GroupInput>,
     /// Base colours, for frames that are drawn: four `f32` a corner of a triangle, linear RGB, not negative; unused.
     pub colours: Option<HostBuffer>,
+    /// Textures that base colours are multiplied by in frames that are drawn ([`crate::blur::texture_rows`]); given exactly if
+    /// the effect was made for them.
+    pub textures: Option<HostBuffer>,
+    /// Share of [`crate::blur::Settings::strength`] and of `lead` that each point has: an `f32`, 0 to 1, a point; none: all of it.
+    pub shares: Option<HostBuffer>,
     /// The parts, given exactly if the effect was made for them.
     pub parts: Option<PartInput>,
     /// A `u32` a point, its vertex in its [`crate::blur::desc::Source`]; given exactly if the effect was made for sources.
@@ -123,6 +128,14 @@ impl TopologyInput {
             (Some(rows), false) => holds("the mesh's source rows", rows, 4 * u64::from(desc.points))?,
             (given, _) => return refuse("the mesh's source rows", one_sided(given.is_some())),
         }
+        match (&self.textures, desc.texture_rows) {
+            (None, 0) => {}
+            (Some(rows), 1..) => holds("the mesh's textures", rows, 16 * u64::from(desc.texture_rows))?,
+            (given, _) => return refuse("the mesh's textures", one_sided(given.is_some())),
+        }
+        self.shares
+            .iter()
+            .try_for_each(|shares| holds("the mesh's shares of strength", shares, 4 * u64::from(desc.points)))?;
         match &self.colours {
             Some(colours) => holds("the mesh's colours", colours, 48 * u64::from(desc.triangles)),
             None if desc.toon => refuse("the mesh's colours", "frames that are drawn need them".to_owned()),

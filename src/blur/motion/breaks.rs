@@ -10,13 +10,13 @@ use super::window::{Pose, Window};
 /// How many times farther than beside it something moves in a cut, or in a snap.
 const SUDDEN: f64 = 4.0;
 /// The least turn of a camera that is a cut, in radians: 20 degrees.
-const TURN: f64 = 0.35;
+const CUT_TURN: f64 = 0.35;
 /// Frames to each side of one in which something moves that are looked at for how far it moves usually: poses may be held.
-const BESIDE: usize = 4;
+const NEARBY: usize = 4;
 /// The least move of a snap, in picture heights.
 const SNAP: f64 = 0.02;
 /// A snap is one of at least this share of the points: 1 of so many.
-const FEW: usize = 64;
+const SNAP_PARTS: usize = 64;
 
 /// Corners of the mesh's box in a frame.
 pub(super) type Corners = [[f32; 3]; 8];
@@ -58,7 +58,7 @@ impl Cuts {
         let moves = |j: usize| Some((self.centres.get(j + 1).copied()?? - self.centres[j]?).length());
         let turns = |j: usize| Some(turn([poses.get(j)?, poses.get(j + 1)?].map(|pose| pose.view.world_to_view)));
         self.found.clear();
-        let is_cut = |j: usize| is_sudden(moves, j - 1, jump) || is_sudden(turns, j - 1, TURN);
+        let is_cut = |j: usize| is_sudden(moves, j - 1, jump) || is_sudden(turns, j - 1, CUT_TURN);
         self.found.extend((1..poses.len()).filter(|j| poses[*j].cut || (is_sought && is_cut(*j))));
     }
 
@@ -74,7 +74,7 @@ impl Cuts {
 fn is_sudden(moves: impl Fn(usize) -> Option<f64>, j: usize, least: f64) -> bool {
     let Some(own) = moves(j).filter(|own| *own > least) else { return false };
     let usual = |places: &mut dyn Iterator<Item = usize>| places.map_while(&moves).find(|moved| *moved > 0.0);
-    let (before, after) = ((j.saturating_sub(BESIDE)..j).rev(), j + 1..=j + BESIDE);
+    let (before, after) = ((j.saturating_sub(NEARBY)..j).rev(), j + 1..=j + NEARBY);
     let is_known = [j.checked_sub(1), Some(j + 1)].into_iter().flatten().any(|k| moves(k).is_some());
     let beside = [usual(&mut before.into_iter()), usual(&mut after.into_iter())];
     is_known && own > SUDDEN * beside.into_iter().flatten().fold(0.0, f64::max)
@@ -110,7 +110,7 @@ pub(super) fn mesh_snaps(window: &Window, step: Step, height: f64, project: impl
     let is_far = |n: &usize| moved(projections, own.map(|positions| positions[*n])) > SNAP * height;
     let points = own[0].len();
     let known = beside.iter().any(Option::is_some);
-    known && (0..points).filter(is_fast).filter(is_far).count() * FEW >= points
+    known && (0..points).filter(is_fast).filter(is_far).count() * SNAP_PARTS >= points
 }
 
 /// Whether the camera moves suddenly: what it does with a corner of the mesh's box.

@@ -21,8 +21,8 @@ mod window;
 
 use std::ops::Range;
 
-use clusters::Found;
 use breaks::{Corners, Cuts, corners};
+use clusters::Found;
 use timeline::Timeline;
 use trace::Traces;
 
@@ -190,13 +190,7 @@ impl Motion {
     }
 
     /// Finds the timeline of a window; false if nothing moves.
-    fn find_timeline(
-        &self,
-        timeline: &mut Timeline,
-        window: &Window,
-        cuts: &Cuts,
-        corners: Option<&Corners>,
-    ) -> bool {
+    fn find_timeline(&self, timeline: &mut Timeline, window: &Window, cuts: &Cuts, corners: Option<&Corners>) -> bool {
         let after = window.current + 1;
         let shot = cuts.around(window.current, window.poses.len());
         if !shot.contains(&after) {
@@ -221,7 +215,8 @@ impl Motion {
             segments.extend(timeline.spans.iter().map(|span| span.segment));
             let Settings { trajectory, reference_time, .. } = self.settings;
             let (reference_time, reach) = (f64::from(reference_time), f64::from(self.settings.reach()));
-            let task = trace::Task { window, timeline, space, trajectory, reference_time, reach };
+            let lead = f64::from(self.settings.lead);
+            let task = trace::Task { window, timeline, space, trajectory, reference_time, reach, lead };
             trace.find(task, threads, motion, pieces)
         } else {
             let pose = window.poses.get(window.current + 1).unwrap_or(current);

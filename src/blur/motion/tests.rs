@@ -87,6 +87,12 @@ impl Shot {
     }
 }
 
+/// The extents of an interval's points.
+fn extents(mesh: &Mesh, interval: &Interval, seed: u32) -> Vec<extent::Extent> {
+    let pull = extent::Pull { interval, settings: &Settings::default(), height: SIZE[1], seed };
+    extent::extents(mesh, &pull, &[])
+}
+
 /// Invariants of every interval.
 fn check_invariants(mesh: &Mesh, interval: &Interval) {
     assert_eq!(interval.motion.len(), mesh.points());
@@ -206,7 +212,7 @@ fn one_frame_and_one_to_three_points() {
         });
         let interval = shot.interval(&Settings::default(), 2);
         assert_eq!(interval.clusters.len(), 1);
-        let extents = extent::extents(&shot.mesh, &interval, 1, 1.0, 8);
+        let extents = extents(&shot.mesh, &interval, 1);
         // All are in a line across the motion: there is no front and no rear.
         assert!(extents.iter().all(|extent| extent.k == 1.0 && extent.time == 1.0), "{extents:?}");
     }
@@ -420,19 +426,19 @@ fn the_order_of_points_and_triangles_changes_nothing() {
         let settings = Settings { clusters, ..Settings::default() };
         let (shot, _) = shuffled(0);
         let reference = shot.interval(&settings, 14);
-        let extents = extent::extents(&shot.mesh, &reference, 5, 1.0, 8);
+        let expected = extents(&shot.mesh, &reference, 5);
         assert!(reference.clusters.len() > 3 && reference.seams.len() > 100);
         for seed in 1..4 {
             let (shot, order) = shuffled(seed);
             let interval = shot.interval(&settings, 14);
             assert_eq!(interval.clusters, reference.clusters);
             assert_eq!(interval.bounds, reference.bounds);
-            let other = extent::extents(&shot.mesh, &interval, 5, 1.0, 8);
+            let other = extents(&shot.mesh, &interval, 5);
             for (new, old) in order.iter().enumerate() {
                 assert_eq!(interval.labels[new], reference.labels[*old]);
                 assert_eq!(interval.motion[new], reference.motion[*old]);
                 assert_eq!(interval.pieces[new], reference.pieces[*old]);
-                assert_eq!(other[new], extents[*old]);
+                assert_eq!(other[new], expected[*old]);
             }
             let mut seams: Vec<u32> = interval.seams.iter().map(|p| order[*p as usize] as u32).collect();
             seams.sort_unstable();

@@ -41,6 +41,8 @@ pub(super) struct Task<'a> {
     pub(super) reference_time: f64,
     /// Frames before frame i that trajectories are looked at.
     pub(super) reach: f64,
+    /// Frames after frame i + 1.
+    pub(super) lead: f64,
 }
 
 /// Buffers that are used again.
@@ -69,6 +71,8 @@ struct Plan {
     reference: Option<usize>,
     /// The span that begins first.
     earliest: usize,
+    /// The span that ends last.
+    latest: usize,
     /// Knots in which a point must be in front of the camera.
     seen: Vec<usize>,
     /// Whether all knots have one projection: then positions are summed before they are projected.
@@ -200,6 +204,7 @@ impl Plan {
         self.reference = spans.iter().position(within);
         let begin = |span: &usize| spans[*span].segment.begin;
         self.earliest = (0..spans.len()).min_by(|a, b| begin(a).total_cmp(&begin(b))).unwrap_or(0);
+        self.latest = (0..spans.len()).max_by(|a, b| begin(a).total_cmp(&begin(b))).unwrap_or(0);
         self.still_camera = knots.iter().all(|knot| knot.projection == knots[0].projection);
         self.weigh(task);
         self.look(task);
@@ -386,7 +391,13 @@ impl<'a> Tracer<'a> {
             let slope = curve.at(0.0)[1].z / f64::from(end - begin);
             curve.begin.z - slope * beyond > 0.0
         };
-        reached && curves.all(|curve| curve.lowest_depth() > 0.0)
+        let leads = || {
+            let latest = self.plan.latest;
+            let Segment { begin, end } = self.task.timeline.spans[latest].segment;
+            let curve = samples.curve(&self.plan.spans[latest], point);
+            curve.begin.z + curve.step.z + curve.at(1.0)[1].z / f64::from(end - begin) * self.task.lead > 0.0
+        };
+        reached && (self.task.lead == 0.0 || leads()) && curves.all(|curve| curve.lowest_depth() > 0.0)
     }
 
     /// Position and velocity at the reference time; zeros where they are not numbers.

@@ -2,7 +2,8 @@
 
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Cluster, Interval};
-use crate::blur::params::{LEAST_EXTENT, LEAST_SPEED_SQUARED, UNIT};
+use crate::blur::params::{AHEAD, LEAST_EXTENT, LEAST_SPEED_SQUARED, UNIT};
+use crate::blur::settings::Settings;
 use crate::random::{hash, unit};
 use crate::shaders::blur::constants::SMOOTHED;
 
@@ -15,13 +16,15 @@ pub struct Extent {
     pub l: f32,
     /// The change of k' by smoothing the seams.
     pub offset: f32,
-    /// The sub-frame time at which it is drawn, in frames after frame i, `1 - strength` to 1.
+    /// The sub-frame time at which it is drawn, in frames after frame i, `1 - strength` to `1 + lead`.
     pub time: f32,
+    /// How much of strength and lead it has.
+    pub share: f32,
 }
 
 impl Extent {
     /// That of a vertex that is not distorted.
-    pub const NONE: Extent = Extent { k: 1.0, l: 0.0, offset: 0.0, time: 1.0 };
+    pub const NONE: Extent = Extent { k: 1.0, l: 0.0, offset: 0.0, time: 1.0, share: 1.0 };
 }
 
 /// k and l of a vertex with position and velocity `motion` among the points of its cluster: equations 3 to 6, in f32,
@@ -132,9 +135,9 @@ pub fn extent_f64(motion: [f64; 4], points: &[[f64; 2]]) -> [f64; 2] {
     [share(vx, vy).unwrap_or(1.0), share(vy, -vx).unwrap_or(0.0)]
 }
 
-/// R at `l`: piecewise linear through the cluster's random numbers (equation 7).
-pub fn tooth(seed: u32, generation: u32, cluster: &Cluster, l: f32) -> f32 {
-    let random = |q: u32| unit(hash(seed, cluster.object, q, generation));
+/// R at `l`: piecewise linear through the cluster's random numbers (equation 7), from number `first` on.
+pub fn tooth(seed: u32, generation: u32, cluster: &Cluster, l: f32, first: u32) -> f32 {
+    let random = |q: u32| unit(hash(seed, cluster.object, first + q, generation));
     if cluster.teeth < 2 {
         return random(0);
     }
@@ -144,39 +147,77 @@ pub fn tooth(seed: u32, generation: u32, cluster: &Cluster, l: f32) -> f32 {
     from + (x - q as f32) * (to - from)
 }
 
-/// k' (equation 8).
-pub fn time(strength: f32, k: f32, tooth: f32) -> f32 {
-    1.0 - strength * (1.0 - k) * tooth
+/// What k' of the points of an interval follows from, besides k and l.
+#[derive(Clone, Copy, Debug)]
+pub struct Pull<'a> {
+    /// The interval.
+    pub interval: &'a Interval,
+    /// Strength, lead and how they depend on speed.
+    pub settings: &'a Settings,
+    /// Lines of the picture.
+    pub height: u32,
+    /// Of the teeth.
+    pub seed: u32,
 }
 
-/// k' with what smoothing adds, within the range that k' has.
-pub fn shifted(strength: f32, raw: f32, offset: f32) -> f32 {
-    (raw + offset).max(1.0 - strength).min(1.0)
+impl Pull<'_> {
+    /// The share of strength that what moves so fast has.
+    pub fn share(&self, [vx, vy]: [f32; 2]) -> f32 {
+        let speed = (vx * vx + vy * vy).sqrt();
+        let keys = &self.settings.curve.keys;
+        let key = |k: usize| [Settings::scaled(keys[k][0], self.height), keys[k][1]];
+        let after = (0..keys.len()).take_while(|k| key(*k)[0] <= speed).count();
+        match (after, keys.len()) {
+            (_, 0) => 1.0,
+            (0, _) => key(0)[1],
+            (after, count) if after == count => key(count - 1)[1],
+            (after, _) => {
+                let ([from, low], [to, high]) = (key(after - 1), key(after));
+                low + (speed - from) / (to - from) * (high - low)
+            }
+        }
+    }
+
+    /// k' of a vertex of a cluster by itself (equation 8), and what leads ahead of it.
+    pub fn time(&self, cluster: &Cluster, [k, l]: [f32; 2], share: f32) -> f32 {
+        let Settings { strength, lead, .. } = *self.settings;
+        let random = |first| tooth(self.seed, self.interval.generation, cluster, l, first);
+        let time = 1.0 - strength * share * (1.0 - k) * random(0);
+        if lead == 0.0 { time } else { time + lead * share * k * random(AHEAD) }
+    }
+
+    /// k' with what smoothing adds, within the range that k' has.
+    pub fn shifted(&self, time: f32, offset: f32) -> f32 {
+        (time + offset).max(1.0 - self.settings.strength).min(1.0 + self.settings.lead)
+    }
 }
 
-/// The extent of every point, smoothed `rounds` times at the seams.
-pub fn extents(mesh: &Mesh, interval: &Interval, seed: u32, strength: f32, rounds: u32) -> Vec<Extent> {
-    let of_point = |(motion, label): (&[f32; 4], &u32)| {
-        let Some(cluster) = interval.cluster(*label) else { return Extent::NONE };
+/// The extent of every point, smoothed at the seams; of `shares` of strength, which may be none: all of it.
+pub fn extents(mesh: &Mesh, pull: &Pull, shares: &[f32]) -> Vec<Extent> {
+    let interval = pull.interval;
+    let of_point = |(point, (motion, label)): (usize, (&[f32; 4], &u32))| {
+        let share = shares.get(point).unwrap_or(&1.0) * pull.share([motion[2], motion[3]]);
+        let Some(cluster) = interval.cluster(*label) else { return Extent { share, ..Extent::NONE } };
         let [k, l] = extent_in(*motion, cluster, interval.bounds_of(cluster));
-        let raw = time(strength, k, tooth(seed, interval.generation, cluster, l));
-        Extent { k, l, offset: 0.0, time: raw }
+        Extent { k, l, offset: 0.0, time: pull.time(cluster, [k, l], share), share }
     };
-    let mut extents: Vec<Extent> = interval.motion.iter().zip(&interval.labels).map(of_point).collect();
+    let points = interval.motion.iter().zip(&interval.labels).enumerate();
+    let mut extents: Vec<Extent> = points.map(of_point).collect();
     let times: Vec<f32> = extents.iter().map(|extent| extent.time).collect();
-    for (point, offset) in smooth(mesh, &interval.seams, &times, rounds) {
+    let Settings { lead, seam_smoothing, .. } = *pull.settings;
+    for (point, offset) in smooth(mesh, &interval.seams, &times, lead, seam_smoothing) {
         let extent = &mut extents[point as usize];
         extent.offset = offset;
-        extent.time = shifted(strength, extent.time, offset);
+        extent.time = pull.shifted(extent.time, offset);
     }
     extents
 }
 
 /// The change of k' of the points of `seams` by `rounds` of smoothing: each round makes each of them the mean of itself
-/// and its neighbours, all at once, if that is later: what leads stays whole. In whole numbers, so that neighbours may come in any order: the nearest ones of
-/// 2^-18, of 1 - k', which is not negative.
-pub fn smooth(mesh: &Mesh, seams: &[u32], times: &[f32], rounds: u32) -> Vec<(u32, f32)> {
-    let begin: Vec<u32> = times.iter().map(|time| ((1.0 - time) * UNIT + 0.5) as u32).collect();
+/// and its neighbours, all at once, if that is later: what leads stays whole. In whole numbers, so that neighbours may come
+/// in any order: the nearest ones of 2^-18, of 1 + `lead` - k', which is not negative.
+pub fn smooth(mesh: &Mesh, seams: &[u32], times: &[f32], lead: f32, rounds: u32) -> Vec<(u32, f32)> {
+    let begin: Vec<u32> = times.iter().map(|time| ((1.0 + lead - time) * UNIT + 0.5) as u32).collect();
     let mut now = begin.clone();
     for _ in 0..rounds {
         let mean = |point: &u32| {
@@ -196,6 +237,11 @@ pub fn smooth(mesh: &Mesh, seams: &[u32], times: &[f32], rounds: u32) -> Vec<(u3
 mod tests {
     use super::*;
     use crate::blur::mesh::MeshInput;
+    use crate::blur::settings::Curve;
+
+    fn pull<'a>(interval: &'a Interval, settings: &'a Settings) -> Pull<'a> {
+        Pull { interval, settings, height: 1080, seed: 7 }
+    }
 
     fn cluster(teeth: u32) -> Cluster {
         Cluster { object: 3, teeth, ..bytemuck::Zeroable::zeroed() }
@@ -225,24 +271,51 @@ mod tests {
     #[test]
     fn teeth_are_linear_between_their_random_numbers() {
         let numbers: Vec<f32> = (0..5).map(|q| unit(hash(7, 3, q, 2))).collect();
-        let at = |l| tooth(7, 2, &cluster(5), l);
+        let at = |l| tooth(7, 2, &cluster(5), l, 0);
         for (l, number) in [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().zip(&numbers) {
             assert_eq!(at(l), *number);
         }
         assert_eq!(at(0.125), numbers[0] + 0.5 * (numbers[1] - numbers[0]));
-        assert_eq!(tooth(7, 2, &cluster(1), 0.7), numbers[0]);
-        assert_eq!(tooth(7, 2, &cluster(2), 1.0), numbers[1]);
-        assert_ne!(tooth(7, 3, &cluster(5), 0.0), numbers[0]);
+        assert_eq!(tooth(7, 2, &cluster(1), 0.7, 0), numbers[0]);
+        assert_eq!(tooth(7, 2, &cluster(2), 1.0, 0), numbers[1]);
+        assert_eq!(tooth(7, 2, &cluster(2), 0.0, 3), numbers[3]);
+        assert_ne!(tooth(7, 3, &cluster(5), 0.0, 0), numbers[0]);
     }
 
     #[test]
     fn the_front_is_not_drawn_back_and_the_rear_is_by_the_strength() {
-        assert_eq!(time(1.0, 1.0, 0.7), 1.0);
-        assert_eq!(time(1.0, 0.0, 1.0), 0.0);
-        assert_eq!(time(2.0, 0.0, 1.0), -1.0);
-        assert_eq!(time(0.0, 0.3, 0.9), 1.0);
-        assert_eq!(shifted(1.0, 0.1, -0.2), 0.0);
-        assert_eq!(shifted(1.0, 0.9, 0.2), 1.0);
+        let interval = Interval { generation: 2, ..Interval::default() };
+        let [rear, front] = [0, AHEAD].map(|first| unit(hash(7, 3, first, 2)));
+        let time = |strength: f32, lead: f32, k: f32, share: f32| {
+            let settings = Settings { strength, lead, ..Settings::default() };
+            pull(&interval, &settings).time(&cluster(1), [k, 0.0], share)
+        };
+        assert_eq!(time(1.0, 0.0, 1.0, 1.0), 1.0);
+        assert_eq!(time(1.0, 0.0, 0.0, 1.0), 1.0 - rear);
+        assert_eq!(time(2.0, 0.0, 0.0, 1.0), 1.0 - 2.0 * rear);
+        assert_eq!(time(2.0, 0.0, 0.0, 0.5), 1.0 - rear);
+        assert_eq!(time(0.0, 0.0, 0.3, 1.0), 1.0);
+        assert_eq!(time(1.0, 1.0, 0.5, 0.0), 1.0);
+        assert_eq!(time(1.0, 0.5, 1.0, 1.0), 1.0 + 0.5 * front);
+        assert_eq!(time(1.0, 0.5, 0.0, 1.0), 1.0 - rear);
+        let settings = Settings { lead: 0.25, ..Settings::default() };
+        let pull = pull(&interval, &settings);
+        assert_eq!([pull.shifted(0.1, -0.2), pull.shifted(0.9, 0.2), pull.shifted(1.2, 0.2)], [0.0, 1.1, 1.25]);
+    }
+
+    #[test]
+    fn strength_follows_speed_along_the_curve() {
+        let interval = Interval::default();
+        let share = |keys: &[[f32; 2]], speed: f32| {
+            let settings = Settings { curve: Curve { keys: keys.to_vec() }, ..Settings::default() };
+            pull(&interval, &settings).share([0.6 * speed, -0.8 * speed])
+        };
+        assert_eq!([share(&[], 0.0), share(&[], 500.0)], [1.0; 2]);
+        assert_eq!([share(&[[8.0, 0.25]], 0.0), share(&[[8.0, 0.25]], 80.0)], [0.25; 2]);
+        let keys = [[10.0, 0.0], [20.0, 1.0], [40.0, 0.5]];
+        for (speed, expected) in [(0.0, 0.0), (5.0, 0.0), (15.0, 0.5), (20.0, 1.0), (30.0, 0.75), (90.0, 0.5)] {
+            assert!((share(&keys, speed) - expected).abs() < 1e-6, "{speed}");
+        }
     }
 
     #[test]
@@ -253,12 +326,12 @@ mod tests {
             MeshInput { vertices: 5, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
         let mesh = Mesh::new(&mesh).unwrap();
         let times = [1.0, 1.0, 0.25, 0.25, -0.5];
-        assert_eq!(smooth(&mesh, &[1, 2], &times, 1), [(1, 0.0), (2, 0.25)]);
-        assert_eq!(smooth(&mesh, &[1, 2], &times, 0), [(1, 0.0), (2, 0.0)]);
+        assert_eq!(smooth(&mesh, &[1, 2], &times, 0.0, 1), [(1, 0.0), (2, 0.25)]);
+        assert_eq!(smooth(&mesh, &[1, 2], &times, 0.0, 0), [(1, 0.0), (2, 0.0)]);
         // Two units among three points: the nearest whole number of units is one.
         let little = [1.0, 1.0 - 2.0 / UNIT, 1.0, 1.0, 1.0];
-        assert_eq!(smooth(&mesh, &[1], &little, 1), [(1, 1.0 / UNIT)]);
-        let far: Vec<f32> = smooth(&mesh, &[1, 2, 3], &times, 64).iter().map(|(_, offset)| *offset).collect();
+        assert_eq!(smooth(&mesh, &[1], &little, 0.0, 1), [(1, 1.0 / UNIT)]);
+        let far: Vec<f32> = smooth(&mesh, &[1, 2, 3], &times, 0.0, 64).iter().map(|(_, offset)| *offset).collect();
         // The middle comes to lie evenly between its neighbours, which are above what is even, and stay.
         for (found, limit) in far.iter().zip([0.0, 0.375, 0.0]) {
             assert!((found - limit).abs() < 2e-5, "{far:?}");

@@ -3,6 +3,7 @@
 
 pub mod complete;
 pub mod distort;
+pub mod dry;
 pub mod extent;
 pub mod ink;
 pub mod path;
@@ -10,5 +11,6 @@ pub mod raster;
 pub mod refine;
 pub mod scene;
 pub mod spline;
+pub mod texture;
 pub mod visible;
 pub mod watertight;

@@ -43,7 +43,7 @@ impl Path<'_> {
         let place = self.piece(time);
         let (Segment { begin, end }, piece) = (self.segments[place], &self.pieces[place]);
         let length = end - begin;
-        let beyond = if time < begin { time - begin } else { 0.0 };
+        let beyond = if time < begin { time - begin } else { (time - end).max(0.0) };
         let u = (time - beyond - begin) / length;
         let c = 1.0 - u;
         let (first, second) = ((c * c * c - c) * (1.0 / 6.0), (u * u * u - u) * (1.0 / 6.0));
@@ -53,8 +53,8 @@ impl Path<'_> {
             let (step, bends) = (piece.step[i], [piece.bend_begin[i], piece.bend_end[i]]);
             let slope = (step + first_slope * bends[0] + second_slope * bends[1]) / length;
             let value = from + (u * step + first * bends[0] + second * bends[1]);
-            // Straight before the earliest segment.
-            [if beyond < 0.0 { value + beyond * slope } else { value }, slope]
+            // Straight before the earliest segment and after the latest.
+            [if beyond == 0.0 { value } else { value + beyond * slope }, slope]
         };
         let channels = [0, 1, 2].map(channel);
         [0, 1].map(|part| channels.map(|c| c[part]))

@@ -1,7 +1,7 @@
 //! Refinement: triangles are bisected where the distorted mesh departs from them. In f32, each operation rounded by
 //! itself, in this order.
 
-use super::extent::{Extent, extent_in, shifted, time, tooth};
+use super::extent::{Extent, Pull, extent_in};
 use super::path::{Path, State};
 use crate::blur::mesh::Mesh;
 use crate::blur::motion::{Interval, Piece};
@@ -93,8 +93,13 @@ pub fn refine(mesh: &Mesh, extents: &[Extent], rules: &Rules) -> Refined {
     }
 }
 
-impl Rules<'_> {
-    fn path<'a>(&'a self, pieces: &'a [Piece]) -> Path<'a> {
+impl<'a> Rules<'a> {
+    /// What k' follows from.
+    pub fn pull(&self) -> Pull<'a> {
+        Pull { interval: self.interval, settings: self.settings, height: self.size[1], seed: self.seed }
+    }
+
+    fn path<'p>(&'p self, pieces: &'p [Piece]) -> Path<'p> {
         Path { segments: &self.interval.segments, pieces, on_screen: self.settings.space == Space::Screen }
     }
 
@@ -123,14 +128,15 @@ impl Rules<'_> {
     /// The extent of the vertex between two.
     fn extent(&self, a: &Vertex, b: &Vertex, motion: [f32; 4], label: u32) -> Extent {
         let half = |of: fn(&Extent) -> f32| (of(&a.extent) + of(&b.extent)) * 0.5;
-        let offset = half(|extent| extent.offset);
+        let (offset, share) = (half(|extent| extent.offset), half(|extent| extent.share));
         if label == BETWEEN {
-            return Extent { k: half(|extent| extent.k), l: half(|extent| extent.l), offset, time: half(|e| e.time) };
+            let (k, l) = (half(|extent| extent.k), half(|extent| extent.l));
+            return Extent { k, l, offset, time: half(|extent| extent.time), share };
         }
-        let Some(cluster) = self.interval.cluster(label) else { return Extent::NONE };
+        let Some(cluster) = self.interval.cluster(label) else { return Extent { share, ..Extent::NONE } };
         let [k, l] = extent_in(motion, cluster, self.interval.bounds_of(cluster));
-        let raw = time(self.settings.strength, k, tooth(self.seed, self.interval.generation, cluster, l));
-        Extent { k, l, offset, time: shifted(self.settings.strength, raw, offset) }
+        let pull = self.pull();
+        Extent { k, l, offset, time: pull.shifted(pull.time(cluster, [k, l], share), offset), share }
     }
 
     /// Whether the edge between two vertices is to be split in a round: the same for both orders.

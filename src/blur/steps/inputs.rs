@@ -14,6 +14,23 @@ impl Steps<'_> {
             let command = Command::CopyRange { from: (HOST_COLOURS, 0), to: (TOON_BUFFER, BASE_COLOURS), bytes };
             self.plan.step(self.passes.colours, command);
         }
+        let rows = 16 * u64::from(self.desc.texture_rows);
+        if mesh.textures.is_some() && self.desc.toon && rows > 0 {
+            let to = (TOON_BUFFER, BASE_COLOURS + bytes);
+            let command = Command::CopyRange { from: (HOST_TEXTURES, 0), to, bytes: rows };
+            self.plan.step(self.passes.textures, command);
+        }
+    }
+
+    /// Shares of strength: all of it where the host says none.
+    pub(super) fn shares(&mut self, mesh: &TopologyInput) {
+        match mesh.shares {
+            Some(_) => self.copies(self.passes.shares, [HOST_SHARES], [SHARES], [4 * u64::from(self.desc.points)]),
+            None => {
+                let all = Command::Fill { buffer: SHARES, word: 1.0_f32.to_bits() };
+                self.plan.step(self.passes.shares_all, all);
+            }
+        }
     }
 
     pub(super) fn mesh(&mut self) {

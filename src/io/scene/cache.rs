@@ -18,6 +18,7 @@ const MAX_TRIANGLES: u64 = 2 * MAX_VERTICES as u64;
 const POSITIONS: &str = "[frames, vertices, 3] of numbers, in metres";
 const TRIANGLES: &str = "[m, 3] of integers, rows of `position`";
 const COLOURS: &str = "[vertices, 3] of floats, linear RGB, 0 to 1e6";
+const SHARES: &str = "[vertices] of floats, share of strength, 0 to 1";
 const OBJECTS: &str = "[vertices] of integers, 0 to 4294967295";
 
 /// Positions of every frame.
@@ -94,7 +95,25 @@ pub(super) fn read(path: &Path) -> Result<(Cache, Topology), ReadError> {
     }
     let normal = vec![[0.0; 3]; vertices];
     let double_sided = vec![false; objects.len()];
-    let topology = Topology { triangles, object, objects, colour, normal, double_sided, faceted: false };
+    let share = shares(&mut archive, path, vertices)?;
+    let (material, materials, coordinates) = (vec![0; vertices], vec![String::new()], vec![[0.0; 2]; vertices]);
+    let topology = Topology {
+        triangles,
+        object,
+        objects,
+        colour,
+        share,
+        material,
+        materials,
+        coordinates,
+        has_coordinates: false,
+        textures: Vec::new(),
+        texture: vec![None; vertices],
+        texture_place: vec![[0.0; 2]; vertices],
+        normal,
+        double_sided,
+        faceted: false,
+    };
     Ok((Cache { vertices, positions }, topology))
 }
 
@@ -203,6 +222,22 @@ fn colours(archive: &mut Archive, path: &Path, vertices: usize) -> Result<Vec<[f
             let place = format!("array `colour`, row {row}");
             let expected = "three finite numbers, 0 to 1e6";
             Err(ReadError::at(path, place, format!("is {:?} as f32", colours[row]), expected))
+        }
+    }
+}
+
+fn shares(archive: &mut Archive, path: &Path, vertices: usize) -> Result<Vec<f32>, ReadError> {
+    match archive.shape("smear", 1, Kind::Float, SHARES)? {
+        None => return Ok(vec![1.0; vertices]),
+        Some(shape) if shape != [vertices as u64] => return Err(archive.wrong_shape("smear", &shape, SHARES)),
+        Some(_) => {}
+    }
+    let shares = archive.read("smear", MAX_VALUES)?.map(|array: Array<f32>| array.values).unwrap_or_default();
+    match shares.iter().position(|share| !(0.0..=1.0).contains(share)) {
+        None => Ok(shares),
+        Some(row) => {
+            let place = format!("array `smear`, row {row}");
+            Err(ReadError::at(path, place, format!("is {} as f32", shares[row]), "a share of strength, 0 to 1"))
         }
     }
 }

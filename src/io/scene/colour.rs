@@ -1,35 +1,49 @@
 //! Linear base colours of a glTF primitive's vertices.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::f64::consts::TAU;
 
 use super::Note;
 use super::document::Document;
-use super::json::{Index, Material, Primitive, TextureInfo, TextureTransform, Type, WrappingMode};
+use super::json::{Index, Material, Primitive, TextureTransform, Type, Whole, WrappingMode};
 use super::texels::Pictures;
+use crate::blur::{Texture, Wrap};
 use crate::io::ReadError;
-use crate::io::image::linear_from_srgb;
 use crate::view::BRIGHTEST;
 
-/// Finds vertices' colours: base colour factor x vertex colour x base colour texture at the vertex.
+/// A texture sampler's filter that takes the nearest texel.
+const NEAREST_FILTER: u64 = 9728;
+
+/// Finds vertices' colours: base colour factor x vertex colour; and the base colour textures that are before them.
 pub(super) struct Colours<'d> {
     document: &'d Document<'d>,
     pictures: Pictures,
+    /// Textures, each once for each picture and way to look it up.
+    textures: Vec<Texture>,
+    known: HashMap<(usize, [Wrap; 2], bool), u32>,
     /// Textures whose pictures only an extension has.
     foreign: BTreeSet<usize>,
+    /// Materials that are not opaque.
+    see_through: BTreeMap<String, &'static str>,
 }
 
 impl<'d> Colours<'d> {
     pub(super) fn new(document: &'d Document<'d>) -> Colours<'d> {
-        Colours { document, pictures: Pictures::default(), foreign: BTreeSet::new() }
+        let (textures, known, foreign) = (Vec::new(), HashMap::new(), BTreeSet::new());
+        let see_through = BTreeMap::new();
+        Colours { document, pictures: Pictures::default(), textures, known, foreign, see_through }
     }
 
-    /// Images that could not be used.
-    pub(super) fn into_notes(self) -> Vec<Note> {
+    /// The textures, and what could not be used.
+    pub(super) fn into_textures(self) -> (Vec<Texture>, Vec<Note>) {
         let foreign = self.foreign.into_iter().map(|texture| {
             Note::of_looks(format!("texture {texture} has no PNG or JPEG picture; the texture is left out"))
         });
-        self.pictures.notes.into_iter().chain(foreign).collect()
+        let see_through = self
+            .see_through
+            .into_iter()
+            .map(|(name, mode)| Note::of_looks(format!("material `{name}` has alphaMode {mode}: it is drawn opaque")));
+        (self.textures, self.pictures.notes.into_iter().chain(foreign).chain(see_through).collect())
     }
 
     fn material(&self, primitive: &Primitive) -> Result<Option<&'d Material>, ReadError> {
@@ -37,22 +51,28 @@ impl<'d> Colours<'d> {
         primitive.material.map(material).transpose()
     }
 
+    /// Name of a primitive's material: its number where it has none, "" without a material.
+    pub(super) fn material_name(&self, primitive: &Primitive) -> Result<String, ReadError> {
+        let (Some(material), Some(index)) = (self.material(primitive)?, primitive.material) else {
+            return Ok(String::new());
+        };
+        let name = material.name.clone().filter(|name| !name.is_empty());
+        Ok(name.unwrap_or_else(|| index.value().to_string()))
+    }
+
     pub(super) fn is_double_sided(&self, primitive: &Primitive) -> Result<bool, ReadError> {
         Ok(self.material(primitive)?.is_some_and(|material| material.double_sided))
     }
 
-    /// Linear RGB of the `count` vertices of a primitive. A texture is looked up at the nearest texel, so that what
-    /// lies beside it in the picture does not bleed in.
+    /// Linear RGB of the `count` vertices of a primitive, without its texture.
     pub(super) fn of_vertices(&mut self, primitive: &Primitive, count: usize) -> Result<Vec<[f32; 3]>, ReadError> {
-        let pbr = self.material(primitive)?.map(|material| &material.pbr_metallic_roughness);
-        let [r, g, b, _] = pbr.map_or([1.0; 4], |pbr| pbr.base_color_factor.map(f64::from));
+        let material = self.material(primitive)?;
+        let [r, g, b, _] = material.map_or([1.0; 4], |m| m.pbr_metallic_roughness.base_color_factor.map(f64::from));
+        if let Some(mode) = material.and_then(|material| material.alpha_mode.shown()) {
+            self.see_through.insert(self.material_name(primitive)?, mode);
+        }
         let mut colours = vec![[r, g, b]; count];
         if let Some(own) = self.vertex_colours(primitive)? {
-            multiply(&mut colours, own);
-        }
-        if let Some(info) = pbr.and_then(|pbr| pbr.base_color_texture.as_ref())
-            && let Some(own) = self.texture_colours(primitive, info)?
-        {
             multiply(&mut colours, own);
         }
         let sane = |x: f64| if x.is_finite() { x.clamp(0.0, BRIGHTEST.into()) as f32 } else { 0.0 };
@@ -70,36 +90,66 @@ impl<'d> Colours<'d> {
         Ok(Some(values.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()))
     }
 
-    /// Colours of a texture at the vertices; none where its picture or the coordinates are missing.
-    fn texture_colours(
+    /// A primitive's base colour texture, and where its vertices are in it; none where its picture or the coordinates are
+    /// missing.
+    pub(super) fn texture(
         &mut self,
         primitive: &Primitive,
-        info: &TextureInfo,
-    ) -> Result<Option<Vec<[f64; 3]>>, ReadError> {
+        count: usize,
+    ) -> Result<Option<(u32, Vec<[f32; 2]>)>, ReadError> {
         let root = &self.document.root;
+        let material = self.material(primitive)?;
+        let Some(info) = material.and_then(|m| m.pbr_metallic_roughness.base_color_texture.as_ref()) else {
+            return Ok(None);
+        };
         let texture = self.document.entry(&root.textures, info.index, "texture")?;
         let transform = info.extensions.transform.as_ref();
         let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(info.tex_coord).0;
         let Some(accessor) = primitive.attribute(&format!("TEXCOORD_{set}")) else { return Ok(None) };
-        let wrap = match texture.sampler {
+        let (wrap, is_nearest) = match texture.sampler {
             Some(sampler) => {
                 let sampler = self.document.entry(&root.samplers, sampler, "texture sampler")?;
-                [sampler.wrap_s, sampler.wrap_t]
+                ([sampler.wrap_s, sampler.wrap_t].map(Wrap::from), sampler.mag_filter == Some(Whole(NEAREST_FILTER)))
             }
-            None => [WrappingMode::Repeat; 2],
+            None => ([Wrap::Repeat; 2], false),
         };
-        let coordinates = self.document.values::<2>(accessor)?;
+        let mut coordinates = self.document.values::<2>(accessor)?;
+        coordinates.resize(count, [0.0; 2]);
         let Some(image) = texture.source.map(Index::value) else {
             self.foreign.insert(info.index.value());
             return Ok(None);
         };
-        let Some(texels) = self.pictures.get(self.document, image) else { return Ok(None) };
-        let look_up = |uv: [f64; 2]| {
-            let [u, v] = transform.map_or(uv, |transform| transformed(transform, uv));
-            let [x, y] = [(u, texels.width(), wrap[0]), (v, texels.height(), wrap[1])].map(|(t, n, w)| texel(t, n, w));
-            texels.get_pixel(x, y).0.map(|c| linear_from_srgb(f64::from(c) / 255.0))
+        let number = match self.known.get(&(image, wrap, is_nearest)) {
+            Some(number) => *number,
+            None => {
+                let Some(picture) = self.pictures.get(self.document, image) else { return Ok(None) };
+                let size = [picture.width(), picture.height()];
+                let texels = picture.pixels().map(|pixel| pixel.0).collect();
+                self.textures.push(Texture { size, texels, wrap, is_nearest });
+                let number = self.textures.len() as u32 - 1;
+                self.known.insert((image, wrap, is_nearest), number);
+                number
+            }
         };
-        Ok(Some(coordinates.into_iter().map(look_up).collect()))
+        let place = |uv: [f64; 2]| {
+            let moved = transform.map_or(uv, |transform| transformed(transform, uv));
+            // Whole turns are taken away while they can be told apart.
+            [0, 1].map(|axis| match wrap[axis] {
+                Wrap::Clamp => moved[axis].clamp(-1e6, 1e6) as f32,
+                _ => moved[axis] as f32,
+            })
+        };
+        Ok(Some((number, coordinates.into_iter().map(place).collect())))
+    }
+}
+
+impl From<WrappingMode> for Wrap {
+    fn from(mode: WrappingMode) -> Wrap {
+        match mode {
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::Repeat => Wrap::Repeat,
+        }
     }
 }
 
@@ -118,29 +168,9 @@ fn transformed(transform: &TextureTransform, [u, v]: [f64; 2]) -> [f64; 2] {
     [cos * u + sin * v + ou, cos * v - sin * u + ov]
 }
 
-/// The texel of a coordinate; `size` is at least 1.
-fn texel(coordinate: f64, size: u32, wrap: WrappingMode) -> u32 {
-    let within = match wrap {
-        WrappingMode::ClampToEdge => coordinate,
-        WrappingMode::MirroredRepeat => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
-        WrappingMode::Repeat => coordinate.rem_euclid(1.0),
-    };
-    // The conversion saturates and makes 0 of NaN.
-    ((within * f64::from(size)) as u32).min(size - 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn coordinates_wrap() {
-        let at = |coordinate, wrap| texel(coordinate, 4, wrap);
-        let coordinates = [-0.3, 0.0, 0.3, 0.99, 1.0, 1.3];
-        assert_eq!(coordinates.map(|t| at(t, WrappingMode::Repeat)), [2, 0, 1, 3, 0, 1]);
-        assert_eq!(coordinates.map(|t| at(t, WrappingMode::ClampToEdge)), [0, 0, 1, 3, 3, 3]);
-        assert_eq!(coordinates.map(|t| at(t, WrappingMode::MirroredRepeat)), [1, 0, 1, 3, 3, 2]);
-    }
 
     #[test]
     fn coordinates_are_transformed_as_the_extension_says() {

@@ -60,8 +60,10 @@ pub(super) fn parse(path: &Path, file: &[u8], choice: &Choice) -> Result<Scene, 
     for node in (0..shown.len()).filter(|&node| shown[node]) {
         builder.add_node(node)?;
     }
-    let Builder { topology, rig, mut notes, colours, .. } = builder;
-    notes.extend(colours.into_notes());
+    let Builder { mut topology, rig, mut notes, colours, .. } = builder;
+    let (textures, own) = colours.into_textures();
+    topology.textures = textures;
+    notes.extend(own);
     let cameras = cameras.into_iter().map(|found| found.camera).collect();
     Ok(Scene { topology, rig, contents: Contents { animations, playing, cameras, camera, notes } })
 }
@@ -289,6 +291,14 @@ struct Shape {
     influences: Option<Arc<Influences>>,
     triangles: Vec<[u32; 3]>,
     colours: Vec<[f32; 3]>,
+    /// Shares of strength, if it says some.
+    shares: Option<Vec<f32>>,
+    /// The texture, and where vertices are in it.
+    texture: Option<(u32, Vec<[f32; 2]>)>,
+    /// TEXCOORD_0, if it has such.
+    coordinates: Option<Vec<[f32; 2]>>,
+    /// Name of its material.
+    material: String,
     normals: Vec<[f32; 3]>,
     is_double_sided: bool,
 }
@@ -350,7 +360,28 @@ impl Builder<'_> {
         topology.triangles.extend(triangles);
         topology.object.resize(first + count, object);
         topology.colour.extend(&shape.colours);
+        match &shape.shares {
+            Some(shares) => topology.share.extend(shares),
+            None => topology.share.resize(first + count, 1.0),
+        }
         topology.normal.extend(&shape.normals);
+        topology.has_coordinates |= shape.coordinates.is_some();
+        match &shape.coordinates {
+            Some(coordinates) => topology.coordinates.extend(coordinates),
+            None => topology.coordinates.resize(first + count, [0.0; 2]),
+        }
+        let number = shape.texture.as_ref().map(|(number, _)| *number);
+        topology.texture.resize(first + count, number);
+        match &shape.texture {
+            Some((_, places)) => topology.texture_place.extend(places),
+            None => topology.texture_place.resize(first + count, [0.0; 2]),
+        }
+        let known = topology.materials.iter().position(|name| *name == shape.material);
+        let material = known.unwrap_or_else(|| {
+            topology.materials.push(shape.material.clone());
+            topology.materials.len() - 1
+        });
+        topology.material.resize(first + count, material as u32);
         topology.double_sided[object as usize] |= shape.is_double_sided;
         let Shape { base, morphs, influences, .. } = shape;
         let (base, morphs, influences) = (base.clone(), morphs.clone(), influences.clone());
@@ -397,11 +428,47 @@ impl Builder<'_> {
             Some(accessor) => sized(document, place, "normals", narrow(document.values::<3>(accessor)?), count)?,
             None => vec![[0.0; 3]; count],
         };
+        let texture = self.colours.texture(primitive, count)?;
+        let shares = self.shares(place, primitive, count)?;
+        let coordinates = match primitive.attribute("TEXCOORD_0") {
+            Some(accessor) => {
+                let values = sized(document, place, "texture coordinates", document.values::<2>(accessor)?, count)?;
+                Some(values.into_iter().map(|uv| uv.map(|x| x as f32)).collect())
+            }
+            None => None,
+        };
+        let material = self.colours.material_name(primitive)?;
         let is_double_sided = self.colours.is_double_sided(primitive)?;
         let (base, morphs, influences) = (Arc::new(base), Arc::new(morphs), influences.map(Arc::new));
-        let shape = Shape { base, morphs, influences, triangles, colours, normals, is_double_sided };
+        let shape = Shape {
+            base,
+            morphs,
+            influences,
+            triangles,
+            colours,
+            shares,
+            texture,
+            coordinates,
+            material,
+            normals,
+            is_double_sided,
+        };
         document.budget.keep(place, &format!("{count} vertices"), shape.bytes())?;
         Ok(Some(shape))
+    }
+
+    /// How much of strength the vertices have.
+    fn shares(&self, place: &str, primitive: &Primitive, count: usize) -> Result<Option<Vec<f32>>, ReadError> {
+        let document = self.document;
+        let Some(accessor) = primitive.attribute("_SMEAR") else { return Ok(None) };
+        let shares = sized(document, place, "values of _SMEAR", document.values::<1>(accessor)?, count)?;
+        match shares.iter().position(|[share]| !(0.0..=1.0).contains(share)) {
+            Some(vertex) => {
+                let why = format!("vertex {vertex} has _SMEAR {}", shares[vertex][0]);
+                Err(document.fault(place, why, "a share of strength, 0 to 1"))
+            }
+            None => Ok(Some(shares.into_iter().map(|[share]| share as f32).collect())),
+        }
     }
 
     /// Joints that the vertices follow; none where they follow the node.
@@ -464,13 +531,19 @@ impl Builder<'_> {
 impl Shape {
     /// Its memory in bytes, but for its morph targets.
     fn bytes(&self) -> u64 {
-        let vertex = 3 * size_of::<[f32; 3]>() + self.influences.as_ref().map_or(0, |i| i.per * Influences::BYTES);
+        let sets = usize::from(self.coordinates.is_some()) + usize::from(self.texture.is_some());
+        let coordinates = sets * size_of::<[f32; 2]>();
+        let vertex = 3 * size_of::<[f32; 3]>()
+            + self.shares.as_ref().map_or(0, |_| size_of::<f32>())
+            + coordinates
+            + self.influences.as_ref().map_or(0, |i| i.per * Influences::BYTES);
         size_of::<Shape>() as u64 + (self.base.len() * vertex) as u64 + size_of_val(&self.triangles[..]) as u64
     }
 
     /// The memory that it takes again in each node, in bytes.
     fn placed_bytes(&self) -> u64 {
-        let vertex = size_of::<u32>() + 2 * size_of::<[f32; 3]>();
+        let vertex =
+            3 * size_of::<u32>() + size_of::<Option<u32>>() + 2 * size_of::<[f32; 2]>() + 2 * size_of::<[f32; 3]>();
         size_of::<Part>() as u64 + (self.base.len() * vertex) as u64 + size_of_val(&self.triangles[..]) as u64
     }
 

@@ -443,6 +443,9 @@ pub(super) struct Perspective {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Material {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) alpha_mode: AlphaMode,
     #[serde(default)]
     pub(super) double_sided: bool,
     #[serde(default)]
@@ -504,10 +507,33 @@ pub(super) struct Texture {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureSampler {
+    pub(super) mag_filter: Option<Whole>,
     #[serde(default)]
     pub(super) wrap_s: WrappingMode,
     #[serde(default)]
     pub(super) wrap_t: WrappingMode,
+}
+
+/// How a material is seen through. An unknown one is opaque.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub(super) enum AlphaMode {
+    Mask,
+    Blend,
+    #[default]
+    #[serde(other)]
+    Opaque,
+}
+
+impl AlphaMode {
+    /// Its name, if it is not opaque.
+    pub(super) fn shown(self) -> Option<&'static str> {
+        match self {
+            AlphaMode::Mask => Some("MASK"),
+            AlphaMode::Blend => Some("BLEND"),
+            AlphaMode::Opaque => None,
+        }
+    }
 }
 
 /// The wrapping beyond a picture's edge. An unknown one repeats.

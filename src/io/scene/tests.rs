@@ -10,6 +10,7 @@ mod legal;
 mod looks;
 mod poses;
 mod reach;
+mod shares;
 mod welding;
 
 use std::path::Path;

@@ -120,6 +120,18 @@ impl Tree {
         })
     }
 
+    /// Names, each with a share of 0 to 1.
+    pub(crate) fn shares(&self, path: &str) -> Result<Vec<(String, f32)>> {
+        let share = |value: &Value| match value.as_array()?.as_slice() {
+            [Value::String(name), share] if !name.is_empty() => {
+                let share = number(share).filter(|share| (0.0..=1.0).contains(share))?;
+                Some((name.clone(), share as f32))
+            }
+            _ => None,
+        };
+        self.read(path, Vec::new(), |value| value.as_array()?.iter().map(share).collect())
+    }
+
     /// True or false; false where it is not named.
     pub(crate) fn flag(&self, path: &str) -> Result<bool> {
         self.read(path, false, Value::as_bool)

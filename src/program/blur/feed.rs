@@ -169,6 +169,12 @@ impl BlurFeed {
         self.packed.clear();
         if !self.has_mesh {
             self.packed.mesh_of_rows(&frame.mesh, &frame.colours);
+            if desc.texture_rows > 0 {
+                self.packed.textures(&frame.textures);
+            }
+            if !frame.shares.is_empty() {
+                self.packed.shares(&frame.shares);
+            }
         }
         if let Some([first, last]) = self.missing(frame, knots.unwrap_or_default()) {
             let range = (first - frame.first) as usize..=(last - frame.first) as usize;

@@ -56,8 +56,9 @@ pub(super) fn open(shot: &Arc<Shot>) -> Opened {
 
 impl Input for BlurInput {
     fn add_common(&self, hash: &mut Xxh3, files: &mut Files) -> Result<(), ReadError> {
-        let Blur { scene, animations, images, cuts, settings } = &self.blur;
-        add(hash, ("blur", self.shot.frames, animations, images.is_some(), cuts, settings));
+        let Blur { scene, animations, images, cuts, shares, share_map, settings } = &self.blur;
+        add(hash, ("blur", self.shot.frames, animations, images.is_some(), cuts, shares, settings));
+        add(hash, share_map.as_ref().map(|map| files.digest(map)).transpose()?);
         match scene {
             Source::Builtin(which) => add(hash, which),
             Source::File(path) => {

@@ -1,6 +1,6 @@
 //! `[blur]`: its input and its settings.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::blur::Settings;
@@ -23,6 +23,10 @@ pub struct Blur {
     pub images: Option<Pattern>,
     /// Frames that begin a new shot, of mesh and camera; none: they are found.
     pub cuts: Option<Vec<u32>>,
+    /// Shares of strength of objects and materials, by name.
+    pub shares: Vec<(String, f32)>,
+    /// A picture of shares of strength, painted on the mesh's texture coordinates.
+    pub share_map: Option<PathBuf>,
     /// Everything else; validated.
     pub settings: Settings,
 }
@@ -35,6 +39,8 @@ const INPUTS: &[(&str, &str)] = &[
         "the name of an animation of the glTF file, its number, from 0, a list of names and numbers, or \"*\" for all",
     ),
     ("blur.cuts", "a list of frames, whole numbers, 0 to 999999, ascending; [] for none"),
+    ("blur.shares", "[[name, share], ...]: names of objects or materials of the scene, and shares of strength, 0 to 1"),
+    ("blur.share_map", "an image file (.png, .exr, .jpg)"),
     ("blur.images", "a pattern of image files, one a frame (\"frames/####.png\", .exr, .jpg)"),
 ];
 
@@ -42,7 +48,12 @@ pub(super) const TABLE: Table = Table {
     name: "blur",
     inputs: INPUTS,
     dials: Settings::dials,
-    files: &[FileKey::one("blur.scene"), FileKey::sequence("blur.images"), FileKey::one("blur.toon.tones")],
+    files: &[
+        FileKey::one("blur.scene"),
+        FileKey::sequence("blur.images"),
+        FileKey::one("blur.share_map"),
+        FileKey::one("blur.toon.tones"),
+    ],
     excluding: &[["blur.teeth", "blur.tooth_width"]],
     read,
 };
@@ -57,14 +68,16 @@ impl Blur {
     pub fn mesh(&self, shot: &Shot) -> Result<AnimatedMesh, ReadError> {
         let clock = Clock { first: shot.frames[0], fps: shot.fps };
         let choice = Choice { animations: self.animations.clone(), ..Choice::default() };
-        let mesh = AnimatedMesh::open(&self.scene, &choice, clock)?;
+        let mut mesh = AnimatedMesh::open(&self.scene, &choice, clock)?;
         mesh.check_frames(shot.frames)?;
+        mesh.share_strength(&self.shares)?;
+        self.share_map.iter().try_for_each(|map| mesh.paint_strength(map))?;
         Ok(mesh)
     }
 }
 
 fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
-    const ELSEWHERE: &[&str] = &["scene", "animation", "images", "cuts"];
+    const ELSEWHERE: &[&str] = &["scene", "animation", "images", "cuts", "shares", "share_map"];
     let Section { tree, folder, .. } = *section;
     let tones = tree.word("blur.toon.tones");
     let elsewhere = [ELSEWHERE, if tones.is_some() { &["toon.tones"] } else { &[] }].concat();
@@ -93,7 +106,9 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
         // What is given is all: none are looked for.
         settings.jump = 0.0;
     }
-    Ok(Arc::new(Blur { scene, animations, images, cuts, settings }))
+    let shares = tree.shares("blur.shares")?;
+    let share_map = tree.text("blur.share_map")?.map(|file| folder.join(file));
+    Ok(Arc::new(Blur { scene, animations, images, cuts, shares, share_map, settings }))
 }
 
 fn images(section: &Section) -> Result<Option<Pattern>, ShotError> {

@@ -49,6 +49,7 @@ fn variant(
     settings.toon.outline.width = if second { 16.0 } else { 1.0 };
     settings.toon.outline.strength = if plain { 0.0 } else { 1.0 };
     let (depth, occluders) = (depth.then_some(DEPTH), depth.then_some(DEPTH));
+    settings.dry = if many { 0.5 } else { 0.0 };
     let segments = if many { 32 } else { 1 };
     // In both spaces, with depth and without.
     let temporal = if plain { TEMPORAL } else { TemporalFormats::default() };
@@ -66,6 +67,7 @@ fn desc(settings: Settings) -> Desc {
         objects: 1,
         groups: 8,
         group_triangles: 8,
+        texture_rows: 0,
         outer: true,
         toon: true,
         depth: None,

@@ -15,11 +15,12 @@ use std::f64::consts::TAU;
 use super::table::{lessons, scale};
 use crate::blur::limits::LIGHT_CANDIDATES;
 use crate::blur::params::{
-    ALLOWED, AROUND, CLEAR, COARSE, COARSE_SEARCHES, EVEN, FEW_WEIGHT, FINE, FIRST_STEPS, LOGARITHM, MOST_CHANGE,
-    MOST_FEW, MOST_SITES, MOST_STRIDE, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, STILL_STARTS, TONE_STEPS,
-    TURNED_STARTS, WANTED_SITES, WHOLE,
+    ALLOWED, AROUND, BESIDE, CLEAR, EVEN, FEW_WEIGHT, FIRST_SEARCHES, FIRST_STEPS, LOGARITHM, MOST_CHANGE, MOST_FEW,
+    MOST_FIRST, MOST_SITES, MOST_STRIDE, REPEATS, RESIDUAL, SEARCH_STEPS, STARTS, STILL_STARTS, TONE_STEPS,
+    TURNED_STARTS, WANTED_FIRST, WANTED_SITES, WHOLE,
 };
 use crate::blur::reference::visible::{Colour, Frame, Surface};
+use crate::random::hash;
 use crate::shaders::common::constants::MOST_HALF;
 
 /// How tones are solved for in the search, and those under the light that is found.
@@ -96,15 +97,17 @@ fn step(light: [f64; 3], normal: [f64; 3], steps: usize) -> usize {
 /// teach (`lessons`), see a triangle that moves, and whose place the other frame shows. `stride` is the least that makes
 /// the pixels of both frames that see what moves no more than [`WANTED_SITES`]. Second: the few with which the search
 /// begins, those whose colour changes clearly ([`CLEAR`]), for these say most, and of the others those in every fourth column
-/// and second row of cells, each for eight. Both are empty where there are more than [`MOST_SITES`].
-pub fn sites(surface: &Surface, frames: [&Frame; 2]) -> [Vec<Site>; 2] {
+/// and second row of cells, each for eight. Third: of these, with which its first rounds begin, one in so many that of all places
+/// [`WANTED_FIRST`] would be left, chosen by hash of frame and cell. All are empty where there are more than [`MOST_SITES`].
+pub fn sites(surface: &Surface, frames: [&Frame; 2]) -> [Vec<Site>; 3] {
     let width = frames[0].seen.size[0] as usize;
     let moves = |name: &&u32| name.checked_sub(1).is_some_and(|base| !surface.still[base as usize]);
     let moving: usize = frames.iter().map(|frame| frame.seen.seen.iter().filter(moves).count()).sum();
     let most = MOST_STRIDE as usize;
     let is_enough = |stride: &usize| (stride * stride) as u64 * u64::from(WANTED_SITES) >= moving as u64;
     let stride = (1..most).find(is_enough).unwrap_or(most);
-    let (mut all, mut few) = (Vec::new(), Vec::new());
+    let parts = (moving / (stride * stride * WANTED_FIRST as usize)).max(1) as u32;
+    let (mut all, mut few, mut first) = (Vec::new(), Vec::new(), Vec::new());
     for side in 0..2 {
         let other = 1 - side;
         for lesson in lessons(surface, frames[side], 1.0) {
@@ -120,15 +123,21 @@ pub fn sites(surface: &Surface, frames: [&Frame; 2]) -> [Vec<Site>; 2] {
             let change = [0, 1, 2].map(|i| change(colours[0][i], colours[1][i]));
             let site = Site { object: lesson.object, normals: [earlier, later], change, weight: 1 };
             all.push(site);
-            if changed(change) >= CLEAR {
+            let cell = at.map(|c| (c / stride) as u32);
+            let is_one = cell[0].is_multiple_of(4) && cell[1].is_multiple_of(2);
+            let is_clear = changed(change) >= CLEAR;
+            if is_clear || is_one {
+                let site = Site { weight: if is_clear { 1 } else { FEW_WEIGHT }, ..site };
                 few.push(site);
-            } else if (at[0] / stride).is_multiple_of(4) && (at[1] / stride).is_multiple_of(2) {
-                few.push(Site { weight: FEW_WEIGHT, ..site });
+                if hash(side as u32, cell[0], cell[1], 0).is_multiple_of(parts) {
+                    first.push(site);
+                }
             }
         }
     }
-    let fits = all.len() <= MOST_SITES as usize && few.len() <= MOST_FEW as usize;
-    if fits { [all, few] } else { [Vec::new(), Vec::new()] }
+    let most = [MOST_SITES, MOST_FEW, MOST_FIRST].map(|most| most as usize);
+    let fits = [&all, &few, &first].iter().zip(most).all(|(places, most)| places.len() <= most);
+    if fits { [all, few, first] } else { [const { Vec::new() }; 3] }
 }
 
 /// Steps of a place in frames i + 1 and i.
@@ -230,12 +239,12 @@ fn beside(light: [f64; 3], index: usize, count: usize, distance: f64) -> [f64; 3
     (light + distance * (cos * across + sin * light.cross(across))).normalize().to_array()
 }
 
-/// A candidate of a round of the search. Round 0: 512 directions over half of the sphere under a light that stays, then
-/// eight around each of 64 under one that turns by 0.25. Later rounds r: the best of the one before and those around it,
-/// eight (from round 4 on four) at a distance of 0.24 / 2^r, of both directions independently.
+/// A candidate of a round of the search. Round 0: 256 directions over half of the sphere under a light that stays, then
+/// eight around each of 32 under one that turns by 0.25. Later rounds r: the best of the one before and those around it,
+/// four at a distance of 0.24 / 2^r, of both directions independently.
 fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     if round > 0 {
-        let directions = if round < COARSE_SEARCHES as usize { COARSE } else { FINE } as usize;
+        let directions = BESIDE as usize;
         let distance = LATER_REACH / f64::from(1_u32 << round);
         let own = [index / directions, index % directions];
         return [0, 1].map(|side| beside(best[side], own[side], directions - 1, distance));
@@ -249,13 +258,13 @@ fn candidate(round: usize, index: usize, best: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     [earlier, beside(earlier, 1 + turned % around, around, AROUND.into())]
 }
 
-/// The directions under which tones leave least unexplained. In the first round of 24, later of 32 steps, solved for twice;
-/// the first of equally good ones. Rounds 0 to 3 have the few places, 4 and 5 all. In the first, a light that turns must
+/// The directions under which tones leave least unexplained. In the first round of 16, later of 32 steps, solved for twice;
+/// the first of equally good ones. Rounds 0 and 1 have the first places, the others the few. In the first, a light that turns must
 /// leave a ninth less than one that stays.
-pub fn search([all, few]: &[Vec<Site>; 2]) -> [[f64; 3]; 2] {
+pub fn search([_, few, first]: &[Vec<Site>; 3]) -> [[f64; 3]; 2] {
     let mut best = [[0.0; 3]; 2];
     for (round, count) in LIGHT_CANDIDATES.into_iter().enumerate() {
-        let places = if round < COARSE_SEARCHES as usize { few } else { all };
+        let places = if (round as u32) < FIRST_SEARCHES { first } else { few };
         let steps = if round == 0 { FIRST_STEPS } else { SEARCH_STEPS } as usize;
         let cost = |index: usize| {
             let lights = candidate(round, index, best);

@@ -73,8 +73,8 @@ fn rules<'a>(interval: &'a Interval, settings: &'a Settings) -> Rules<'a> {
 
 fn refined(settings: &Settings) -> (Mesh, Interval, Refined) {
     let (mesh, interval) = turning(settings, SIZE);
-    let extents = extents(&mesh, &interval, 3, settings.strength, settings.seam_smoothing);
-    let refined = refine(&mesh, &extents, &rules(&interval, settings));
+    let rules = rules(&interval, settings);
+    let refined = refine(&mesh, &extents(&mesh, &rules.pull(), &[]), &rules);
     (mesh, interval, refined)
 }
 
@@ -109,7 +109,7 @@ fn is_within_a_cluster(mesh: &Mesh, interval: &Interval, base: u32) -> bool {
 /// for, at three random places in each.
 fn departure(mesh: &Mesh, interval: &Interval, settings: &Settings, refined: &Refined) -> [f64; 2] {
     let rules = rules(interval, settings);
-    let base = extents(mesh, interval, 3, settings.strength, settings.seam_smoothing);
+    let base = extents(mesh, &rules.pull(), &[]);
     let mut errors = Vec::new();
     for (i, triangle) in refined.triangles.iter().chain(&refined.triangles).chain(&refined.triangles).enumerate() {
         let corners = triangle.corners.map(|corner| &refined.vertices[corner as usize]);
@@ -205,8 +205,8 @@ fn length_splits_until_no_edge_is_longer() {
 fn a_tolerance_of_nothing_ends_by_length_or_budget_and_says_so() {
     let settings = Settings { tolerance: 0.0, ..Settings::default() };
     let (mesh, interval) = turning(&settings, SIZE);
-    let whole = extents(&mesh, &interval, 3, 1.0, 8);
-    let short = refine(&mesh, &whole, &Rules { budget: 20_000, ..rules(&interval, &settings) });
+    let few = Rules { budget: 20_000, ..rules(&interval, &settings) };
+    let short = refine(&mesh, &extents(&mesh, &few.pull(), &[]), &few);
     assert!(short.over_budget && short.triangles.len() <= 20_000 && short.rounds > 0);
     check_watertight(&short);
     // One small triangle to the end.
@@ -220,8 +220,9 @@ fn a_tolerance_of_nothing_ends_by_length_or_budget_and_says_so() {
         rest: None,
     };
     let one = Mesh::new(&one).unwrap();
-    let extents = extents(&one, &interval, 3, 1.0, 0);
-    let end = refine(&one, &extents, &rules(&interval, &settings));
+    let settings = Settings { seam_smoothing: 0, ..settings };
+    let rules = rules(&interval, &settings);
+    let end = refine(&one, &extents(&one, &rules.pull(), &[]), &rules);
     assert!(!end.over_budget && end.rounds > 0 && end.rounds <= ROUNDS, "{}", end.rounds);
 }
 

@@ -123,8 +123,8 @@ impl Scene {
     fn triangles(&self) -> &[Triangle] {
         self.triangles.get_or_init(|| {
             let settings = Settings::default();
-            let extents = extents(&self.mesh, &self.interval, 3, settings.strength, settings.seam_smoothing);
             let rules = Rules { interval: &self.interval, settings: &settings, size: SIZE, seed: 3, budget: 1_000_000 };
+            let extents = extents(&self.mesh, &rules.pull(), &[]);
             triangles(&refine(&self.mesh, &extents, &rules), &self.interval.segments, false)
         })
     }

@@ -124,7 +124,7 @@ fn what_is_not_used_may_hold_anything() {
         }
     });
     let root = &mut file.root;
-    (root["materials"][0]["alphaMode"], root["samplers"][0]["magFilter"]) = ("DITHER".into(), 12345.into());
+    (root["materials"][0]["alphaMode"], root["samplers"][0]["minFilter"]) = ("DITHER".into(), 12345.into());
     (root["images"][0]["mimeType"], root["bufferViews"][0]["target"]) = ("image/jxl".into(), 4.into());
     root["meshes"][0]["primitives"][0]["attributes"]["_FEATURE_ID_0"] = 0.into();
     root["meshes"][0]["primitives"][0]["attributes"]["COLOR_9"] = 0.into();
@@ -262,13 +262,14 @@ fn textures_whose_pictures_only_an_extension_has_are_left_out() {
     let mut file = plain();
     (file.root["extensionsUsed"], file.root["extensionsRequired"]) =
         (json!(["KHR_texture_basisu"]), json!(["KHR_texture_basisu"]));
+    let sampler = file.root["textures"][0]["sampler"].clone();
     file.root["textures"][0] = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
     let mesh = open(&file).unwrap();
     assert_eq!(mesh.topology().colour, [[0.5, 1.0, 0.25]; 8]);
     let [required, texture] = mesh.notes() else { panic!("{:?}", mesh.notes()) };
     assert!(required.looks && texture.looks && texture.text.starts_with("texture 0 has no PNG or JPEG"), "{texture:?}");
     // A picture that everybody reads, beside it, is used.
-    file.root["textures"][0]["source"] = 0.into();
+    (file.root["textures"][0]["source"], file.root["textures"][0]["sampler"]) = (0.into(), sampler);
     assert_as_plain("with a fallback", &file, 1, 0);
 }
 

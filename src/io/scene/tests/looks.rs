@@ -3,6 +3,7 @@
 use std::io::Cursor;
 
 use super::*;
+use crate::blur::{Texture, Wrap};
 
 #[test]
 fn strips_and_fans_are_taken_apart() {
@@ -70,8 +71,30 @@ pub(super) fn textured(image: Vec<u8>) -> GltfFile {
     file
 }
 
+/// A texel of a texture at a place, the nearest, in linear light.
+fn texel(texture: &Texture, place: [f32; 2]) -> [f32; 3] {
+    let at = [0, 1].map(|axis| {
+        let size = texture.size[axis];
+        let within = match texture.wrap[axis] {
+            Wrap::Clamp => place[axis],
+            Wrap::Mirror => 1.0 - ((place[axis]).rem_euclid(2.0) - 1.0).abs(),
+            Wrap::Repeat => place[axis].rem_euclid(1.0),
+        };
+        ((within * size as f32) as u32).min(size - 1)
+    });
+    let texel = texture.texels[(at[1] * texture.size[0] + at[0]) as usize];
+    texel.map(|c| crate::io::image::linear_from_srgb(f64::from(c) / 255.0) as f32)
+}
+
+/// Colours of vertices, each times its texture there.
 fn assert_colours(mesh: &AnimatedMesh, expected: [[f32; 3]; 3], within: f32) {
-    let found = &mesh.topology().colour;
+    let topology = mesh.topology();
+    let seen = |vertex: usize| {
+        let texture = topology.texture[vertex].map(|number| &topology.textures[number as usize]);
+        let painted = texture.map_or([1.0; 3], |texture| texel(texture, topology.texture_place[vertex]));
+        [0, 1, 2].map(|c| topology.colour[vertex][c] * painted[c])
+    };
+    let found: Vec<[f32; 3]> = (0..topology.colour.len()).map(seen).collect();
     let near = |i: usize, c: usize| (found[i][c] - expected[i][c]).abs() <= within;
     assert!((0..3).all(|i| (0..3).all(|c| near(i, c))), "{found:?} is not {expected:?}");
 }

@@ -140,9 +140,10 @@ fn built_in_shots_say_the_defaults() {
             );
             assert_eq!(settings.light > 0.0, shot.has("smoke"), "{name}: fire lights smoke where there is some");
         }
-        if let Some(Blur { scene, animations, images, cuts, settings }) = shot.part() {
+        if let Some(Blur { scene, animations, images, cuts, shares, share_map, settings }) = shot.part() {
             assert_eq!(*scene, scene::Source::Builtin(crate::simulate::mesh::Builtin::Run));
             assert_eq!((&animations[..], images, cuts), (&[][..], &None, &None));
+            assert_eq!((&shares[..], share_map), (&[][..], &None));
             let tooth_width = Some(crate::blur::Settings::default().tooth_width());
             let expected = match *name == "builtin:paper_blur" {
                 true => crate::blur::Settings::paper(),
@@ -206,7 +207,15 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         }
         if shot.has("blur") {
             expected.extend(keys::INSTEAD_OF_FILE);
-            expected.extend(["blur.animation", "blur.cuts", "blur.images", "camera.animation", "camera.name"]);
+            expected.extend([
+                "blur.animation",
+                "blur.cuts",
+                "blur.images",
+                "blur.share_map",
+                "blur.shares",
+                "camera.animation",
+                "camera.name",
+            ]);
             expected.push(if name.contains("paper") { "blur.tooth_width" } else { "blur.teeth" });
         }
         expected.sort_unstable();

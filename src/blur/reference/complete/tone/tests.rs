@@ -85,8 +85,8 @@ fn equations_are_solved() {
 fn the_light_is_found_whatever_the_paint() {
     for (tone, turn, most) in [(flat as fn(f64) -> _, 0.3, 3.0), (even, 0.3, 3.0), (flat, 0.8, 3.0)] {
         let all = sites_of(6000, turn, [LIGHT; 2], tone);
-        let few = all.iter().step_by(3).copied().collect();
-        let lights = search(&[all, few]);
+        let few: Vec<Site> = all.iter().step_by(3).copied().collect();
+        let lights = search(&[all, few.clone(), few.into_iter().step_by(4).collect()]);
         assert!(lights.iter().all(|light| off(*light, LIGHT) < most), "{turn}: {lights:?}");
     }
 }
@@ -95,8 +95,8 @@ fn the_light_is_found_whatever_the_paint() {
 fn a_light_that_turns_is_found() {
     let turned = DQuat::from_rotation_y(0.3) * LIGHT;
     let all = sites_of(6000, 0.1, [LIGHT, turned], flat);
-    let few = all.iter().step_by(3).copied().collect();
-    let lights = search(&[all, few]);
+    let few: Vec<Site> = all.iter().step_by(3).copied().collect();
+    let lights = search(&[all, few.clone(), few.into_iter().step_by(4).collect()]);
     let found = [off(lights[0], LIGHT), off(lights[1], turned)];
     assert!(found.iter().all(|off| *off < 4.0), "{found:?}");
 }
