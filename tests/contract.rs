@@ -221,6 +221,7 @@ fn occluders_are_beside_images() {
             colours: None,
             parts: None,
             source_rows: None,
+            sizes: None,
         };
         let inner = given.then(depth);
         let frame = blur::Frame {

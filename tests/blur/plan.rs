@@ -86,6 +86,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             colours: Some(buffer()),
             parts: None,
             source_rows: None,
+            sizes: None,
         }),
         poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
         skinned: None,

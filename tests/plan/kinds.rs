@@ -56,6 +56,7 @@ pub fn mesh() -> blur::TopologyInput {
         colours: Some(buffer()),
         parts: None,
         source_rows: None,
+        sizes: None,
     }
 }
 

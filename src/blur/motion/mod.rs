@@ -21,8 +21,8 @@ mod window;
 
 use std::ops::Range;
 
-use clusters::Found;
 use breaks::{Corners, Cuts, corners};
+use clusters::Found;
 use timeline::Timeline;
 use trace::Traces;
 
@@ -190,13 +190,7 @@ impl Motion {
     }
 
     /// Finds the timeline of a window; false if nothing moves.
-    fn find_timeline(
-        &self,
-        timeline: &mut Timeline,
-        window: &Window,
-        cuts: &Cuts,
-        corners: Option<&Corners>,
-    ) -> bool {
+    fn find_timeline(&self, timeline: &mut Timeline, window: &Window, cuts: &Cuts, corners: Option<&Corners>) -> bool {
         let after = window.current + 1;
         let shot = cuts.around(window.current, window.poses.len());
         if !shot.contains(&after) {

@@ -5,6 +5,8 @@ pub mod complete;
 pub mod distort;
 pub mod extent;
 pub mod ink;
+#[cfg(feature = "cli")]
+pub mod passes;
 pub mod path;
 pub mod raster;
 pub mod refine;

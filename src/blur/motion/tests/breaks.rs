@@ -124,8 +124,7 @@ fn poses_on_twos_move_with_the_camera_only() {
     let held = joined(&shot, &(0..24).map(|f| (10, f)).collect::<Vec<_>>());
     check_same(&on_twos, 10, &held, 10);
     // From frame 11 to frame 12: poses 10 and 12 are those of knots beside each other, and each side has its next.
-    let changing: Vec<(usize, usize)> =
-        (0..6).map(|k| (2 * k, 6 + k)).chain((6..12).map(|k| (2 * k, 6 + k))).collect();
+    let changing: Vec<(usize, usize)> = (0..6).map(|k| (2 * k, 6 + k)).chain((6..12).map(|k| (2 * k, 6 + k))).collect();
     check_same(&on_twos, 11, &joined(&shot, &changing), 5);
 }
 
