@@ -5,7 +5,7 @@ mod common;
 
 use celfx::blur::motion::PixelClip;
 use celfx::blur::reference::passes::{Moments, passes};
-use celfx::blur::{BlurKind, Desc, Mesh, MeshInput, Settings};
+use celfx::blur::{BlurKind, Desc, Settings};
 use celfx::effect::Effort;
 use celfx::io::passes::PassFrame;
 use celfx::io::picture::{Format, write};
@@ -135,6 +135,20 @@ fn smears_of_passes_are_those_of_the_mesh() {
         frame.counts.clusters,
         begin.elapsed()
     );
+    for frame in [&mesh.frame(NUMBER).expect("a frame"), &frame] {
+        for (label, c) in (1..).zip(&frame.interval.clusters) {
+            let mut b = [f32::MAX, f32::MIN, f32::MAX, f32::MIN];
+            for (l, m) in frame.interval.labels.iter().zip(&frame.interval.motion) {
+                if *l == label {
+                    b = [b[0].min(m[0]), b[1].max(m[0]), b[2].min(m[1]), b[3].max(m[1])];
+                }
+            }
+            eprintln!(
+                "{label}: object {} teeth {} points {} ahead {:?} aside {} width {} box {:?}",
+                c.object, c.teeth, c.points, c.ahead, c.aside, c.width, b
+            );
+        }
+    }
     let of_passes = film.output(desc, &frame, &images).expect("a device");
     if let Ok(folder) = std::env::var("CELFX_SEE") {
         for (name, pictures) in [("mesh", &of_mesh), ("passes", &of_passes)] {

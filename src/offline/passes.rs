@@ -12,6 +12,7 @@ mod grid;
 mod hidden;
 mod sheets;
 mod tracks;
+mod under;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -26,6 +27,7 @@ use crate::io::passes::PassFrame;
 use crate::offline::motion::{BlurError, BlurFrame, Positions};
 use crate::view::View;
 use grid::Grid;
+use sheets::Sheets;
 use tracks::{Around, Next, Poses, Seen};
 
 /// The farthest depth of passes that is seen, and the inverse of the nearest.
@@ -160,7 +162,7 @@ impl PassesInput {
         let frames = frames.map(|frame| frame.filter(|frame| (begin..=end).contains(frame)));
         let around = frames.map(|frame| self.seen.get(&frame?).cloned());
         let around = around.each_ref().map(Option::as_deref);
-        let (mesh, poses) = mesh_of(around, self.room())?;
+        let (mesh, poses) = mesh_of(around, self.room(), self.settings.reach())?;
         let unit = self.depth_unit() as f32;
         let placed = |pose: Vec<[f32; 3]>| pose.into_iter().map(|[x, y, share]| [x, y, unit * share]).collect();
         let poses = poses.into_iter().zip(frames).filter(|(_, frame)| frame.is_some());
@@ -212,39 +214,55 @@ fn nothing() -> Result<Mesh, BlurError> {
 }
 
 /// The mesh of frames i and i + 1, of so many points at most, and its places.
-fn mesh_of([before, previous, next, after]: Around, room: u32) -> Result<(Mesh, Poses), BlurError> {
+fn mesh_of([before, previous, next, after]: Around, room: u32, reach: f32) -> Result<(Mesh, Poses), BlurError> {
     let (Some(previous), Some(next)) = (previous, next) else { return Ok((nothing()?, Poses::default())) };
     let own = Grid::new(&next.sheets, &next.movers);
     let found = Next::new(&own, previous, next, after);
     let mask = hidden::pixels(previous, next, &found.earlier, &own.triangles, found.ids());
     let behind = Grid::new(&previous.sheets, &mask);
-    let first = own.points.len() as u32;
-    if first + behind.points.len() as u32 > room {
+    let (frame, below) = under::extended(next, reach);
+    let sheets = Sheets::new(&frame);
+    let below = Grid::new(&sheets, &under::mask(&sheets, below));
+    let grids = [&own, &behind, &below];
+    if grids.iter().map(|grid| grid.points.len()).sum::<usize>() > room as usize {
         // Of every other pixel there are fewer.
         let halved = [before, Some(previous), Some(next), after].map(|seen| Some(seen?.halved()));
-        let (mesh, poses) = mesh_of(halved.each_ref().map(Option::as_ref), room)?;
+        let (mesh, poses) = mesh_of(halved.each_ref().map(Option::as_ref), room, reach)?;
         let doubled = |pose: Vec<[f32; 3]>| pose.into_iter().map(|[x, y, share]| [2.0 * x, 2.0 * y, share]).collect();
         return Ok((mesh, poses.map(doubled)));
     }
-    let (places, ids) = tracks::of_hidden(&behind, previous, next);
-    let objects = [found.ids(), &ids].concat();
-    if objects.is_empty() {
-        return Ok((nothing()?, std::array::from_fn(|_| vec![[0.0; 3]])));
+    let others = [tracks::of_hidden(&behind, previous, next), tracks::of_below(&below, &frame, &sheets, next)];
+    let ids = others.iter().map(|(_, ids)| &ids[..]);
+    let mesh = joined(grids, &std::iter::once(found.ids()).chain(ids).collect::<Vec<_>>().concat())?;
+    let mut poses = found.poses(mesh.neighbours());
+    for (places, _) in others {
+        poses.iter_mut().zip(places).for_each(|(pose, places)| pose.extend(places));
     }
-    let further = behind.triangles.iter().map(|triangle| triangle.map(|point| first + point));
-    let triangles: Vec<[u32; 3]> = own.triangles.iter().copied().chain(further).collect();
-    let objects = numbered(objects);
-    let mesh = Mesh::new(&MeshInput {
+    if poses[0].is_empty() {
+        poses = std::array::from_fn(|_| vec![[0.0; 3]]);
+    }
+    Ok((mesh, poses))
+}
+
+/// The mesh of several grids, the object of whose points is known.
+fn joined(grids: [&Grid; 3], ids: &[u32]) -> Result<Mesh, BlurError> {
+    if ids.is_empty() {
+        return nothing();
+    }
+    let (mut triangles, mut first) = (Vec::new(), 0);
+    for grid in grids {
+        triangles.extend(grid.triangles.iter().map(|triangle| triangle.map(|point| first + point)));
+        first += grid.points.len() as u32;
+    }
+    let objects = numbered(ids.to_vec());
+    Ok(Mesh::new(&MeshInput {
         vertices: objects.len(),
         triangles: &triangles,
         objects: Some(&objects),
         weld: None,
         normals: None,
         rest: None,
-    })?;
-    let mut poses = found.poses(mesh.neighbours());
-    poses.iter_mut().zip(places).for_each(|(pose, places)| pose.extend(places));
-    Ok((mesh, poses))
+    })?)
 }
 
 /// Objects of which there are no more than there is room for: those with the largest numbers count as one.

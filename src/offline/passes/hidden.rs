@@ -1,8 +1,8 @@
 //! What frame i shows of moving surfaces and frame i + 1 hides.
 
 use super::grid::CELL;
-use super::sheets::{Sheets, share_of};
-use super::tracks::Seen;
+use super::sheets::share_of;
+use super::tracks::{Seen, widened};
 
 /// How far apart depths of one surface may be, as a share.
 const SAME: f32 = 0.05;
@@ -59,14 +59,6 @@ fn is_core(missing: &[bool], [width, height]: [usize; 2], pixel: usize) -> bool 
     let rows = y.saturating_sub(1)..(y + 2).min(height);
     let around = rows.flat_map(|row| (x.saturating_sub(1)..(x + 2).min(width)).map(move |column| row * width + column));
     around.filter(|pixel| missing[*pixel]).count() >= MOST
-}
-
-fn widened(sheets: &Sheets, mask: &[bool]) -> Vec<bool> {
-    let mut wider = mask.to_vec();
-    for pixel in (0..mask.len()).filter(|pixel| mask[*pixel]) {
-        sheets.beside(pixel).into_iter().flatten().for_each(|other| wider[other] = true);
-    }
-    wider
 }
 
 /// Calls `found` with each pixel whose centre a triangle covers, its border included, and the triangle's value there.

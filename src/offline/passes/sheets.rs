@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::io::passes::PassFrame;
 
 /// The least jump of depth between two surfaces, as a share of it, beyond what the slope beside it makes.
-const DEPTH_JUMP: f32 = 0.02;
+pub(super) const DEPTH_JUMP: f32 = 0.02;
 /// The same of vectors, in pixels: what is torn further in a frame was never one.
 const MOTION_JUMP: f32 = 2.0;
 /// The least move in a frame, in pixels: what the blur takes as motion.

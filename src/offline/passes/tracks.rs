@@ -125,6 +125,15 @@ impl Seen {
     }
 }
 
+/// A mask with the pixels that its own are joined to.
+pub(super) fn widened(sheets: &Sheets, mask: &[bool]) -> Vec<bool> {
+    let mut wider = mask.to_vec();
+    for pixel in (0..mask.len()).filter(|pixel| mask[*pixel]) {
+        sheets.beside(pixel).into_iter().flatten().for_each(|other| wider[other] = true);
+    }
+    wider
+}
+
 /// Vectors of which those at the borders of what moves, where they are mixed with what is beyond, are what those further inside
 /// say.
 fn unmixed(sheets: &Sheets, movers: &[bool], vectors: &[Vector]) -> Vec<Vector> {
@@ -176,7 +185,7 @@ pub(super) struct Next {
 
 impl Next {
     pub(super) fn new(grid: &Grid, previous: &Seen, own: &Seen, after: Option<&Seen>) -> Next {
-        let fields = Fields::new(grid, own);
+        let fields = Fields::new(grid, &own.frame, &own.sheets);
         let Fields { corners, ids, back, on } = &fields;
         let count = corners.len();
         let mut earlier = Vec::with_capacity(count);
@@ -214,23 +223,40 @@ impl Next {
     }
 }
 
-/// Places of points of a grid of frame i's pixels that frame i + 1 hides.
+/// Places of points of a grid of frame i's pixels that frame i + 1 hides, and their objects.
 pub(super) fn of_hidden(grid: &Grid, own: &Seen, next: &Seen) -> (Poses, Vec<u32>) {
-    let Fields { corners, ids, back, on } = Fields::new(grid, own);
-    let steps: Vec<Vector> = match on {
-        Some(on) => on,
-        None => back.iter().map(|back| back.map(|c| -c)).collect(),
-    };
-    let moved = |places: &[[f32; 3]], by: &[Vector]| -> Vec<[f32; 3]> {
-        places.iter().zip(by).map(|([x, y, share], by)| [x + by[0], y + by[1], *share]).collect()
-    };
-    let mut later = moved(&corners, &steps);
-    for [x, y, share] in &mut later {
-        let hides = next.nearest([*x, *y]);
-        *share = if hides.is_finite() { share.max(hides + BEHIND) } else { *share };
-    }
+    let Fields { corners, ids, back, on } = Fields::new(grid, &own.frame, &own.sheets);
+    let steps = on.unwrap_or_else(|| reversed(&back));
+    let later = behind(moved(&corners, &steps), next);
     let after = moved(&later, &steps);
     ([moved(&corners, &back), corners, later, after], ids)
+}
+
+/// Places of points of a grid of what goes on below frame i + 1's pixels, and their objects.
+pub(super) fn of_below(grid: &Grid, frame: &PassFrame, sheets: &Sheets, own: &Seen) -> (Poses, Vec<u32>) {
+    let Fields { corners, ids, back, on } = Fields::new(grid, frame, sheets);
+    let corners = behind(corners, own);
+    let earlier = moved(&corners, &back);
+    let before = moved(&earlier, &back);
+    let after = moved(&corners, &on.unwrap_or_else(|| reversed(&back)));
+    ([before, earlier, corners, after], ids)
+}
+
+fn moved(places: &[[f32; 3]], by: &[Vector]) -> Vec<[f32; 3]> {
+    places.iter().zip(by).map(|([x, y, share], by)| [x + by[0], y + by[1], *share]).collect()
+}
+
+fn reversed(vectors: &[Vector]) -> Vec<Vector> {
+    vectors.iter().map(|vector| vector.map(|c| -c)).collect()
+}
+
+/// Places that lie behind what a frame shows there.
+fn behind(mut places: Vec<[f32; 3]>, of: &Seen) -> Vec<[f32; 3]> {
+    for [x, y, share] in &mut places {
+        let hides = of.nearest([*x, *y]);
+        *share = if hides.is_finite() { share.max(hides + BEHIND) } else { *share };
+    }
+    places
 }
 
 /// What points have of the frame whose pixels they are corners of.
@@ -245,7 +271,7 @@ struct Fields {
 }
 
 impl Fields {
-    fn new(grid: &Grid, Seen { frame, sheets, .. }: &Seen) -> Fields {
+    fn new(grid: &Grid, frame: &PassFrame, sheets: &Sheets) -> Fields {
         let shares = grid.values(sheets, |pixel| [share_of(frame.depth[pixel])]);
         let corner = |(point, [share]): (&super::grid::Point, [f32; 1])| {
             let [x, y] = point.corner.map(|c| c as f32);
