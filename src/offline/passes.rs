@@ -34,6 +34,8 @@ use tracks::{Around, Next, Poses, Seen};
 const FARTHEST: f64 = 1e9;
 /// Half the vertical angle of view, in degrees, for which the blur takes lengths in a view without perspective.
 const HALF_VIEW: f64 = 20.0;
+/// Side of the largest cells of a surface, in pixels at 1080 lines.
+const CELL: u32 = 4;
 /// Pixels of the picture for each point that there is room for, and the least room.
 const PIXELS_A_POINT: u32 = 8;
 const LEAST_ROOM: u32 = 4096;
@@ -121,6 +123,11 @@ impl PassesInput {
         (width * height / PIXELS_A_POINT).max(LEAST_ROOM)
     }
 
+    fn shape(&self) -> Shape {
+        let lines = (CELL * self.size[1] / 1080).max(2);
+        Shape { room: self.room() as usize, cell: 1 << lines.ilog2(), reach: self.settings.reach() }
+    }
+
     /// The input of output `number`.
     ///
     /// # Errors
@@ -162,7 +169,7 @@ impl PassesInput {
         let frames = frames.map(|frame| frame.filter(|frame| (begin..=end).contains(frame)));
         let around = frames.map(|frame| self.seen.get(&frame?).cloned());
         let around = around.each_ref().map(Option::as_deref);
-        let (mesh, poses) = mesh_of(around, self.room(), self.settings.reach())?;
+        let (mesh, poses) = mesh_of(around, self.shape())?;
         let unit = self.depth_unit() as f32;
         let placed = |pose: Vec<[f32; 3]>| pose.into_iter().map(|[x, y, share]| [x, y, unit * share]).collect();
         let poses = poses.into_iter().zip(frames).filter(|(_, frame)| frame.is_some());
@@ -207,27 +214,38 @@ impl PassesInput {
     }
 }
 
+/// What a mesh of pixels is to be like.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    /// Points that there may be.
+    room: usize,
+    /// Side of the largest cells in pixels.
+    cell: usize,
+    /// Frames that smears reach back.
+    reach: f32,
+}
+
 /// A mesh of what does not move: a point that is not seen.
 fn nothing() -> Result<Mesh, BlurError> {
     let input = MeshInput { vertices: 1, triangles: &[], objects: None, weld: None, normals: None, rest: None };
     Ok(Mesh::new(&input)?)
 }
 
-/// The mesh of frames i and i + 1, of so many points at most, and its places.
-fn mesh_of([before, previous, next, after]: Around, room: u32, reach: f32) -> Result<(Mesh, Poses), BlurError> {
+/// The mesh of frames i and i + 1, and its places.
+fn mesh_of([before, previous, next, after]: Around, shape: Shape) -> Result<(Mesh, Poses), BlurError> {
     let (Some(previous), Some(next)) = (previous, next) else { return Ok((nothing()?, Poses::default())) };
-    let own = Grid::new(&next.sheets, &next.movers);
+    let own = Grid::new(&next.sheets, &next.movers, shape.cell);
     let found = Next::new(&own, previous, next, after);
     let mask = hidden::pixels(previous, next, &found.earlier, &own.triangles, found.ids());
-    let behind = Grid::new(&previous.sheets, &mask);
-    let (frame, below) = under::extended(next, reach);
+    let behind = Grid::new(&previous.sheets, &mask, shape.cell);
+    let (frame, below) = under::extended(next, shape.reach);
     let sheets = Sheets::new(&frame);
-    let below = Grid::new(&sheets, &under::mask(&sheets, below));
+    let below = Grid::new(&sheets, &under::mask(&sheets, below), shape.cell);
     let grids = [&own, &behind, &below];
-    if grids.iter().map(|grid| grid.points.len()).sum::<usize>() > room as usize {
+    if grids.iter().map(|grid| grid.points.len()).sum::<usize>() > shape.room {
         // Of every other pixel there are fewer.
         let halved = [before, Some(previous), Some(next), after].map(|seen| Some(seen?.halved()));
-        let (mesh, poses) = mesh_of(halved.each_ref().map(Option::as_ref), room, reach)?;
+        let (mesh, poses) = mesh_of(halved.each_ref().map(Option::as_ref), shape)?;
         let doubled = |pose: Vec<[f32; 3]>| pose.into_iter().map(|[x, y, share]| [2.0 * x, 2.0 * y, share]).collect();
         return Ok((mesh, poses.map(doubled)));
     }
@@ -273,3 +291,6 @@ fn numbered(mut objects: Vec<u32>) -> Vec<u32> {
     }
     objects
 }
+
+#[cfg(test)]
+mod tests;

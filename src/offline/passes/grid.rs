@@ -1,13 +1,10 @@
 //! A mesh of pixels: cells of several where a surface goes on, single ones at its borders, without cracks.
 //!
-//! Cells are squares of 4, 2 or 1 pixels a side. Those of more lie where all of their pixels are joined to each other. A cell
+//! Cells are squares, sides of half of which are those of smaller ones, down to single pixels. Larger ones lie where all of their pixels are joined to each other. A cell
 //! on whose sides smaller ones have corners is a fan around its centre through all of them; so triangles meet side by side
 //! everywhere. Where surfaces are apart, a corner of pixels is as many points as there are surfaces around it.
 
 use super::sheets::Sheets;
-
-/// Side of the largest cells in pixels.
-pub(super) const CELL: usize = 4;
 
 /// No point.
 const NONE: u32 = u32::MAX;
@@ -34,7 +31,7 @@ pub(super) struct Grid {
 struct Pixels<'a> {
     sheets: &'a Sheets,
     mask: &'a [bool],
-    /// First column and row that are looked at, and the ends, multiples of [`CELL`] but for the picture's own border.
+    /// First column and row that are looked at, and the ends, multiples of `cell` but for the picture's own border.
     low: [usize; 2],
     high: [usize; 2],
 }
@@ -54,14 +51,14 @@ struct Numbers<'a> {
 }
 
 impl Grid {
-    /// Of the pixels of a mask.
-    pub(super) fn new(sheets: &Sheets, mask: &[bool]) -> Grid {
-        let Some(pixels) = Pixels::around(sheets, mask) else { return Grid::default() };
+    /// Of the pixels of a mask; `cell` is the side of the largest cells, a power of two.
+    pub(super) fn new(sheets: &Sheets, mask: &[bool], cell: usize) -> Grid {
+        let Some(pixels) = Pixels::around(sheets, mask, cell) else { return Grid::default() };
         let mut cells = Vec::new();
         let [low, high] = [pixels.low, pixels.high];
-        for y in (low[1]..high[1]).step_by(CELL) {
-            for x in (low[0]..high[0]).step_by(CELL) {
-                pixels.divide(Cell { at: [x, y], side: CELL }, &mut cells);
+        for y in (low[1]..high[1]).step_by(cell) {
+            for x in (low[0]..high[0]).step_by(cell) {
+                pixels.divide(Cell { at: [x, y], side: cell }, &mut cells);
             }
         }
         let columns = high[0] - low[0] + 1;
@@ -115,7 +112,7 @@ impl Point {
 
 impl<'a> Pixels<'a> {
     /// Those of a mask; none if there are none.
-    fn around(sheets: &'a Sheets, mask: &'a [bool]) -> Option<Pixels<'a>> {
+    fn around(sheets: &'a Sheets, mask: &'a [bool], cell: usize) -> Option<Pixels<'a>> {
         let [width, height] = sheets.size;
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         for (y, row) in mask.chunks_exact(width.max(1)).enumerate() {
@@ -125,12 +122,12 @@ impl<'a> Pixels<'a> {
             high = [high[0].max(last + 1), high[1].max(y + 1)];
         }
         let ends = [width, height];
-        let low = low.map(|c| c / CELL * CELL);
+        let low = low.map(|c| c / cell * cell);
         (high[0] > 0).then(|| Pixels {
             sheets,
             mask,
             low,
-            high: [0, 1].map(|axis| high[axis].next_multiple_of(CELL).min(ends[axis])),
+            high: [0, 1].map(|axis| high[axis].next_multiple_of(cell).min(ends[axis])),
         })
     }
 
@@ -225,7 +222,7 @@ impl Numbers<'_> {
 
     /// The triangles of a cell, once all corners of all cells have a point.
     fn add(&mut self, cell: Cell, triangles: &mut Vec<[u32; 3]>) {
-        let mut around = Vec::with_capacity(4 * CELL);
+        let mut around = Vec::with_capacity(4 * cell.side);
         let corners = cell.corners();
         for (side, (corner, pixel)) in corners.into_iter().enumerate() {
             let to = corners[(side + 1) % 4].0;

@@ -1,6 +1,5 @@
 //! What frame i shows of moving surfaces and frame i + 1 hides.
 
-use super::grid::CELL;
 use super::sheets::share_of;
 use super::tracks::{Seen, widened};
 
@@ -64,7 +63,7 @@ fn is_core(missing: &[bool], [width, height]: [usize; 2], pixel: usize) -> bool 
 /// Calls `found` with each pixel whose centre a triangle covers, its border included, and the triangle's value there.
 fn cover([a, b, c]: [[f32; 3]; 3], size: [usize; 2], mut found: impl FnMut(usize, f32)) {
     // Larger ones are torn: they show nothing that could be told.
-    const MOST_SIDE: f32 = 16.0 * CELL as f32;
+    const MOST_SIDE: f32 = 64.0;
     let ends = |axis: usize| {
         let values = [a[axis], b[axis], c[axis]];
         (values.iter().copied().fold(f32::MAX, f32::min), values.iter().copied().fold(f32::MIN, f32::max))

@@ -9,6 +9,8 @@ use crate::io::passes::PassFrame;
 
 /// The farthest that a surface goes on, in pixels.
 const MOST: usize = 24;
+/// How far apart depths of surfaces that touch may be, as a share of it.
+const TOUCHING: f32 = 0.003;
 /// Pixels that are seen by which what goes on reaches up from below.
 const OVERLAP: usize = 1;
 
@@ -73,12 +75,12 @@ fn beside(pixel: usize, [width, height]: [usize; 2]) -> impl Iterator<Item = usi
     [left, right, above, below].into_iter().flatten()
 }
 
-/// Whether a pixel shows a surface that moves and lies before that of another one, or as far away.
+/// Whether a pixel shows a surface that moves and lies before that of another one, or touches it.
 fn hides(seen: &Seen, pixel: usize, other: usize) -> bool {
     let share = |pixel: usize| share_of(seen.frame.depth[pixel]);
     let behind = share(other) - share(pixel);
     let is_same = seen.frame.id[pixel] == seen.frame.id[other] && behind.abs() <= DEPTH_JUMP;
-    seen.movers[pixel] && !is_same && behind > -DEPTH_JUMP
+    seen.movers[pixel] && !is_same && behind > -TOUCHING
 }
 
 /// How far what two pixels show moves apart, in whole pixels and one more.
