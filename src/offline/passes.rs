@@ -27,7 +27,6 @@ use crate::io::passes::PassFrame;
 use crate::offline::motion::{BlurError, BlurFrame, Positions};
 use crate::view::View;
 use grid::Grid;
-use sheets::Sheets;
 use tracks::{Around, Next, Poses, Seen};
 
 /// The farthest depth of passes that is seen, and the inverse of the nearest.
@@ -106,7 +105,7 @@ impl PassesInput {
             // Of a plane graph; each edge is in two lists.
             neighbours: 6 * points,
             objects: OBJECTS,
-            groups: points,
+            groups: points.next_multiple_of(blur::GroupInput::MULTIPLE),
             group_triangles: 3 * triangles,
             outer: true,
             most_triangles: blur::MOST_TRIANGLES.max(2 * triangles).min(crate::blur::params::BASE_MASK),
@@ -238,9 +237,8 @@ fn mesh_of([before, previous, next, after]: Around, shape: Shape) -> Result<(Mes
     let found = Next::new(&own, previous, next, after);
     let mask = hidden::pixels(previous, next, &found.earlier, &own.triangles, found.ids());
     let behind = Grid::new(&previous.sheets, &mask, shape.cell);
-    let (frame, below) = under::extended(next, shape.reach);
-    let sheets = Sheets::new(&frame);
-    let below = Grid::new(&sheets, &under::mask(&sheets, below), shape.cell);
+    let (frame, sheets, mask) = under::extended(next, shape.reach);
+    let below = Grid::new(&sheets, &mask, shape.cell);
     let grids = [&own, &behind, &below];
     if grids.iter().map(|grid| grid.points.len()).sum::<usize>() > shape.room {
         // Of every other pixel there are fewer.

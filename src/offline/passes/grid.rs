@@ -4,7 +4,7 @@
 //! on whose sides smaller ones have corners is a fan around its centre through all of them; so triangles meet side by side
 //! everywhere. Where surfaces are apart, a corner of pixels is as many points as there are surfaces around it.
 
-use super::sheets::Sheets;
+use super::sheets::{Sheets, bounds};
 
 /// No point.
 const NONE: u32 = u32::MAX;
@@ -113,21 +113,13 @@ impl Point {
 impl<'a> Pixels<'a> {
     /// Those of a mask; none if there are none.
     fn around(sheets: &'a Sheets, mask: &'a [bool], cell: usize) -> Option<Pixels<'a>> {
-        let [width, height] = sheets.size;
-        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        for (y, row) in mask.chunks_exact(width.max(1)).enumerate() {
-            let Some(first) = row.iter().position(|is_in| *is_in) else { continue };
-            let last = row.iter().rposition(|is_in| *is_in).unwrap_or(first);
-            low = [low[0].min(first), low[1].min(y)];
-            high = [high[0].max(last + 1), high[1].max(y + 1)];
-        }
-        let ends = [width, height];
+        let [low, high] = bounds(mask, sheets.size[0])?;
         let low = low.map(|c| c / cell * cell);
-        (high[0] > 0).then(|| Pixels {
+        Some(Pixels {
             sheets,
             mask,
             low,
-            high: [0, 1].map(|axis| high[axis].next_multiple_of(cell).min(ends[axis])),
+            high: [0, 1].map(|axis| high[axis].next_multiple_of(cell).min(sheets.size[axis])),
         })
     }
 

@@ -26,10 +26,26 @@ pub(super) fn share_of(depth: f32) -> f32 {
     depth.ln()
 }
 
+/// First column and row of a part of a picture, and the ends.
+pub(super) type Bounds = [[usize; 2]; 2];
+
+/// The least part that has all of a mask, in a picture so wide; none if there is nothing of it.
+pub(super) fn bounds(mask: &[bool], width: usize) -> Option<Bounds> {
+    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+    for (y, row) in mask.chunks_exact(width.max(1)).enumerate() {
+        let Some(first) = row.iter().position(|is_in| *is_in) else { continue };
+        let last = row.iter().rposition(|is_in| *is_in).unwrap_or(first);
+        low = [low[0].min(first), low[1].min(y)];
+        high = [high[0].max(last + 1), high[1].max(y + 1)];
+    }
+    (high[0] > 0).then_some([low, high])
+}
+
 /// Pixels of a frame, and which of their neighbours are of the same surface.
 ///
-/// Two pixels beside each other are, if they are of one object and neither depth nor motion jumps between them: differs by more
-/// than a limit from what it does to either side of them. So a surface that is seen at a slant stays one.
+/// Two pixels beside each other are, if they are of one object and depth does not jump between them: differs by more than a limit
+/// from what it does to either side of them. So a surface that is seen at a slant stays one. The same of motion
+/// ([`Sheets::tear`]).
 #[derive(Clone, Debug)]
 pub(super) struct Sheets {
     pub(super) size: [usize; 2],
@@ -39,13 +55,22 @@ pub(super) struct Sheets {
 impl Sheets {
     /// Of a frame.
     pub(super) fn new(frame: &PassFrame) -> Sheets {
+        Sheets::within(frame, [[0; 2], frame.size.map(|side| side as usize)])
+    }
+
+    /// Of a part of a frame, from its first column and row to the ends; beyond, nothing is seen.
+    pub(super) fn within(frame: &PassFrame, [low, high]: Bounds) -> Sheets {
         let size = frame.size.map(|side| side as usize);
         let [width, height] = size;
-        let depth: Vec<f32> = frame.depth.iter().map(|depth| share_of(*depth)).collect();
+        let mut depth = vec![f32::INFINITY; width * height];
+        for row in low[1]..high[1] {
+            let row = row * width + low[0]..row * width + high[0];
+            depth[row.clone()].iter_mut().zip(&frame.depth[row]).for_each(|(share, depth)| *share = share_of(*depth));
+        }
         let look = Look { frame, depth: &depth };
         let mut flags = vec![0; width * height];
-        for y in 0..height {
-            for x in 0..width {
+        for y in low[1]..high[1] {
+            for x in low[0]..high[0] {
                 let pixel = y * width + x;
                 if !depth[pixel].is_finite() {
                     continue;
@@ -60,6 +85,22 @@ impl Sheets {
             }
         }
         Sheets { size, flags }
+    }
+
+    /// Parts pixels between which motion jumps.
+    pub(super) fn tear(&mut self, vectors: &[[f32; 2]]) {
+        let width = self.size[0];
+        let joined = self.flags.clone();
+        let is_joined = |pixel: usize, flag: u8| joined[pixel] & flag != 0;
+        for (pixel, flags) in self.flags.iter_mut().enumerate().filter(|(_, flags)| **flags & (RIGHT | DOWN) != 0) {
+            for (flag, step) in [(RIGHT, 1), (DOWN, width)] {
+                let before = pixel.checked_sub(step).filter(|before| is_joined(*before, flag));
+                let after = Some(pixel + step).filter(|after| is_joined(pixel, flag) && is_joined(*after, flag));
+                if is_joined(pixel, flag) && !is_even(vectors, pixel, step, [before, after]) {
+                    *flags &= !flag;
+                }
+            }
+        }
     }
 
     /// Whether a pixel shows anything.
@@ -146,6 +187,16 @@ fn join(parents: &mut [u32], a: u32, b: u32) -> u32 {
     a.min(b)
 }
 
+/// Whether motion from a pixel to the one `step` after it does not differ by much from what it does from those that `beside` says
+/// to the ones after them.
+fn is_even(vectors: &[[f32; 2]], pixel: usize, step: usize, beside: [Option<usize>; 2]) -> bool {
+    let slope = |from: usize| [0, 1].map(|c| vectors[from + step][c] - vectors[from][c]);
+    let squared = |[x, y]: [f32; 2]| x * x + y * y;
+    let own = slope(pixel);
+    let off = |from: usize| squared([0, 1].map(|c| own[c] - slope(from)[c]));
+    beside.into_iter().flatten().map(off).fold(squared(own), f32::min) <= MOTION_JUMP * MOTION_JUMP
+}
+
 /// What is compared of neighbours.
 struct Look<'a> {
     frame: &'a PassFrame,
@@ -166,17 +217,6 @@ impl Look<'_> {
         let slope = |[p, q]: [usize; 2]| self.depth[q] - self.depth[p];
         let own = slope([a, b]);
         let off = beside.into_iter().flatten().map(|pair| (own - slope(pair)).abs()).fold(own.abs(), f32::min);
-        off <= DEPTH_JUMP && self.motion_is_even(a, b, beside)
-    }
-
-    fn motion_is_even(&self, a: usize, b: usize, beside: [Option<[usize; 2]>; 2]) -> bool {
-        let vectors = &self.frame.previous;
-        let slope = |[p, q]: [usize; 2]| [0, 1].map(|c| vectors[q][c] - vectors[p][c]);
-        let own = slope([a, b]);
-        let squared = |[x, y]: [f32; 2]| x * x + y * y;
-        let off = |pair| squared([0, 1].map(|c| own[c] - slope(pair)[c]));
-        let least = squared(own);
-        least <= MOTION_JUMP * MOTION_JUMP
-            || beside.into_iter().flatten().map(off).fold(least, f32::min) <= MOTION_JUMP * MOTION_JUMP
+        off <= DEPTH_JUMP
     }
 }

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::grid::Point;
-use super::sheets::share_of;
+use super::sheets::{Sheets, share_of};
 use super::*;
 
 const SIZE: [u32; 2] = [48, 40];
@@ -21,8 +21,7 @@ fn frame(size: [u32; 2], at: impl Fn([f32; 2]) -> Option<(f32, u32, [f32; 2])>) 
 }
 
 fn grid(frame: &PassFrame) -> (Sheets, Vec<bool>, Grid) {
-    let sheets = Sheets::new(frame);
-    let movers = sheets.movers(frame);
+    let Seen { sheets, movers, .. } = Seen::new(frame.clone());
     let grid = Grid::new(&sheets, &movers, CELL as usize);
     (sheets, movers, grid)
 }
@@ -60,16 +59,18 @@ fn check(sheets: &Sheets, mask: &[bool], grid: &Grid) {
         if edges.contains_key(&(*b, *a)) {
             continue;
         }
-        // An outer edge is a side of a pixel, with something else beyond.
+        // An outer edge runs along sides of pixels, with something else beyond.
         let [[ax, ay], [bx, by]] = [a, b].map(|point| corner(&grid.points[*point as usize]));
-        assert_eq!((ax - bx).abs() + (ay - by).abs(), 1, "{:?}", [[ax, ay], [bx, by]]);
-        let (x, y) = (ax.min(bx), ay.min(by));
-        let (own, other) = if ay == by { ([x, y], [x, y - 1]) } else { ([x, y], [x - 1, y]) };
-        let pixel = |[x, y]: [i64; 2]| (y * width + x) as usize;
-        let is_joined = is_in(own[0], own[1])
-            && is_in(other[0], other[1])
-            && if ay == by { sheets.down(pixel(other)) } else { sheets.right(pixel(other)) };
-        assert!(!is_joined, "a crack between {own:?} and {other:?}");
+        assert!(ax == bx || ay == by, "{:?}", [[ax, ay], [bx, by]]);
+        for step in 0..(ax - bx).abs() + (ay - by).abs() {
+            let (x, y) = (ax.min(bx) + if ay == by { step } else { 0 }, ay.min(by) + if ay == by { 0 } else { step });
+            let (own, other) = if ay == by { ([x, y], [x, y - 1]) } else { ([x, y], [x - 1, y]) };
+            let pixel = |[x, y]: [i64; 2]| (y * width + x) as usize;
+            let is_joined = is_in(own[0], own[1])
+                && is_in(other[0], other[1])
+                && if ay == by { sheets.down(pixel(other)) } else { sheets.right(pixel(other)) };
+            assert!(!is_joined, "a crack between {own:?} and {other:?}");
+        }
     }
     for pixel in (0..mask.len()).filter(|pixel| mask[*pixel]) {
         let centre = [2 * (pixel as i64 % width) + 1, 2 * (pixel as i64 / width) + 1];

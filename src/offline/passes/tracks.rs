@@ -66,10 +66,11 @@ fn length(a: Vector) -> f32 {
 impl Seen {
     /// Of what was read of a frame.
     pub(super) fn new(mut frame: PassFrame) -> Seen {
-        let sheets = Sheets::new(&frame);
+        let mut sheets = Sheets::new(&frame);
+        frame.previous = unmixed(&sheets, &frame.previous);
+        frame.next = frame.next.map(|next| unmixed(&sheets, &next));
+        sheets.tear(&frame.previous);
         let movers = sheets.movers(&frame);
-        frame.previous = unmixed(&sheets, &movers, &frame.previous);
-        frame.next = frame.next.map(|next| unmixed(&sheets, &movers, &next));
         Seen { frame, sheets, movers }
     }
 
@@ -134,14 +135,15 @@ pub(super) fn widened(sheets: &Sheets, mask: &[bool]) -> Vec<bool> {
     wider
 }
 
-/// Vectors of which those at the borders of what moves, where they are mixed with what is beyond, are what those further inside
-/// say.
-fn unmixed(sheets: &Sheets, movers: &[bool], vectors: &[Vector]) -> Vec<Vector> {
+/// Vectors of which those at borders, where they are mixed with what is beyond, are what those further inside say.
+fn unmixed(sheets: &Sheets, vectors: &[Vector]) -> Vec<Vector> {
     let is_border = |pixel: usize| sheets.beside(pixel).contains(&None);
     let inner = |pixel: usize, place: usize| sheets.beside(pixel)[place].filter(|other| !is_border(*other));
     let own = |pixel: usize| {
-        let is_moving_border = movers[pixel] && is_border(pixel);
-        let inside = (0..4).filter(|_| is_moving_border).filter_map(|place| {
+        if !(sheets.is_seen(pixel) && is_border(pixel)) {
+            return vectors[pixel];
+        }
+        let inside = (0..4).filter_map(|place| {
             let near = inner(pixel, place)?;
             let far = inner(near, place).map_or(vectors[near], |far| vectors[far]);
             Some(add(vectors[near], less(vectors[near], far)))

@@ -3,7 +3,7 @@
 //! Where one surface moves from before another, a smear of the first lays bare what no pixel of the two frames shows. As far as
 //! they move apart, the second is taken to go on as it does at its border.
 
-use super::sheets::{DEPTH_JUMP, Sheets, share_of};
+use super::sheets::{DEPTH_JUMP, Sheets, bounds, share_of};
 use super::tracks::{Seen, widened};
 use crate::io::passes::PassFrame;
 
@@ -23,8 +23,9 @@ struct Below {
     length: usize,
 }
 
-/// A frame in which what goes on below is seen, and the pixels to be meshed of it. `reach`: frames that smears reach back.
-pub(super) fn extended(seen: &Seen, reach: f32) -> (PassFrame, Vec<bool>) {
+/// A frame in which what goes on below is seen, its surfaces there, and the pixels to be meshed of it. `reach`: frames that smears
+/// reach back.
+pub(super) fn extended(seen: &Seen, reach: f32) -> (PassFrame, Sheets, Vec<bool>) {
     let [width, height] = seen.sheets.size;
     let mut below: Vec<Option<Below>> = vec![None; width * height];
     let mut edge = Vec::new();
@@ -60,12 +61,18 @@ pub(super) fn extended(seen: &Seen, reach: f32) -> (PassFrame, Vec<bool>) {
             next[pixel] = carried(&seen.sheets, own, from, pixel);
         }
     }
-    (frame, below.iter().map(Option::is_some).collect())
-}
-
-/// The pixels to be meshed: those below, and some of those that are seen, so that no gap is between.
-pub(super) fn mask(sheets: &Sheets, below: Vec<bool>) -> Vec<bool> {
-    (0..OVERLAP).fold(below, |mask, _| widened(sheets, &mask))
+    let mask: Vec<bool> = below.iter().map(Option::is_some).collect();
+    let [low, high] = bounds(&mask, width).unwrap_or_default();
+    // Borders are told from two pixels to each side.
+    let around = [0, 1].map(|axis| {
+        let most = seen.sheets.size[axis];
+        [low[axis].saturating_sub(OVERLAP + 2), (high[axis] + OVERLAP + 2).min(most)]
+    });
+    let mut sheets = Sheets::within(&frame, [[around[0][0], around[1][0]], [around[0][1], around[1][1]]]);
+    sheets.tear(&frame.previous);
+    // Some of those that are seen, too, so that no gap is between.
+    let mask = (0..OVERLAP).fold(mask, |mask, _| widened(&sheets, &mask));
+    (frame, sheets, mask)
 }
 
 fn beside(pixel: usize, [width, height]: [usize; 2]) -> impl Iterator<Item = usize> {

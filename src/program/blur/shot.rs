@@ -61,7 +61,17 @@ pub(super) const TABLE: Table = Table {
     excluding: &[
         ["blur.teeth", "blur.tooth_width"],
         ["blur.scene", "blur.passes.colour"],
+        ["blur.animation", "blur.passes.colour"],
         ["blur.images", "blur.passes.colour"],
+        ["blur.scene", "blur.passes.depth"],
+        ["blur.animation", "blur.passes.depth"],
+        ["blur.images", "blur.passes.depth"],
+        ["blur.scene", "blur.passes.motion"],
+        ["blur.animation", "blur.passes.motion"],
+        ["blur.images", "blur.passes.motion"],
+        ["blur.scene", "blur.passes.id"],
+        ["blur.animation", "blur.passes.id"],
+        ["blur.images", "blur.passes.id"],
     ],
     read,
 };

@@ -119,6 +119,7 @@ mod tests {
         assert_eq!(file(&["X", "Y"]).expect("no layer"), [1.0, 2.0]);
         let none = file(&["L.Depth.X", "Vector.X", "Y"]).expect_err("no such").to_string();
         assert!(none.contains("Vector.X") && none.contains("X Y Z W or R G of a layer called vector"), "{none}");
+        file(&["X", "Y"]).expect("no layer");
         assert!(read_named(&path, [3, 1], &MOTION).expect_err("size").to_string().contains("3 x 1"));
     }
 }
