@@ -128,7 +128,7 @@ fn share(sorted: &[f64], share: f64) -> f64 {
 
 /// Passes of frames around the one that is made.
 fn all_passes(film: &Film) -> BTreeMap<u32, PassFrame> {
-    (NUMBER - 2..=NUMBER + 1).map(|number| (number, film.passes(number))).collect()
+    (NUMBER - 3..=NUMBER + 1).map(|number| (number, film.passes(number))).collect()
 }
 
 fn input(film: &Film, frames: BTreeMap<u32, PassFrame>) -> PassesInput {
@@ -208,7 +208,7 @@ fn each_output_has_a_mesh_of_its_own() {
     let alone = film.output(desc.clone(), &later, &images).expect("a device");
     let mut offline = common::device().expect("a device").offline(desc, Effort::Needed).expect("an effect");
     for frame in [&earlier, &later] {
-        let image = |number: u32| images.get((number + 2 - NUMBER) as usize).map(|image| &image[..]);
+        let image = |number: u32| Some(&images.get(number.checked_sub(NUMBER - 2)? as usize)?[..]);
         let [before, after] = frame.outer_images().map(|number| number.and_then(image));
         let blur = Some(BlurScene { frame, images: frame.images().map(image), outer: [before, after] });
         offline.frame(&Scene { blur, rendered: true, ..Scene::default() }).expect("rendered");
@@ -223,7 +223,7 @@ fn files_of_a_renderer_become_smears() {
     let Some(images) = film.images() else { return };
     let frames = all_passes(&film);
     let folder = std::env::temp_dir().join(format!("celfx-passes-{}", std::process::id()));
-    for ((number, frame), image) in frames.iter().zip(&images) {
+    for ((number, frame), image) in frames.iter().skip(1).zip(&images) {
         let mut channels: Vec<(String, Vec<f32>)> = Vec::new();
         let mut add = |name: &str, values: Vec<f32>| channels.push((format!("ViewLayer.{name}"), values));
         for (c, name) in ["R", "G", "B", "A"].iter().enumerate() {

@@ -27,7 +27,7 @@ use crate::io::passes::PassFrame;
 use crate::offline::motion::{BlurError, BlurFrame, Positions};
 use crate::view::View;
 use grid::Grid;
-use tracks::{Around, Next, Poses, Seen};
+use tracks::{Around, Next, Places, Poses, Seen};
 
 /// The farthest depth of passes that is seen, and the inverse of the nearest.
 const FARTHEST: f64 = 1e9;
@@ -157,7 +157,7 @@ impl PassesInput {
     }
 
     /// The mesh of output `number`, its poses, and the first and the last frame that they are of.
-    fn meshed(&mut self, number: u32) -> Result<(Mesh, Vec<Vec<[f32; 3]>>, [u32; 2]), BlurError> {
+    fn meshed(&mut self, number: u32) -> Result<(Mesh, Vec<Places>, [u32; 2]), BlurError> {
         let [first, last] = self.frames;
         let begin = if number - 1 > first && !self.is_cut(number - 1)? { number - 2 } else { number - 1 };
         let knows_next = number < last && self.settings.trajectory != Trajectory::Past;

@@ -48,8 +48,11 @@ struct Found {
     share: f32,
 }
 
-/// Places of each point: x, y in pixels and [`share_of`] depth, in frames i - 1 to i + 2.
-pub(super) type Poses = [Vec<[f32; 3]>; 4];
+/// Places of points: x, y in pixels and [`share_of`] depth.
+pub(super) type Places = Vec<[f32; 3]>;
+
+/// The same in frames i - 1 to i + 2.
+pub(super) type Poses = [Places; 4];
 
 fn add(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1]]

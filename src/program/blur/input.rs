@@ -30,8 +30,8 @@ struct BlurInput {
 
 /// Where motion comes from.
 enum Motion {
-    Scene(Animation),
-    Passes(PassesInput),
+    Scene(Box<Animation>),
+    Passes(Box<PassesInput>),
 }
 
 impl Motion {
@@ -118,7 +118,7 @@ impl Input for BlurInput {
         if let Some(passes) = self.blur.passes.clone() {
             let read = move |frame: u32| passes.read(frame, size);
             let motion = PassesInput::new(read, frames, &self.blur.settings, size, threads)?;
-            self.motion = Some(Motion::Passes(motion.cut_at(cuts)));
+            self.motion = Some(Motion::Passes(Box::new(motion.cut_at(cuts))));
             return Ok(());
         }
         let scene = self.blur.mesh(&self.shot)?;
@@ -126,7 +126,7 @@ impl Input for BlurInput {
         let of_shot = self.shot.clone();
         let view = move |frame: f64| of_shot.camera(frame).view(of_shot.size);
         let motion = Animation::new(scene, view, frames, &self.blur.settings, size, threads)?;
-        self.motion = Some(Motion::Scene(motion.cut_at(cuts)));
+        self.motion = Some(Motion::Scene(Box::new(motion.cut_at(cuts))));
         Ok(())
     }
 
