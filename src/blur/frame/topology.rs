@@ -194,3 +194,26 @@ impl TopologyInput {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blur::MeshInput;
+
+    #[test]
+    fn a_mesh_has_room_or_is_refused_by_name() {
+        let triangles = [[0, 1, 2], [1, 3, 2]];
+        let input =
+            MeshInput { vertices: 4, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
+        let sizes = MeshSizes::of(&Mesh::new(&input).expect("a mesh"));
+        assert_eq!((sizes.points, sizes.triangles, sizes.neighbours, sizes.objects), (4, 2, 10, 1));
+        // Groups without triangles stand behind the others.
+        assert_eq!((sizes.groups, sizes.group_triangles), (GroupInput::MULTIPLE, 6));
+        assert!(sizes.check(&sizes).is_ok());
+        let error = |sizes: MeshSizes, room: MeshSizes| sizes.check(&room).expect_err("refused").to_string();
+        let less = MeshSizes { triangles: 1, ..sizes };
+        assert!(error(sizes, less).contains("2 triangles; the effect was made for 1"), "{}", error(sizes, less));
+        assert!(error(MeshSizes { points: 0, ..sizes }, sizes).contains("0 points"));
+        assert!(error(MeshSizes { groups: 3, ..sizes }, sizes).contains("3 normal groups"));
+    }
+}

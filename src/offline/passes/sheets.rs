@@ -62,17 +62,20 @@ impl Sheets {
     pub(super) fn within(frame: &PassFrame, [low, high]: Bounds) -> Sheets {
         let size = frame.size.map(|side| side as usize);
         let [width, height] = size;
-        let mut depth = vec![f32::INFINITY; width * height];
+        let mut inverse = vec![0.0; width * height];
         for row in low[1]..high[1] {
             let row = row * width + low[0]..row * width + high[0];
-            depth[row.clone()].iter_mut().zip(&frame.depth[row]).for_each(|(share, depth)| *share = share_of(*depth));
+            inverse[row.clone()]
+                .iter_mut()
+                .zip(&frame.depth[row])
+                .for_each(|(inverse, depth)| *inverse = depth.recip());
         }
-        let look = Look { frame, depth: &depth };
+        let look = Look { frame, inverse: &inverse };
         let mut flags = vec![0; width * height];
         for y in low[1]..high[1] {
             for x in low[0]..high[0] {
                 let pixel = y * width + x;
-                if !depth[pixel].is_finite() {
+                if inverse[pixel] == 0.0 {
                     continue;
                 }
                 flags[pixel] |= SEEN;
@@ -200,23 +203,24 @@ fn is_even(vectors: &[[f32; 2]], pixel: usize, step: usize, beside: [Option<usiz
 /// What is compared of neighbours.
 struct Look<'a> {
     frame: &'a PassFrame,
-    depth: &'a [f32],
+    /// 1 / depth, which is linear where a plane is seen in perspective; 0 where nothing is.
+    inverse: &'a [f32],
 }
 
 impl Look<'_> {
     /// Whether a pixel and the one `step` after it are of one surface. Whether there is one before, and one after both.
     fn is_joined(&self, a: usize, step: usize, has_before: bool, has_after: bool) -> bool {
         let b = a + step;
-        let is_one = |p: usize, q: usize| self.frame.id[p] == self.frame.id[q] && self.depth[q].is_finite();
+        let is_one = |p: usize, q: usize| self.frame.id[p] == self.frame.id[q] && self.inverse[q] > 0.0;
         if !is_one(a, b) {
             return false;
         }
         let before = (has_before && is_one(a, a - step)).then(|| [a - step, a]);
         let after = (has_after && is_one(b, b + step)).then(|| [b, b + step]);
-        let beside = [before, after];
-        let slope = |[p, q]: [usize; 2]| self.depth[q] - self.depth[p];
+        let slope = |[p, q]: [usize; 2]| self.inverse[q] - self.inverse[p];
         let own = slope([a, b]);
-        let off = beside.into_iter().flatten().map(|pair| (own - slope(pair)).abs()).fold(own.abs(), f32::min);
-        off <= DEPTH_JUMP
+        let beside = [before, after].into_iter().flatten();
+        let off = beside.map(|pair| (own - slope(pair)).abs()).fold(own.abs(), f32::min);
+        off <= DEPTH_JUMP * self.inverse[a].max(self.inverse[b])
     }
 }

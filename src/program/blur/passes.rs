@@ -40,11 +40,12 @@ pub(super) fn read(section: &Section) -> Result<Option<(Pattern, Passes)>, ShotE
     let scale = tree.plain_number("blur.passes.scale", 1.0, -MOST_SCALE..=MOST_SCALE)? as f32;
     let Some(given) = FILES.into_iter().find(|key| tree.get(key).is_some()) else { return Ok(None) };
     if let Some(other) = OTHERS.into_iter().find(|key| tree.get(key).is_some()) {
-        let allowed = "only one of them: passes have the place of a scene and its images";
-        return Err(tree.wrong(other, format!("{other} beside {given}: allowed: {allowed}")));
+        let message =
+            format!("{other}: allowed: not together with {given}: passes have the place of a scene and its images");
+        return Err(tree.wrong(other, message));
     }
     let needed = |key: &str| {
-        let message = || format!("{given} without {key}: allowed: blur.passes.colour, depth and motion together");
+        let message = || format!("{given}: allowed: blur.passes.colour, depth and motion together; {key} is missing");
         sequence(section, key)?.ok_or_else(|| tree.wrong(given, message()))
     };
     let [colour, depth, motion] = [needed(FILES[0])?, needed(FILES[1])?, needed(FILES[2])?];
