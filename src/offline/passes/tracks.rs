@@ -9,6 +9,8 @@ use crate::io::passes::PassFrame;
 const DEPTH_CHANGE: f32 = 0.1;
 /// Vectors of pixels at a border that are this far from what those further inside say, in pixels, are mixed of two surfaces.
 const MIXED: f32 = 0.5;
+/// How far apart vectors of one place may be, as two frames have them, in pixels.
+const SAME_WAY: f32 = 2.0;
 /// Rounds in which the frame after is searched for a place.
 const ROUNDS: usize = 4;
 /// How far from the place a search may end, in pixels.
@@ -39,6 +41,8 @@ struct Place {
     id: u32,
     /// [`share_of`] its depth.
     share: f32,
+    /// The vector from there to where it is in the frame after, if that is known.
+    on: Option<Vector>,
 }
 
 /// What a frame says of a place.
@@ -93,12 +97,15 @@ impl Seen {
         })
     }
 
-    /// What a place of a surface is at: the mean of the four pixels around that are of it, by their distance.
-    fn look(&self, Place { at, id, share }: Place) -> Option<Found> {
+    /// What a place of a surface is at: the mean of the four pixels around that are of it, by their distance. Where the frame knows
+    /// where its pixels go, those that go elsewhere are of another surface.
+    fn look(&self, Place { at, id, share, on }: Place) -> Option<Found> {
+        let way = self.frame.next.as_ref().zip(on);
+        let goes = |pixel: usize| way.is_none_or(|(next, on)| length(less(next[pixel], on)) <= SAME_WAY);
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         self.taps(at, |pixel, weight| {
             let own = share_of(self.frame.depth[pixel]);
-            if self.frame.id[pixel] == id && (own - share).abs() <= DEPTH_CHANGE {
+            if self.frame.id[pixel] == id && (own - share).abs() <= DEPTH_CHANGE && goes(pixel) {
                 let [x, y] = self.frame.previous[pixel];
                 [x, y, own].into_iter().zip(&mut sum).for_each(|(value, sum)| *sum += weight * value);
                 weights += weight;
@@ -170,7 +177,7 @@ pub(super) fn is_cut(before: &Seen, after: &Seen) -> bool {
         let at = add([x as f32 + 0.5, y as f32 + 0.5], after.frame.previous[pixel]);
         let is_inside = [0, 1].iter().all(|axis| (0.0..after.sheets.size[*axis] as f32).contains(&at[*axis]));
         if after.sheets.is_seen(pixel) && is_inside {
-            let place = Place { at, id: after.frame.id[pixel], share: share_of(after.frame.depth[pixel]) };
+            let place = Place { at, id: after.frame.id[pixel], share: share_of(after.frame.depth[pixel]), on: None };
             all += 1;
             lost += usize::from(before.look(place).is_none());
         }
@@ -196,9 +203,12 @@ impl Next {
         let mut earlier = Vec::with_capacity(count);
         let mut bends = [Vec::with_capacity(count), Vec::with_capacity(count)];
         for (i, ([x, y, share], back)) in corners.iter().zip(back).enumerate() {
-            let place = Place { at: [*x, *y], id: ids[i], share: *share };
-            let before = Place { at: add(place.at, *back), ..place };
-            let found = previous.look(before);
+            let place = Place { at: [*x, *y], id: ids[i], share: *share, on: None };
+            let before = Place { at: add(place.at, *back), on: Some(back.map(|c| -c)), ..place };
+            let found = previous.look(before).filter(|found| {
+                // Who does not know where things go may have found another one: none changes its way so much.
+                on.is_some() || length(less(found.previous, *back)) <= length(*back) + SAME_WAY
+            });
             earlier.push([before.at[0], before.at[1], found.map_or(*share, |found| found.share)]);
             bends[0].push(found.map(|found| less(found.previous, *back)));
             let step = match on {
