@@ -176,7 +176,6 @@ fn smears_of_passes_are_those_of_the_mesh() {
     assert!(a.len() > 1000 && share(&found, 0.5) == 0.0 && p95 <= 1.5, "{p95} of {}", a.len());
     let truth = film.drawn(&film.settings, NUMBER..=NUMBER).expect("a device");
     let [mesh_error, error] = colour_errors([&of_mesh, &of_passes], &truth[0], &images[2]);
-    eprintln!("p95 {p95} px, colours {mesh_error} with the mesh, {error} with passes");
     // What is asked for.
     assert!(error <= 2.0 * mesh_error, "{error} {mesh_error}");
     // Without strength there is no smear, and the picture is the image, bit for bit.
@@ -193,44 +192,6 @@ fn see(film: &Film, made: &[(&str, &[Picture; 2])]) {
             let path = std::path::Path::new(&folder).join(format!("{name}_{what}.png"));
             write(&path, Format::Png, film.shot.size, picture, None).expect("written");
         }
-    }
-}
-
-#[test]
-fn probe_fox() {
-    for teeth in [&["blur.teeth=1"][..], &[]] {
-        let mut sets = vec![
-            "blur.scene=/work/shared/data/gltf/Fox.glb",
-            "blur.animation=Run",
-            "camera.eye=[220,90,120]",
-            "camera.target=[0,40,0]",
-            "camera.far=1000",
-            "blur.toon.outline.strength=0",
-        ];
-        sets.extend(teeth);
-        let film = Film::new(&sets);
-        let size = film.shot.size;
-        let Some(images) = film.images() else { return };
-        let mut mesh = film.input(&film.settings);
-        let desc = mesh.desc(size, film.shot.frames, 0, false, true);
-        let of_mesh = film.output(desc, &mesh.frame(NUMBER).expect("a frame"), &images).expect("a device");
-        let mut input = input(&film, all_passes(&film));
-        let desc = input.desc(0, true).expect("a description");
-        let frame = input.frame(NUMBER).expect("a frame");
-        let of_passes = film.output(desc.clone(), &frame, &images).expect("a device");
-        see(&film, &[("foxmesh", &of_mesh), ("foxpasses", &of_passes)]);
-        let [a, b] = [&of_mesh[1], &of_passes[1]].map(|colours| contour(colours, size));
-        let found = distances(&a, &b);
-        let truth = film.drawn(&film.settings, NUMBER..=NUMBER).expect("a device");
-        let errors = colour_errors([&of_mesh, &of_passes], &truth[0], &images[2]);
-        eprintln!(
-            "fox {teeth:?}: {} p50 {} p90 {} p95 {} max {} colours {errors:?}",
-            a.len(),
-            share(&found, 0.5),
-            share(&found, 0.9),
-            share(&found, 0.95),
-            share(&found, 1.0)
-        );
     }
 }
 
