@@ -3,8 +3,8 @@
 //! The pixels of frame i + 1 that move become a mesh: a grid of each surface, cut where depth, object or motion jumps. It lives in
 //! a space whose x and y are pixels and whose depth is the logarithm of the passes', seen without perspective; where its points
 //! were in frame i, and are in the frames beside, follows from the motion vectors. What frame i shows and frame i + 1 hides is a
-//! second part of the mesh, made of frame i's pixels, so that nothing is missing where smears lay it bare. All else is as with
-//! the mesh of a scene.
+//! second part of the mesh, made of frame i's pixels, so that nothing is missing where smears lay it bare; and a third is where
+//! surfaces go on a little below what hides them in both. All else is as with the mesh of a scene.
 //!
 //! What passes do not say is not known: what neither frame shows, what is transparent, what is blurred already.
 
