@@ -5,6 +5,7 @@
 mod depth;
 mod effects;
 pub mod motion;
+pub mod passes;
 pub(crate) mod picture;
 mod player;
 mod slices;
@@ -29,6 +30,7 @@ use crate::view::{Camera, FireLight, Light, View};
 use depth::SharedDepth;
 pub use effects::Effects;
 pub use motion::{BlurError, BlurFrame, BlurInput};
+pub use passes::PassesInput;
 use picture::{host_image, image_desc, pixel_bytes, put};
 pub use player::{Depth, Describe, EffectBuffer, Feed, Left, Place, Sharing};
 pub(crate) use player::{Player, make};

@@ -223,6 +223,7 @@ fn occluders_are_beside_images() {
             shares: None,
             parts: None,
             source_rows: None,
+            sizes: None,
         };
         let inner = given.then(depth);
         let frame = blur::Frame {

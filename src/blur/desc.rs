@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::blur::frame::MeshSizes;
 use crate::blur::mesh::Mesh;
 use crate::blur::parts::PartSizes;
 use crate::blur::settings::Settings;
@@ -138,6 +139,25 @@ impl Desc {
             layers: false,
             temporal: TemporalFormats::default(),
         }
+    }
+
+    /// What it has room for of a mesh.
+    pub(super) fn sizes(&self) -> MeshSizes {
+        let Desc { points, triangles, neighbours, objects, groups, group_triangles, .. } = *self;
+        MeshSizes { points, triangles, neighbours, objects, groups, group_triangles }
+    }
+
+    /// Whether it was made for a mesh, or one with as many of everything.
+    #[cfg(feature = "cli")]
+    pub(crate) fn is_for(&self, mesh: &Mesh) -> bool {
+        let own = Desc::new(mesh, self.size, Settings::default());
+        own.sizes() == self.sizes()
+    }
+
+    /// The same for a mesh of these sizes.
+    pub(super) fn sized(&self, sizes: &MeshSizes) -> Desc {
+        let MeshSizes { points, triangles, neighbours, objects, groups, group_triangles } = *sizes;
+        Desc { points, triangles, neighbours, objects, groups, group_triangles, ..self.clone() }
     }
 
     /// Pieces that splines need: one, and one for each frame that the effect reaches back over.

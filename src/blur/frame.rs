@@ -2,7 +2,7 @@
 
 mod topology;
 
-pub use topology::{GroupInput, PartInput, TopologyInput};
+pub use topology::{GroupInput, MeshSizes, PartInput, TopologyInput};
 
 use crate::blur::desc::{Desc, MOST_SOURCES, check_seams};
 use crate::blur::limits::{DRAWN_PLACES, MOST_KNOTS};
@@ -184,7 +184,8 @@ pub struct DepthInput {
 /// One output, i + 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// The mesh. The first frame after creation needs it; later ones may bring another with as many of everything.
+    /// The mesh. The first frame after creation needs it; later ones may bring another, with as many of everything or with
+    /// [`TopologyInput::sizes`].
     pub mesh: Option<TopologyInput>,
     /// Poses of frames that are not on the device yet.
     pub poses: Option<PoseInput>,

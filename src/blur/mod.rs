@@ -20,6 +20,7 @@ pub(crate) mod steps;
 pub mod textures;
 pub mod upload;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use ash::vk;
@@ -27,8 +28,8 @@ use ash::vk;
 pub use crate::host::{Background, DepthFormat};
 pub use desc::{Desc, MOST_SOURCES, MOST_TRIANGLES, Source};
 pub use frame::{
-    ClusterInput, Counts, DepthInput, Frame, FrameView, GroupInput, IntervalInput, Knot, PartInput, PoseInput,
-    SkinnedInput, ToonInput, TopologyInput, Trajectories,
+    ClusterInput, Counts, DepthInput, Frame, FrameView, GroupInput, IntervalInput, Knot, MeshSizes, PartInput,
+    PoseInput, SkinnedInput, ToonInput, TopologyInput, Trajectories,
 };
 pub use mesh::{Mesh, MeshInput};
 pub use motion::{Cluster, Interval, Motion, Pose, Window};
@@ -61,6 +62,8 @@ pub struct BlurKind {
     /// The frame that is drawn in each place.
     drawn: [Option<frame::Drawn>; limits::DRAWN_PLACES],
     has_mesh: bool,
+    /// How much there is of the mesh, if that is not what the effect was made for.
+    sizes: Option<MeshSizes>,
 }
 
 /// What a frame leaves on the device.
@@ -68,6 +71,8 @@ pub struct BlurKind {
 pub struct Brought {
     /// Whether it brought the mesh.
     mesh: bool,
+    /// How much there is of that.
+    sizes: Option<MeshSizes>,
     /// Frames whose poses it brought.
     poses: Range<u32>,
     /// The frame whose pose the host's skinning made.
@@ -90,7 +95,8 @@ impl Kind for BlurKind {
         let layout = Layout::new(desc, traits)?;
         let passes = Passes::new(desc, traits);
         let resident = vec![None; desc.frames_resident as usize];
-        Ok(BlurKind { traits: *traits, layout, passes, effort, resident, drawn: Default::default(), has_mesh: false })
+        let (drawn, has_mesh, sizes) = (Default::default(), false, None);
+        Ok(BlurKind { traits: *traits, layout, passes, effort, resident, drawn, has_mesh, sizes })
     }
 
     fn resized(desc: &Desc, size: [u32; 2]) -> Desc {
@@ -106,15 +112,21 @@ impl Kind for BlurKind {
     }
 
     fn plan(&mut self, desc: &Desc, frame: &Frame, plan: &mut Plan) -> Result<Brought> {
-        frame.validate(desc, !self.has_mesh, &self.resident)?;
+        let sizes = frame.mesh.and_then(|mesh| mesh.sizes);
+        sizes.map_or(Ok(()), |sizes| sizes.check(&desc.sizes()))?;
+        let desc = &*self.sized(desc, frame);
+        // With a mesh of another size come all poses.
+        let resident = if sizes.is_some() { &[] } else { &self.resident[..] };
+        frame.validate(desc, !self.has_mesh, resident)?;
         let BlurKind { traits, layout, passes, effort, drawn, .. } = self;
         Steps { plan, passes, desc, layout, traits, effort: *effort, drawn }.fill(frame);
         let poses = frame.poses.map_or(0..0, |poses| poses.first..poses.first + poses.count);
         let skinned = frame.skinned.map(|skinned| skinned.frame);
-        Ok(Brought { mesh: frame.mesh.is_some(), poses, skinned, drawn: steps::drawn(desc, frame) })
+        Ok(Brought { mesh: frame.mesh.is_some(), sizes, poses, skinned, drawn: steps::drawn(desc, frame) })
     }
 
     fn upload(&self, desc: &Desc, frame: &Frame, resources: &mut Resources) {
+        let desc = &*self.sized(desc, frame);
         let topology = frame.mesh.map(|mesh| [mesh.triangles, mesh.neighbour_starts, mesh.neighbours]);
         for (place, id) in layout::HOST_TOPOLOGY.into_iter().enumerate() {
             resources.set_host_buffer(id, topology.map(|buffers| buffers[place]));
@@ -163,8 +175,14 @@ impl Kind for BlurKind {
         }
     }
 
-    fn recorded(&mut self, desc: &Desc, Brought { mesh, poses, skinned, drawn }: Brought) {
+    fn recorded(&mut self, desc: &Desc, Brought { mesh, sizes, poses, skinned, drawn }: Brought) {
         self.has_mesh = true;
+        if mesh {
+            self.sizes = sizes;
+        }
+        if sizes.is_some() {
+            self.resident.fill(None);
+        }
         let is_new = |frame: u32| mesh || poses.contains(&frame) || skinned == Some(frame);
         for place in &mut self.drawn {
             *place = place.filter(|drawn| !is_new(drawn.frame()));
@@ -189,7 +207,7 @@ impl Kind for BlurKind {
         let same_mesh =
             same_parts && mesh[0] == mesh[1] && (descs[0].toon, has_normals[0]) == (descs[1].toon, has_normals[1]);
         if same_mesh && kept.sequence() {
-            self.has_mesh = old.has_mesh;
+            (self.has_mesh, self.sizes) = (old.has_mesh, old.sizes);
             self.resident.clone_from(&old.resident);
         }
     }
@@ -199,6 +217,14 @@ impl Kind for BlurKind {
         let occluders = desc.occluders.map(|depth| depth_format(depth, vk::FormatFeatureFlags::TRANSFER_SRC));
         let depths = depth.into_iter().chain(occluders);
         [target_format(desc.target_format)].into_iter().chain(depths).chain(desc.temporal.formats()).collect()
+    }
+}
+
+impl BlurKind {
+    /// The description for the mesh that a frame is of.
+    fn sized<'a>(&self, desc: &'a Desc, frame: &Frame) -> Cow<'a, Desc> {
+        let sizes = frame.mesh.map_or(self.sizes, |mesh| mesh.sizes);
+        sizes.map_or(Cow::Borrowed(desc), |sizes| Cow::Owned(desc.sized(&sizes)))
     }
 }
 

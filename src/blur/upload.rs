@@ -34,6 +34,8 @@ pub struct Upload {
     mesh: Option<[Range<usize>; 7]>,
     textures: Option<Range<usize>>,
     shares: Option<Range<usize>>,
+    /// Whether base colours are with it.
+    has_colours: bool,
     parts: Option<[Range<usize>; 5]>,
     source_rows: Option<Range<usize>>,
     poses: Option<(u32, u32, Range<usize>)>,
@@ -90,15 +92,20 @@ impl Upload {
         self.mesh_of_rows(mesh, &TopologyInput::colour_rows(mesh, colours));
     }
 
-    /// The same with [`TopologyInput::colour_rows`].
+    /// The same with [`TopologyInput::colour_rows`], or without.
     pub(crate) fn mesh_of_rows(&mut self, mesh: &Mesh, colours: &[[f32; 4]]) {
+        self.has_colours = colours.len() >= 3 * mesh.triangles().len();
         let (neighbours, groups) = (mesh.neighbours(), mesh.group_triangles());
+        // Lists of none behind the last, so that they are a multiple.
+        let mut starts = groups.starts.clone();
+        starts
+            .resize((starts.len() - 1).next_multiple_of(GroupInput::MULTIPLE as usize) + 1, groups.items.len() as u32);
         self.mesh = Some([
             self.add(&TopologyInput::triangle_rows(mesh)),
             self.add(&neighbours.starts),
             self.add(&neighbours.items),
             self.add(&GroupInput::corner_rows(mesh)),
-            self.add(&groups.starts),
+            self.add(&starts),
             self.add(&groups.items),
             self.add(colours),
         ]);
@@ -168,7 +175,7 @@ impl Upload {
                 let [labels, members, chunks, rows, seams] = ranges.each_ref().map(part);
                 PartInput { labels, members, chunks, rows, seams }
             });
-            let (colours, textures) = (Some(colours), self.textures.as_ref().map(part));
+            let (colours, textures) = (self.has_colours.then_some(colours), self.textures.as_ref().map(part));
             let shares = self.shares.as_ref().map(part);
             let source_rows = self.source_rows.as_ref().map(part);
             TopologyInput {
@@ -181,6 +188,7 @@ impl Upload {
                 shares,
                 parts,
                 source_rows,
+                sizes: None,
             }
         });
         Placed {

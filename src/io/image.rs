@@ -19,7 +19,7 @@ use super::{WriteError, file, write_atomic};
 pub use coded::read_png;
 pub(super) use coded::{decode, read_coded};
 pub(super) use openexr::read_colours;
-pub use openexr::{Channels, read_exr};
+pub use openexr::{Channels, Wanted, read_exr, read_named};
 
 /// Name of the text that a picture may hold beside its pixels.
 const NOTE: &str = "celfx";
@@ -214,12 +214,27 @@ pub(super) fn write_exr_noted<P: ExrPixel>(
     pixels: &[P],
     note: Option<&str>,
 ) -> Result<(), WriteError> {
+    let channel =
+        |(i, name): (usize, &&str)| ((*name).to_owned(), pixels.iter().map(|pixel| pixel.channel(i)).collect());
+    write_exr_layer(path, size, P::CHANNELS.iter().enumerate().map(channel).collect(), note)
+}
+
+/// As [`write_exr`], of channels by their names, each of as many values as the picture has pixels. Atomic.
+pub fn write_exr_channels(path: &Path, size: [u32; 2], channels: &[(String, Vec<f32>)]) -> Result<(), WriteError> {
+    write_exr_layer(path, size, channels.to_vec(), None)
+}
+
+fn write_exr_layer(
+    path: &Path,
+    size: [u32; 2],
+    channels: Vec<(String, Vec<f32>)>,
+    note: Option<&str>,
+) -> Result<(), WriteError> {
     write_encoded(path, |buffer| {
-        check_size(size, pixels.len())?;
-        let channel = |(i, name): (usize, &&str)| {
-            AnyChannel::new(*name, FlatSamples::F32(pixels.iter().map(|p| p.channel(i)).collect()))
-        };
-        let channels = AnyChannels::sort(P::CHANNELS.iter().enumerate().map(channel).collect());
+        check_size(size, channels.iter().map(|(_, values)| values.len()).min().unwrap_or(0))?;
+        let channel =
+            |(name, values): (String, Vec<f32>)| AnyChannel::new(Text::from(&name[..]), FlatSamples::F32(values));
+        let channels = AnyChannels::sort(channels.into_iter().map(channel).collect());
         let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
         let size = (size[0] as usize, size[1] as usize);
         let note = note.map(|note| (Text::from(NOTE), AttributeValue::Text(Text::from(note))));

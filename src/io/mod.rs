@@ -17,6 +17,7 @@ pub mod image;
 pub mod overlap;
 mod palette;
 pub mod particles;
+pub mod passes;
 pub mod pattern;
 pub mod picture;
 pub mod scene;

@@ -89,6 +89,7 @@ fn frame<'a>(desc: &Desc, trajectories: Trajectories<'a>, seams: u32) -> Frame<'
             shares: None,
             parts: None,
             source_rows: None,
+            sizes: None,
         }),
         poses: Some(PoseInput { first: 20, count: 26, positions: buffer() }),
         skinned: None,

@@ -439,6 +439,7 @@ impl BlurRig {
                 let rows = self.source_rows.clone();
                 (!rows.is_empty()).then(|| self.upload(21, &rows))
             },
+            sizes: None,
         });
         let poses = shot.poses.map(|(first, poses)| {
             let positions = self.upload(4, &poses.concat());

@@ -58,6 +58,7 @@ pub fn mesh() -> blur::TopologyInput {
         shares: Some(buffer()),
         parts: None,
         source_rows: None,
+        sizes: None,
     }
 }
 

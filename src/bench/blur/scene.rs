@@ -215,6 +215,11 @@ pub(super) struct Take {
 }
 
 impl Take {
+    /// Of a frame and its images.
+    pub(super) fn new(frame: BlurFrame, images: [Vec<[f32; 4]>; 2]) -> Take {
+        Take { frame, images }
+    }
+
     /// A frame of it: the motion says all that there is to say.
     pub(super) fn scene(&self) -> offline::Scene<'_> {
         let images = self.images.each_ref().map(|image| Some(&image[..]));

@@ -9,6 +9,23 @@ use crate::error::Result;
 use crate::host::{HostBuffer, check_buffer as holds};
 use crate::shaders::blur::constants::OBJECT_SHIFT;
 
+/// How much there is of a mesh: each at most what the effect was made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MeshSizes {
+    /// Points.
+    pub points: u32,
+    /// Triangles.
+    pub triangles: u32,
+    /// Entries of the lists of neighbours.
+    pub neighbours: u32,
+    /// Objects.
+    pub objects: u32,
+    /// Normal groups, a multiple of [`GroupInput::MULTIPLE`]: the lists of the last may be empty.
+    pub groups: u32,
+    /// Entries of the lists of their triangles.
+    pub group_triangles: u32,
+}
+
 /// The topology of the mesh, as [`crate::blur::Mesh`] has it. Usage of all buffers: `TRANSFER_SRC`.
 #[derive(Clone, Copy, Debug)]
 pub struct TopologyInput {
@@ -31,6 +48,9 @@ pub struct TopologyInput {
     pub parts: Option<PartInput>,
     /// A `u32` a point, its vertex in its [`crate::blur::desc::Source`]; given exactly if the effect was made for sources.
     pub source_rows: Option<HostBuffer>,
+    /// How much there is of it, if that is not what the effect was made for. The poses on the device are then of no mesh any more:
+    /// the frame brings all that it needs.
+    pub sizes: Option<MeshSizes>,
 }
 
 /// Which corners of triangles share a normal. Usage of all buffers: `TRANSFER_SRC`.
@@ -59,7 +79,51 @@ pub struct PartInput {
     pub seams: HostBuffer,
 }
 
+impl MeshSizes {
+    /// Those of a mesh as [`crate::blur::Upload`] packs it.
+    pub fn of(mesh: &Mesh) -> MeshSizes {
+        let groups = mesh.group_triangles().starts.len() as u32 - 1;
+        MeshSizes {
+            points: mesh.points() as u32,
+            triangles: mesh.triangles().len() as u32,
+            neighbours: mesh.neighbours().items.len() as u32,
+            objects: mesh.objects().len() as u32,
+            groups: groups.next_multiple_of(GroupInput::MULTIPLE),
+            group_triangles: mesh.group_triangles().items.len() as u32,
+        }
+    }
+
+    fn named(&self) -> [(&'static str, u32); 6] {
+        let MeshSizes { points, triangles, neighbours, objects, groups, group_triangles } = *self;
+        [
+            ("points", points),
+            ("triangles", triangles),
+            ("neighbours", neighbours),
+            ("objects", objects),
+            ("normal groups", groups),
+            ("triangles of normal groups", group_triangles),
+        ]
+    }
+
+    /// Refuses more than there is room for.
+    pub(in crate::blur) fn check(&self, room: &MeshSizes) -> Result<()> {
+        let pairs = self.named().into_iter().zip(room.named());
+        for ((what, given), (_, most)) in pairs {
+            if given > most {
+                return refuse("the mesh", format!("{given} {what}; the effect was made for {most}"));
+            }
+        }
+        match self.points == 0 || !self.groups.is_multiple_of(GroupInput::MULTIPLE) {
+            true => refuse("the mesh", format!("{} points, {} normal groups", self.points, self.groups)),
+            false => Ok(()),
+        }
+    }
+}
+
 impl GroupInput {
+    /// Lists of so many groups are read at once.
+    pub const MULTIPLE: u32 = crate::shaders::blur::normals::SHADER.local_size[0];
+
     /// The rows of [`GroupInput::corners`] of a mesh.
     pub fn corner_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
         mesh.normal_groups().iter().map(|[a, b, c]| [*a, *b, *c, 0]).collect()
@@ -141,5 +205,28 @@ impl TopologyInput {
             None if desc.toon => refuse("the mesh's colours", "frames that are drawn need them".to_owned()),
             None => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blur::MeshInput;
+
+    #[test]
+    fn a_mesh_has_room_or_is_refused_by_name() {
+        let triangles = [[0, 1, 2], [1, 3, 2]];
+        let input =
+            MeshInput { vertices: 4, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
+        let sizes = MeshSizes::of(&Mesh::new(&input).expect("a mesh"));
+        assert_eq!((sizes.points, sizes.triangles, sizes.neighbours, sizes.objects), (4, 2, 10, 1));
+        // Groups without triangles stand behind the others.
+        assert_eq!((sizes.groups, sizes.group_triangles), (GroupInput::MULTIPLE, 6));
+        assert!(sizes.check(&sizes).is_ok());
+        let error = |sizes: MeshSizes, room: MeshSizes| sizes.check(&room).expect_err("refused").to_string();
+        let less = MeshSizes { triangles: 1, ..sizes };
+        assert!(error(sizes, less).contains("2 triangles; the effect was made for 1"), "{}", error(sizes, less));
+        assert!(error(MeshSizes { points: 0, ..sizes }, sizes).contains("0 points"));
+        assert!(error(MeshSizes { groups: 3, ..sizes }, sizes).contains("3 normal groups"));
     }
 }

@@ -6,6 +6,8 @@ pub mod distort;
 pub mod dry;
 pub mod extent;
 pub mod ink;
+#[cfg(feature = "cli")]
+pub mod passes;
 pub mod path;
 pub mod raster;
 pub mod refine;

@@ -3,6 +3,8 @@
 //! What a header says is held against the file's length and what is wanted before anything is allocated, and blocks are
 //! decoded one at a time, only those that reach into the picture. So memory is a few times the picture's at most.
 
+mod named;
+
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::BufReader;
@@ -18,6 +20,8 @@ use exr::prelude::{Compression, SampleType, f16};
 use super::contained::contained;
 use super::{Fault, Fit, Picture};
 use crate::io::{ReadError, file};
+
+pub use named::{Wanted, read_named};
 
 /// Bytes that a block may unpack to besides four times those of the picture: 256 rows of many channels.
 const MAX_BLOCK: u64 = 1 << 27;

@@ -1,5 +1,7 @@
 //! From the tree of keys to typed values.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 use serde::de::DeserializeOwned;
 use toml::Value;
@@ -130,6 +132,11 @@ impl Tree {
             _ => None,
         };
         self.read(path, Vec::new(), |value| value.as_array()?.iter().map(share).collect())
+    }
+
+    /// A number without keyframes, within a range; `default` where the shot does not name it.
+    pub(crate) fn plain_number(&self, path: &str, default: f64, range: RangeInclusive<f64>) -> Result<f64> {
+        self.read(path, default, |value| number(value).filter(|number| range.contains(number)))
     }
 
     /// True or false; false where it is not named.

@@ -1,6 +1,8 @@
 //! How a scene becomes a frame of a blur.
 
-use crate::blur::{self, Blur, BlurKind, DepthInput, Desc, Frame, Knot, Placed, PoseInput, ToonInput};
+use std::sync::Arc;
+
+use crate::blur::{self, Blur, BlurKind, DepthInput, Desc, Frame, Knot, Mesh, MeshSizes, Placed, PoseInput, ToonInput};
 use crate::error::{Error, Result};
 use crate::gpu::capabilities::{DeviceTraits, own_memory};
 use crate::gpu::headless::Headless;
@@ -43,7 +45,9 @@ pub struct BlurFeed {
     shown: [Option<(u32, Image)>; 4],
     /// The frame whose pose stands in each place on the device.
     resident: Vec<Option<u32>>,
-    has_mesh: bool,
+    /// The mesh on the device, and that of the frame that is made.
+    mesh: Option<Arc<Mesh>>,
+    brought: Option<Arc<Mesh>>,
     placed: Option<Placed>,
 }
 
@@ -93,8 +97,8 @@ impl Feed for BlurFeed {
     }
 
     fn finished(&mut self) {
-        let Some(Placed { mesh, poses, .. }) = self.placed.take() else { return };
-        self.has_mesh |= mesh.is_some();
+        let Some(Placed { poses, .. }) = self.placed.take() else { return };
+        self.mesh = self.brought.take().or(self.mesh.take());
         if let Some(PoseInput { first, count, .. }) = poses {
             let places = self.resident.len();
             (first..first + count).for_each(|frame| self.resident[frame as usize % places] = Some(frame));
@@ -167,7 +171,7 @@ impl BlurFeed {
         let knots = knots(frame, desc);
         self.resident.resize(desc.frames_resident as usize, None);
         self.packed.clear();
-        if !self.has_mesh {
+        if self.mesh.as_ref().is_none_or(|mesh| !Arc::ptr_eq(mesh, &frame.mesh)) {
             self.packed.mesh_of_rows(&frame.mesh, &frame.colours);
             if desc.texture_rows > 0 {
                 self.packed.textures(&frame.textures);
@@ -175,6 +179,9 @@ impl BlurFeed {
             if !frame.shares.is_empty() {
                 self.packed.shares(&frame.shares);
             }
+            self.brought = Some(frame.mesh.clone());
+            // They are of another.
+            self.resident.fill(None);
         }
         if let Some([first, last]) = self.missing(frame, knots.unwrap_or_default()) {
             let range = (first - frame.first) as usize..=(last - frame.first) as usize;
@@ -184,7 +191,11 @@ impl BlurFeed {
         self.packed.interval(&frame.interval, knots.is_none());
         // SAFETY: the caller's.
         let buffer = unsafe { self.upload.write(host, allocator, "blur upload", self.packed.bytes())? };
-        Ok(self.packed.placed(buffer))
+        let mut placed = self.packed.placed(buffer);
+        if let Some(mesh) = &mut placed.mesh {
+            mesh.sizes = (!desc.is_for(&frame.mesh)).then(|| MeshSizes::of(&frame.mesh));
+        }
+        Ok(placed)
     }
 
     /// The first and the last pose that must be uploaded.

@@ -9,12 +9,13 @@ use super::shot::Blur;
 use crate::blur::settings::Trajectory;
 use crate::interrupt;
 use crate::io::image::Picture;
+use crate::io::passes::Passes;
 use crate::io::pattern::Pattern;
 use crate::io::scene::{AnimatedMesh, Source, references};
 use crate::io::shot::Shot;
 use crate::io::{ReadError, picture};
 use crate::offline::motion::{FRAMES_BESIDE, STEPS};
-use crate::offline::{BlurFrame, BlurInput as Motion, BlurScene, Effects, Scene};
+use crate::offline::{BlurError, BlurFrame, BlurInput as Animation, BlurScene, Effects, PassesInput, Scene};
 use crate::program::{Brought, Files, Input, InputError, Opened, add};
 
 /// A shot's mesh and pictures.
@@ -25,6 +26,21 @@ struct BlurInput {
     motion: Option<Motion>,
     images: Option<Images>,
     notes: Vec<String>,
+}
+
+/// Where motion comes from.
+enum Motion {
+    Scene(Box<Animation>),
+    Passes(Box<PassesInput>),
+}
+
+impl Motion {
+    fn frame(&mut self, frame: u32) -> Result<BlurFrame, BlurError> {
+        match self {
+            Motion::Scene(scene) => scene.frame(frame),
+            Motion::Passes(passes) => passes.frame(frame),
+        }
+    }
 }
 
 /// The pictures of the frames that are blurred.
@@ -56,9 +72,12 @@ pub(super) fn open(shot: &Arc<Shot>) -> Opened {
 
 impl Input for BlurInput {
     fn add_common(&self, hash: &mut Xxh3, files: &mut Files) -> Result<(), ReadError> {
-        let Blur { scene, animations, images, cuts, shares, share_map, settings } = &self.blur;
+        let Blur { scene, animations, images, passes, cuts, shares, share_map, settings } = &self.blur;
         add(hash, ("blur", self.shot.frames, animations, images.is_some(), cuts, shares, settings));
         add(hash, share_map.as_ref().map(|map| files.digest(map)).transpose()?);
+        if let Some(Passes { vectors, scale, .. }) = passes {
+            add(hash, ("passes", vectors, scale));
+        }
         match scene {
             Source::Builtin(which) => add(hash, which),
             Source::File(path) => {
@@ -82,6 +101,9 @@ impl Input for BlurInput {
             times.for_each(|time| add(hash, self.shot.camera(time)));
         }
         for at in around(2, 1) {
+            for pattern in self.blur.passes.iter().flat_map(Passes::files) {
+                add(hash, files.digest(&pattern.path(at))?);
+            }
             let image = self.blur.images.as_ref().map(|images| files.digest(&images.path(at)));
             add(hash, image.transpose()?);
         }
@@ -92,12 +114,20 @@ impl Input for BlurInput {
         if let Some(pattern) = self.blur.images.clone() {
             self.images = Some(Images::new(pattern, &self.shot, rendered)?);
         }
+        let cuts = self.blur.cuts.as_deref().unwrap_or_default();
+        let (frames, size) = (self.shot.frames, self.shot.size);
+        if let Some(passes) = self.blur.passes.clone() {
+            let read = move |frame: u32| passes.read(frame, size);
+            let motion = PassesInput::new(read, frames, &self.blur.settings, size, threads)?;
+            self.motion = Some(Motion::Passes(Box::new(motion.cut_at(cuts))));
+            return Ok(());
+        }
         let scene = self.blur.mesh(&self.shot)?;
         self.notes = notes(&scene, &self.blur);
         let of_shot = self.shot.clone();
         let view = move |frame: f64| of_shot.camera(frame).view(of_shot.size);
-        let motion = Motion::new(scene, view, self.shot.frames, &self.blur.settings, self.shot.size, threads)?;
-        self.motion = Some(motion.cut_at(self.blur.cuts.as_deref().unwrap_or_default()));
+        let motion = Animation::new(scene, view, frames, &self.blur.settings, size, threads)?;
+        self.motion = Some(Motion::Scene(Box::new(motion.cut_at(cuts))));
         Ok(())
     }
 
@@ -110,7 +140,8 @@ impl Input for BlurInput {
         let rendered = [*rendered.first().unwrap_or(&start), *rendered.last().unwrap_or(&end)];
         let drawn = self.images.is_none();
         Ok(match &self.motion {
-            Some(motion) => effects.with(motion.desc(size, rendered, seed, drawn, layers)),
+            Some(Motion::Scene(motion)) => effects.with(motion.desc(size, rendered, seed, drawn, layers)),
+            Some(Motion::Passes(passes)) => effects.with(passes.desc(seed, layers)?),
             None => effects,
         })
     }

@@ -3,6 +3,7 @@
 mod feed;
 mod input;
 mod layers;
+mod passes;
 mod shot;
 mod variants;
 

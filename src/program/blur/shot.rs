@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::passes;
 use crate::blur::Settings;
 use crate::blur::settings::Trajectory;
 use crate::io::ReadError;
+use crate::io::passes::Passes;
 use crate::io::pattern::Pattern;
 use crate::io::scene::{AnimatedMesh, Choice, Clock, Pick, Source};
 use crate::io::shot::{
@@ -15,12 +17,14 @@ use crate::io::shot::{
 /// A shot's settings of the motion blur of an animated mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blur {
-    /// Where the animated mesh comes from.
+    /// Where the animated mesh comes from, if there are no passes.
     pub scene: Source,
     /// The animations of the file that are played; none: its first.
     pub animations: Vec<Pick>,
     /// The frames that are blurred, one picture each; none: they are drawn.
     pub images: Option<Pattern>,
+    /// What a renderer wrote beside the images, instead of a mesh.
+    pub passes: Option<Passes>,
     /// Frames that begin a new shot, of mesh and camera; none: they are found.
     pub cuts: Option<Vec<u32>>,
     /// Shares of strength of objects and materials, by name.
@@ -32,17 +36,21 @@ pub struct Blur {
 }
 
 /// Keys of its input, each with what is allowed.
-const INPUTS: &[(&str, &str)] = &[
-    ("blur.scene", "\"builtin:run\", \"builtin:spin\" or \"builtin:crossing\", or a file (.glb, .gltf, .npz)"),
-    (
-        "blur.animation",
-        "the name of an animation of the glTF file, its number, from 0, a list of names and numbers, or \"*\" for all",
-    ),
-    ("blur.cuts", "a list of frames, whole numbers, 0 to 999999, ascending; [] for none"),
-    ("blur.shares", "[[name, share], ...]: names of objects or materials of the scene, and shares of strength, 0 to 1"),
-    ("blur.share_map", "an image file (.png, .exr, .jpg)"),
-    ("blur.images", "a pattern of image files, one a frame (\"frames/####.png\", .exr, .jpg)"),
-];
+const INPUTS: &[(&str, &str)] = {
+    let [of_passes, colour, depth, motion, id, vectors, scale] = passes::INPUTS;
+    &[SCENE, ANIMATION, CUTS, SHARES, SHARE_MAP, IMAGES, of_passes, colour, depth, motion, id, vectors, scale]
+};
+const SCENE: (&str, &str) =
+    ("blur.scene", "\"builtin:run\", \"builtin:spin\" or \"builtin:crossing\", or a file (.glb, .gltf, .npz)");
+const ANIMATION: (&str, &str) = (
+    "blur.animation",
+    "the name of an animation of the glTF file, its number, from 0, a list of names and numbers, or \"*\" for all",
+);
+const CUTS: (&str, &str) = ("blur.cuts", "a list of frames, whole numbers, 0 to 999999, ascending; [] for none");
+const IMAGES: (&str, &str) = ("blur.images", "a pattern of image files, one a frame (\"frames/####.png\", .exr, .jpg)");
+const SHARES: (&str, &str) =
+    ("blur.shares", "[[name, share], ...]: names of objects or materials of the scene, and shares of strength, 0 to 1");
+const SHARE_MAP: (&str, &str) = ("blur.share_map", "an image file (.png, .exr, .jpg)");
 
 pub(super) const TABLE: Table = Table {
     name: "blur",
@@ -52,13 +60,41 @@ pub(super) const TABLE: Table = Table {
         FileKey::one("blur.scene"),
         FileKey::sequence("blur.images"),
         FileKey::one("blur.share_map"),
+        FileKey::sequence("blur.passes.colour"),
+        FileKey::sequence("blur.passes.depth"),
+        FileKey::sequence("blur.passes.motion"),
+        FileKey::sequence("blur.passes.id"),
         FileKey::one("blur.toon.tones"),
     ],
-    excluding: &[["blur.teeth", "blur.tooth_width"]],
+    excluding: &[
+        ["blur.teeth", "blur.tooth_width"],
+        ["blur.scene", "blur.passes.colour"],
+        ["blur.animation", "blur.passes.colour"],
+        ["blur.images", "blur.passes.colour"],
+        ["blur.shares", "blur.passes.colour"],
+        ["blur.share_map", "blur.passes.colour"],
+        ["blur.scene", "blur.passes.depth"],
+        ["blur.animation", "blur.passes.depth"],
+        ["blur.images", "blur.passes.depth"],
+        ["blur.scene", "blur.passes.motion"],
+        ["blur.animation", "blur.passes.motion"],
+        ["blur.images", "blur.passes.motion"],
+        ["blur.scene", "blur.passes.id"],
+        ["blur.animation", "blur.passes.id"],
+        ["blur.images", "blur.passes.id"],
+    ],
     read,
 };
 
-impl Part for Blur {}
+impl Part for Blur {
+    /// Depth of passes is not that of what else is in a shot.
+    fn check(&self, is_alone: bool) -> Result<(), String> {
+        match self.passes.is_some() && !is_alone {
+            true => Err("blur.passes: allowed: only where [blur] is the only effect".to_owned()),
+            false => Ok(()),
+        }
+    }
+}
 
 impl Blur {
     /// The animated mesh, read or made.
@@ -77,7 +113,7 @@ impl Blur {
 }
 
 fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
-    const ELSEWHERE: &[&str] = &["scene", "animation", "images", "cuts", "shares", "share_map"];
+    const ELSEWHERE: &[&str] = &["scene", "animation", "images", "cuts", "shares", "share_map", "passes"];
     let Section { tree, folder, .. } = *section;
     let tones = tree.word("blur.toon.tones");
     let elsewhere = [ELSEWHERE, if tones.is_some() { &["toon.tones"] } else { &[] }].concat();
@@ -100,7 +136,16 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
         }
         _ => {}
     }
-    let images = images(section)?;
+    let passes = passes::read(section)?;
+    if passes.is_some() && settings.trajectory == Trajectory::Exact {
+        let message =
+            "blur.trajectory = \"exact\": allowed: \"spline\" or \"past\"; passes have no poses between frames";
+        return Err(tree.wrong("blur.trajectory", message.to_owned()));
+    }
+    let (images, passes) = match passes {
+        Some((colour, passes)) => (Some(colour), Some(passes)),
+        None => (sequence(section, "blur.images")?, None),
+    };
     let cuts = tree.frame_list("blur.cuts")?;
     if cuts.is_some() {
         // What is given is all: none are looked for.
@@ -108,15 +153,16 @@ fn read(section: &Section) -> Result<Arc<dyn Part>, ShotError> {
     }
     let shares = tree.shares("blur.shares")?;
     let share_map = tree.text("blur.share_map")?.map(|file| folder.join(file));
-    Ok(Arc::new(Blur { scene, animations, images, cuts, shares, share_map, settings }))
+    Ok(Arc::new(Blur { scene, animations, images, passes, cuts, shares, share_map, settings }))
 }
 
-fn images(section: &Section) -> Result<Option<Pattern>, ShotError> {
+/// The files of a key that has one a frame.
+pub(super) fn sequence(section: &Section, key: &str) -> Result<Option<Pattern>, ShotError> {
     let Section { tree, folder, frames: [first, last], .. } = *section;
-    let Some(pattern) = tree.text("blur.images")? else { return Ok(None) };
+    let Some(pattern) = tree.text(key)? else { return Ok(None) };
     let pattern = Pattern::parse(&pattern).and_then(|pattern| {
         pattern.check_frames(first, last)?;
         Ok(pattern.below(folder))
     });
-    pattern.map(Some).map_err(|e| pattern_error(tree, "blur.images", &e))
+    pattern.map(Some).map_err(|e| pattern_error(tree, key, &e))
 }

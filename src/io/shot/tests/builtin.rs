@@ -140,9 +140,9 @@ fn built_in_shots_say_the_defaults() {
             );
             assert_eq!(settings.light > 0.0, shot.has("smoke"), "{name}: fire lights smoke where there is some");
         }
-        if let Some(Blur { scene, animations, images, cuts, shares, share_map, settings }) = shot.part() {
+        if let Some(Blur { scene, animations, images, passes, cuts, shares, share_map, settings }) = shot.part() {
             assert_eq!(*scene, scene::Source::Builtin(crate::simulate::mesh::Builtin::Run));
-            assert_eq!((&animations[..], images, cuts), (&[][..], &None, &None));
+            assert_eq!((&animations[..], images, passes, cuts), (&[][..], &None, &None, &None));
             assert_eq!((&shares[..], share_map), (&[][..], &None));
             let tooth_width = Some(crate::blur::Settings::default().tooth_width());
             let expected = match *name == "builtin:paper_blur" {
@@ -181,6 +181,10 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
                 Err(error) if ["blur.animation", "camera.animation", "camera.name"].contains(&&key[..]) => {
                     assert!(error.to_string().contains("glTF"), "{error}")
                 }
+                // Of passes there is none without the others.
+                Err(error) if key.starts_with("blur.passes.") => {
+                    assert!(error.to_string().contains("colour, depth and motion together"), "{error}");
+                }
                 loaded => drop(loaded.expect(&key)),
             }
             tried.push(key);
@@ -207,6 +211,7 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
         }
         if shot.has("blur") {
             expected.extend(keys::INSTEAD_OF_FILE);
+            expected.extend(["blur.passes.colour", "blur.passes.depth", "blur.passes.id", "blur.passes.motion"]);
             expected.extend([
                 "blur.animation",
                 "blur.cuts",
