@@ -42,6 +42,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     print(&text)
 }
 
+/// What parts of a mesh are called.
+#[derive(Debug, Default, Serialize)]
+struct Names {
+    objects: Vec<String>,
+    materials: Vec<String>,
+}
+
 /// The content of a file.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
@@ -50,6 +57,8 @@ enum Report {
         vertices: usize,
         triangles: usize,
         objects: usize,
+        /// Their names, and those of materials.
+        names: Names,
         animations: Vec<AnimationReport>,
         cameras: Vec<CameraReport>,
         notes: Vec<String>,
@@ -180,7 +189,12 @@ fn cameras(path: &Path) -> Result<Report, ReadError> {
 fn cache(path: &Path) -> Result<Report, ReadError> {
     let [vertices, triangles, objects] = AnimatedMesh::count_of_cache(path)?;
     let (animations, cameras, notes) = (Vec::new(), Vec::new(), Vec::new());
-    Ok(Report::Mesh { vertices, triangles, objects, animations, cameras, notes })
+    Ok(Report::Mesh { vertices, triangles, objects, names: Names::default(), animations, cameras, notes })
+}
+
+fn names(mesh: &AnimatedMesh) -> Names {
+    let named = |names: &[String]| names.iter().filter(|name| !name.is_empty()).cloned().collect();
+    Names { objects: named(&mesh.topology().objects), materials: named(&mesh.topology().materials) }
 }
 
 fn mesh(path: &Path) -> Result<Report, ReadError> {
@@ -191,6 +205,7 @@ fn mesh(path: &Path) -> Result<Report, ReadError> {
         vertices: mesh.vertices(),
         triangles: mesh.topology().triangles.len(),
         objects: mesh.topology().objects.len(),
+        names: names(&mesh),
         animations: animations.map(|a| AnimationReport { name: a.name.clone(), seconds: a.seconds }).collect(),
         cameras: cameras.map(|c| CameraReport { name: c.name.clone(), perspective: c.is_perspective }).collect(),
         notes: mesh.notes().iter().map(|note| note.text.clone()).collect(),
@@ -269,6 +284,17 @@ fn shot(name: &str) -> Result<Report, Failure> {
     Ok(Report::Shot { size: shot.size, frames: shot.frames, fps: shot.fps, effects })
 }
 
+/// Most names of a kind that are written out.
+const MOST_NAMES: usize = 24;
+
+fn listed(f: &mut fmt::Formatter, kind: &str, names: &[String]) -> fmt::Result {
+    names.iter().take(MOST_NAMES).try_for_each(|name| writeln!(f, "{kind} `{name}`"))?;
+    match names.len().checked_sub(MOST_NAMES).filter(|more| *more > 0) {
+        Some(more) => writeln!(f, "and {more} more {kind}s"),
+        None => Ok(()),
+    }
+}
+
 fn not_finite(count: u64) -> String {
     if count > 0 { format!(", {count} values not finite") } else { String::new() }
 }
@@ -276,8 +302,10 @@ fn not_finite(count: u64) -> String {
 impl Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Report::Mesh { vertices, triangles, objects, animations, cameras, notes } => {
+            Report::Mesh { vertices, triangles, objects, names, animations, cameras, notes } => {
                 writeln!(f, "mesh: {vertices} vertices, {triangles} triangles, {objects} objects")?;
+                listed(f, "object", &names.objects)?;
+                listed(f, "material", &names.materials)?;
                 animations.iter().try_for_each(|a| writeln!(f, "animation `{}`: {} s", a.name, a.seconds))?;
                 cameras.iter().try_for_each(|c| {
                     let kind = if c.perspective { "perspective" } else { "orthographic, cannot be looked through" };

@@ -14,6 +14,13 @@ use crate::view::BRIGHTEST;
 /// A texture sampler's filter that takes the nearest texel.
 const NEAREST_FILTER: u64 = 9728;
 
+/// A primitive's texture.
+pub(super) struct Textured {
+    pub(super) number: u32,
+    /// Where its vertices are in it.
+    pub(super) places: Vec<[f32; 2]>,
+}
+
 /// Finds vertices' colours: base colour factor x vertex colour; and the base colour textures that are before them.
 pub(super) struct Colours<'d> {
     document: &'d Document<'d>,
@@ -92,11 +99,7 @@ impl<'d> Colours<'d> {
 
     /// A primitive's base colour texture, and where its vertices are in it; none where its picture or the coordinates are
     /// missing.
-    pub(super) fn texture(
-        &mut self,
-        primitive: &Primitive,
-        count: usize,
-    ) -> Result<Option<(u32, Vec<[f32; 2]>)>, ReadError> {
+    pub(super) fn texture(&mut self, primitive: &Primitive, count: usize) -> Result<Option<Textured>, ReadError> {
         let root = &self.document.root;
         let material = self.material(primitive)?;
         let Some(info) = material.and_then(|m| m.pbr_metallic_roughness.base_color_texture.as_ref()) else {
@@ -139,7 +142,7 @@ impl<'d> Colours<'d> {
                 _ => moved[axis] as f32,
             })
         };
-        Ok(Some((number, coordinates.into_iter().map(place).collect())))
+        Ok(Some(Textured { number, places: coordinates.into_iter().map(place).collect() }))
     }
 }
 

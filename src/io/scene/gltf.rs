@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::choice::{self, Choice};
-use super::colour::Colours;
+use super::colour::{Colours, Textured};
 use super::document::Document;
 use super::instances;
 use super::json::{KeyKind, Mesh, Mode, Primitive, TargetPath};
@@ -294,7 +294,7 @@ struct Shape {
     /// Shares of strength, if it says some.
     shares: Option<Vec<f32>>,
     /// The texture, and where vertices are in it.
-    texture: Option<(u32, Vec<[f32; 2]>)>,
+    texture: Option<Textured>,
     /// TEXCOORD_0, if it has such.
     coordinates: Option<Vec<[f32; 2]>>,
     /// Name of its material.
@@ -370,10 +370,10 @@ impl Builder<'_> {
             Some(coordinates) => topology.coordinates.extend(coordinates),
             None => topology.coordinates.resize(first + count, [0.0; 2]),
         }
-        let number = shape.texture.as_ref().map(|(number, _)| *number);
+        let number = shape.texture.as_ref().map(|texture| texture.number);
         topology.texture.resize(first + count, number);
         match &shape.texture {
-            Some((_, places)) => topology.texture_place.extend(places),
+            Some(texture) => topology.texture_place.extend(&texture.places),
             None => topology.texture_place.resize(first + count, [0.0; 2]),
         }
         let known = topology.materials.iter().position(|name| *name == shape.material);
