@@ -510,7 +510,11 @@ fn inspect_shows_what_files_hold() {
     let mesh = inspected(&folder, "t.gltf");
     assert_eq!((&mesh["vertices"], &mesh["triangles"], &mesh["objects"]), (&6.into(), &2.into(), &2.into()), "{mesh}");
     assert_eq!(mesh["animations"], serde_json::json!([{"name": "Walk", "seconds": 1.5}]));
-    assert!(succeeds(&folder, &["inspect", "t.gltf"]).contains("6 vertices, 2 triangles, 2 objects\nanimation `Walk`"));
+    assert!(
+        succeeds(&folder, &["inspect", "t.gltf"])
+            .contains("6 vertices, 2 triangles, 2 objects\nobject `node 0`\nobject `node 1`\nanimation `Walk`")
+    );
+    assert_eq!(mesh["names"], serde_json::json!({"objects": ["node 0", "node 1"], "materials": []}));
 
     let density = [0.0, 1.0, 2.5, -1.0];
     let volume = Volume {

@@ -15,6 +15,7 @@ layout(std430, binding = 9) readonly buffer CornerGroups { uvec4 corner_groups[]
 #include "frame.glsl"
 layout(constant_id = 0) const uint INKED = 1u;  // 0: no line
 layout(constant_id = 1) const int REACH = 1;    // samples from which a line can reach a sample
+layout(constant_id = 2) const uint TEXTURED = 0u;  // 1: base colours have textures
 layout(location = 0) out vec4 colour;
 
 #include "edges.glsl"
@@ -44,7 +45,7 @@ vec3 tone_of(uint index, vec2 at) {
     normal = length_of > 0.0 ? normal / length_of : vec3(0.0);
     // The side that is seen.
     normal = sum * params.winding > 0.0 ? -normal : normal;
-    return toned(constants.frame, index, triangle, barycentrics, normal);
+    return tone_at(constants.frame, triangle, barycentrics, normal) * paint_at(constants.frame, index, triangle, barycentrics);
 }
 
 float line_near(ivec2 at) {

@@ -16,11 +16,9 @@ struct ToonParams {
     uint groups;         // normal groups
     float second_strength; // of the second light
     float rim;           // brightness of edges that turn away
-    uint has_textures;   // texture coordinates, textures and texels follow the base colours
-    uint unused_toon[3];
     vec4 tones[MOST_TONES]; // linear RGB that the base colour is multiplied by; w: luminance where it begins
 };
 layout(std430, binding = 29) readonly buffer ToonBuffer {
     ToonParams toon;
-    vec4 base_colours[]; // of triangles' corners; linear RGB
+    vec4 base_colours[]; // of triangles' corners; linear RGB; then textures, if there are any
 };

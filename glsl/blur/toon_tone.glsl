@@ -16,8 +16,20 @@ vec3 way_to(vec4 goal, uint frame, uvec4 triangle, vec3 barycentrics) {
     return dot(way, way) > 0.0 ? normalize(way) : vec3(0.0);
 }
 
-// The tone of a place of a triangle, whose number is `index`, by its normal, of length 1 or 0.
-vec3 toned(uint frame, uint index, uvec4 triangle, vec3 barycentrics, vec3 normal) {
+// Before it, TEXTURED: whether there are textures.
+
+// What a place of a triangle, whose number is `index`, is painted with, as a sample of a frame sees it.
+vec3 paint_at(uint frame, uint index, uvec4 triangle, vec3 barycentrics) {
+    vec3 base = barycentrics.x * base_colours[3u * index].rgb + barycentrics.y * base_colours[3u * index + 1u].rgb
+        + barycentrics.z * base_colours[3u * index + 2u].rgb;
+    if (TEXTURED != 0u) {
+        base *= texture_at(frame, index, triangle, barycentrics);
+    }
+    return max(base, vec3(0.0));
+}
+
+// The tone of a place of a triangle by its normal, of length 1 or 0: what its paint is multiplied by.
+vec3 tone_at(uint frame, uvec4 triangle, vec3 barycentrics, vec3 normal) {
     float facing = dot(normal, way_to(toon.light, frame, triangle, barycentrics));
     float luminance = luminance_of(facing, 1.0, dot(normal, toon.fill.xyz), toon.ambient, toon.fill.w);
     if (toon.second_strength > 0.0) {
@@ -32,10 +44,5 @@ vec3 toned(uint frame, uint index, uvec4 triangle, vec3 barycentrics, vec3 norma
     for (uint i = 1u; i < toon.tone_count && luminance >= toon.tones[i].w; ++i) {
         tone = toon.tones[i].rgb;
     }
-    vec3 base = barycentrics.x * base_colours[3u * index].rgb + barycentrics.y * base_colours[3u * index + 1u].rgb
-        + barycentrics.z * base_colours[3u * index + 2u].rgb;
-    if (toon.has_textures != 0u) {
-        base *= texture_at(frame, index, triangle, barycentrics);
-    }
-    return tone * max(base, vec3(0.0));
+    return tone;
 }

@@ -295,7 +295,6 @@ impl ToonParams {
             fill: light.fill_axis(),
             tone_count: toon.tones.len() as u32,
             groups: desc.groups,
-            has_textures: u32::from(desc.texture_rows > 0),
             ..ToonParams::zeroed()
         };
         for (to, tone) in params.tones.iter_mut().zip(&toon.tones) {

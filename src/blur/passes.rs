@@ -125,7 +125,8 @@ passes! {
     shade_drawn: Option<PassId> = draws_hidden(desc).then(|| {
         let facts = [completion(desc), chooses(desc), desc.settings.toon.draws_smears().into()];
         let [completion, chooses, is_bare] = facts;
-        Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise([desc.groups, completion, chooses, is_bare])
+        let constants = [desc.groups, completion, chooses, is_bare, textured(desc)];
+        Pass::compute("blur.shade", &glsl::shade_drawn::SHADER).specialise(constants)
     });
     shade =
         Pass::compute("blur.shade", &glsl::shade::SHADER).specialise([desc.groups, completion(desc), chooses(desc)]);
@@ -221,6 +222,11 @@ fn in_screen(desc: &Desc) -> u32 {
 /// Whether what drawn frames hide is drawn, too.
 fn draws_hidden(desc: &Desc) -> bool {
     desc.toon && (desc.settings.completion == Completion::Surface || desc.settings.toon.draws_smears())
+}
+
+/// Whether frames are drawn with textures, as a specialisation constant.
+fn textured(desc: &Desc) -> u32 {
+    u32::from(desc.texture_rows > 0)
 }
 
 /// Whether there may be ink that is drawn after the distortion.
@@ -357,7 +363,8 @@ fn from_toon(name: &'static str, to: &[ImageId]) -> Pass {
 fn toon(desc: &Desc, image: ImageId) -> Pass {
     let toon = &desc.settings.toon;
     let inked = u32::from(toon.outline.is_on());
-    whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise([inked, ink_reach(toon, desc.size[1])])
+    let constants = [inked, ink_reach(toon, desc.size[1]), textured(desc)];
+    whole("blur.toon", &glsl::toon_fragment::SHADER, image, desc).specialise(constants)
 }
 
 /// A frame over the background, as the target's first content.

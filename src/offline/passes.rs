@@ -30,7 +30,7 @@ use grid::Grid;
 use tracks::{Around, Next, Places, Poses, Seen};
 
 /// The farthest depth of passes that is seen, and the inverse of the nearest.
-const FARTHEST: f64 = 1e9;
+const DEEPEST: f64 = 1e9;
 /// Half the vertical angle of view, in degrees, for which the blur takes lengths in a view without perspective.
 const HALF_VIEW: f64 = 20.0;
 /// Side of the largest cells of a surface, in pixels at 1080 lines.
@@ -202,7 +202,7 @@ impl PassesInput {
     /// What sees the mesh: x and y are pixels.
     fn view(&self) -> View {
         let [width, height] = self.size.map(f64::from);
-        let deepest = 2.0 * FARTHEST.ln() * self.depth_unit();
+        let deepest = 2.0 * DEEPEST.ln() * self.depth_unit();
         let view_to_clip = DMat4::from_cols(
             DVec4::new(2.0 / width, 0.0, 0.0, -1.0),
             DVec4::new(0.0, 2.0 / height, 0.0, -1.0),
