@@ -110,6 +110,7 @@ mod plan;
 mod random;
 mod scan;
 mod shaders;
+mod srgb;
 mod threads;
 
 // The program.

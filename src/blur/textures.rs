@@ -4,6 +4,7 @@ use crate::blur::mesh::Mesh;
 use crate::shaders::blur::constants::{
     CLAMPED, MIRRORED, NEAREST, NONE, REPEATED, TEXEL_BITS, TEXEL_MASK, TEXTURE_ROWS, TRIANGLE_ROWS,
 };
+use crate::srgb::linear_from_srgb;
 
 /// Texels of all textures and their smaller levels that a device is given; of larger ones the largest levels are left out.
 pub const MOST_TEXELS: u64 = 1 << 24;
@@ -85,7 +86,7 @@ pub fn texture_rows(mesh: &Mesh, textures: &[Texture], of: &[Option<u32>], coord
     let mut rows: Vec<[u32; 4]> = mesh.corners().iter().flat_map(triangle).collect();
     debug_assert_eq!(rows.len(), TRIANGLE_ROWS as usize * mesh.corners().len());
     let left_out = left_out(textures);
-    let linear = std::array::from_fn(|coded| linear(coded as f64 / 255.0) as f32);
+    let linear = std::array::from_fn(|coded| linear_from_srgb(coded as f64 / 255.0) as f32);
     let table = rows.len();
     rows.resize(table + TEXTURE_ROWS as usize * textures.len(), [0; 4]);
     // Rows follow three of base colours a triangle.
@@ -132,11 +133,6 @@ fn packed(texel: &[f32; 3]) -> u32 {
     r | g << TEXEL_BITS | b << (2 * TEXEL_BITS)
 }
 
-/// What sRGB codes, IEC 61966-2-1.
-fn linear(coded: f64) -> f64 {
-    if coded <= 0.04045 { coded / 12.92 } else { ((coded + 0.055) / 1.055).powf(2.4) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,7 +164,7 @@ mod tests {
     #[test]
     fn levels_are_means_of_light() {
         let texels = vec![[255, 0, 0], [0, 0, 0], [255, 255, 0], [0, 0, 255], [9, 9, 9], [9, 9, 9]];
-        let linear = std::array::from_fn(|coded| linear(coded as f64 / 255.0) as f32);
+        let linear = std::array::from_fn(|coded| linear_from_srgb(coded as f64 / 255.0) as f32);
         let level = Level::of(&Texture { size: [2, 3], texels, ..Texture::default() }, &linear);
         let half = level.halved().expect("a smaller one");
         assert_eq!((half.size, &half.texels[..]), ([1, 1], &[[0.5, 0.25, 0.25]][..]));
@@ -187,10 +183,11 @@ mod tests {
     #[test]
     fn texels_are_as_fine_as_srgb_codes_them() {
         for coded in 0..=255_u32 {
-            let light = linear(f64::from(coded) / 255.0);
+            let light = linear_from_srgb(f64::from(coded) / 255.0);
             let stored = f64::from(packed(&[light as f32; 3]) & TEXEL_MASK) / f64::from(TEXEL_MASK);
             // Half of the way to the next code, at most.
-            let next = linear(f64::from(coded.max(1)) / 255.0) - linear(f64::from(coded.max(1) - 1) / 255.0);
+            let next = linear_from_srgb(f64::from(coded.max(1)) / 255.0)
+                - linear_from_srgb(f64::from(coded.max(1) - 1) / 255.0);
             assert!((stored * stored - light).abs() < 0.5 * next, "{coded}");
         }
     }

@@ -73,19 +73,13 @@ pub struct Picture<P> {
     pub pixels: Vec<P>,
 }
 
+pub use crate::srgb::linear_from_srgb;
+
 /// The sRGB transfer function (IEC 61966-2-1) from linear light to the coded value; both 0 to 1.
 pub fn srgb_from_linear(linear: f64) -> f64 {
     match linear <= 0.003_130_8 {
         true => 12.92 * linear,
         false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
-    }
-}
-
-/// The sRGB transfer function (IEC 61966-2-1) from the coded value to linear light; both 0 to 1.
-pub fn linear_from_srgb(coded: f64) -> f64 {
-    match coded <= 0.040_45 {
-        true => coded / 12.92,
-        false => ((coded + 0.055) / 1.055).powf(2.4),
     }
 }
 

@@ -41,7 +41,7 @@ impl Levels {
     }
 
     /// Linear RGB at a place where so many texels of the largest level are on a sample: between two levels, and in each of them
-    /// between four texels. `rounds`: whether rounding of single floats may decide which texel it is.
+    /// between four texels; and whether rounding of single floats may decide which texel it is.
     pub fn at(&self, place: [f64; 2], texels: f64) -> (DVec3, bool) {
         let last = self.levels.len() - 1;
         let level = (0.5 * texels.max(1e-12).log2()).clamp(0.0, last as f64);
