@@ -53,6 +53,7 @@ void main() {
         site.change[i] = change_of(colours[0][i], colours[1][i]);
     }
     site.change.w = 1;
+    atomicAdd(completing[OBJECTS + 2u * (lesson.base.w >> OBJECT_SHIFT)], 1u);
     uint index = atomicAdd(completing[SITE_COUNT], 1u);
     if (index < MOST_SITES) {
         sites[index] = site;

@@ -57,8 +57,11 @@ void gather(uvec2 range, vec3 earlier, vec3 later, uint steps, uint scale, uint 
     barrier();
     for (uint i = lane; i < range.y; i += gl_WorkGroupSize.x) {
         Site site = sites[range.x + i];
+        if (object != ALL && uint(site.normals[0].w) != object) {
+            continue;
+        }
         uvec2 at = steps_at(site, earlier, later, steps);
-        if (at.x == at.y || (object != ALL && uint(site.normals[0].w) != object)) {
+        if (at.x == at.y) {
             continue;
         }
         uint weight = WHOLE;

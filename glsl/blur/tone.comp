@@ -25,6 +25,11 @@ void main() {
     bool is_own = constants.is_own == 1u;
     uint object = is_own ? group : ALL;
     uint place = is_own ? group + 1u : 0u;
+    // Without a place of its own, an object has the common tones.
+    uint repeats = is_own && completing[OBJECTS + 2u * object] == 0u ? 0u : REPEATS;
+    if (lane < 3u * TONE_STEPS) {
+        tones[lane] = 0;
+    }
     if (lane < 3u) {
         judged[lane] = 0u;
     }
@@ -32,7 +37,7 @@ void main() {
         common_tones[lane] = int(tables[row_of_tone(0u, lane / 3u)][lane % 3u]);
     }
     barrier();
-    for (uint repeat = 0u; repeat < REPEATS; ++repeat) {
+    for (uint repeat = 0u; repeat < repeats; ++repeat) {
         gather(range, earlier, later, TONE_STEPS, repeat == 0u ? 0u : RESIDUAL, object);
         solve(TONE_STEPS);
     }
@@ -47,7 +52,7 @@ void main() {
         tables[row_of_light(place, 0u)] = uvec4(floatBitsToUint(earlier), 0u);
         tables[row_of_light(place, 1u)] = uvec4(floatBitsToUint(later), 0u);
     }
-    if (!is_own) {
+    if (!is_own || repeats == 0u) {
         return;
     }
     uvec3 all = uvec3(0u);
