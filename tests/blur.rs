@@ -10,6 +10,8 @@ mod behind;
 mod complete;
 #[path = "blur/depth.rs"]
 mod depth;
+#[path = "blur/drawn.rs"]
+mod drawn;
 #[path = "blur/extent.rs"]
 mod extent;
 #[path = "blur/host.rs"]
