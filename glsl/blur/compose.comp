@@ -67,9 +67,9 @@ vec4 ink_of(ivec2 pixel) {
     return ink;
 }
 
-// A frame's pixel, finished.
+// A frame's pixel, finished: over what is behind.
 vec4 finished_at(vec4 own, ivec2 pixel) {
-    return params.is_over_background != 0u ? own + (1.0 - own.w) * background_at(pixel) : own;
+    return own + (1.0 - own.w) * background_at(pixel);
 }
 
 // What goes along with the mesh around a pixel.
