@@ -1,5 +1,7 @@
 //! `celfx inspect`: what a mesh, volume, particle or shot file holds.
 
+mod grids;
+
 use std::fmt::{self, Display};
 use std::path::Path;
 
@@ -8,11 +10,10 @@ use serde::Serialize;
 
 use super::{Failure, print};
 use crate::io::ReadError;
-use crate::io::array::{Archive, Element, Header};
+use crate::io::array::Archive;
 use crate::io::particles;
 use crate::io::scene::{AnimatedMesh, Choice, Clock};
 use crate::io::shot;
-use crate::io::volume::{self, Grids};
 use crate::program::{self, EFFECTS};
 
 const EXAMPLES: &str = "\
@@ -65,6 +66,7 @@ enum Report {
     },
     Volume {
         grids: Vec<GridReport>,
+        notes: Vec<String>,
     },
     Particles {
         count: u64,
@@ -100,11 +102,11 @@ struct CameraReport {
 struct GridReport {
     name: String,
     #[serde(rename = "type")]
-    kind: &'static str,
+    kind: String,
     dimensions: [u32; 3],
     voxel_size: [f32; 3],
     origin: [f32; 3],
-    active: usize,
+    active: u64,
     /// Of what is finite; none if nothing is.
     min: Option<f32>,
     max: Option<f32>,
@@ -128,14 +130,15 @@ struct Statistics {
 }
 
 impl Statistics {
-    fn add(&mut self, value: f32) {
+    /// A value that there is so often.
+    fn add(&mut self, value: f32, times: u64) {
         if !value.is_finite() {
-            self.not_finite += 1;
+            self.not_finite += times;
             return;
         }
         let Range { min, max } = self.range.get_or_insert(Range { min: value, max: value });
         (*min, *max) = (min.min(value), max.max(value));
-        self.sum += f64::from(value);
+        self.sum += f64::from(value) * times as f64;
     }
 }
 
@@ -148,7 +151,7 @@ fn report(file: &str) -> Result<Report, Failure> {
         Some("glb" | "gltf") => Ok(mesh(path)?),
         Some("npz") => Ok(archive(path)?),
         Some("ply" | "csv") => Ok(particles(path)?),
-        Some("vdb") => Ok(volume(path)?),
+        Some("vdb") => Ok(grids::vdb(path)?),
         _ => {
             let expected = "a name that ends in .glb, .gltf, .npz, .ply, .csv, .vdb or .toml";
             Err(ReadError::file(path, "not a known kind of file", expected).into())
@@ -167,11 +170,11 @@ fn archive(path: &Path) -> Result<Report, ReadError> {
         ["density", "voxel_size", "triangle", "temperature", "view_projection"].map(|name| axes(name).is_some());
     let position = axes("position");
     match () {
-        () if density && voxels => volume(path),
+        () if density && voxels => grids::npz(path),
         () if triangle && position == Some(3) => cache(path),
         () if temperature && position == Some(2) => particles(path),
         () if cameras => self::cameras(path),
-        () if density => volume(path),
+        () if density => grids::npz(path),
         () if triangle => cache(path),
         () if temperature => particles(path),
         () => {
@@ -212,52 +215,6 @@ fn mesh(path: &Path) -> Result<Report, ReadError> {
     })
 }
 
-/// The grids: density, velocity, and whatever else has a value or a vector for each voxel.
-fn volume(path: &Path) -> Result<Report, ReadError> {
-    let mut archive = volume::open(path)?;
-    let shape = volume::shape(&mut archive, &Grids::default())?;
-    let [nx, ny, nz] = shape.dimensions.map(u64::from);
-    let mut names = archive.names();
-    names.sort_by_key(|name| (name != "density", name != "velocity"));
-    let mut grids = Vec::new();
-    for name in names {
-        let Some(header) = archive.header(&name).ok().flatten() else { continue };
-        let is_vector = match header.shape[..] {
-            [z, y, x] | [z, y, x, 1] if [x, y, z] == [nx, ny, nz] => false,
-            [z, y, x, 3] if [x, y, z] == [nx, ny, nz] => true,
-            _ => continue,
-        };
-        let mut all = Statistics::default();
-        archive.each(&name, |value| all.add(value))?;
-        let volume::Shape { dimensions, voxel_size, origin, .. } = shape;
-        grids.push(GridReport {
-            kind: kind(&header, is_vector),
-            name,
-            dimensions,
-            voxel_size,
-            origin,
-            active: (nx * ny * nz) as usize,
-            min: all.range.as_ref().map(|range| range.min),
-            max: all.range.as_ref().map(|range| range.max),
-            sum: all.sum,
-            not_finite: all.not_finite,
-        });
-    }
-    Ok(Report::Volume { grids })
-}
-
-/// The type of a grid by the names that OpenVDB has for them.
-fn kind(header: &Header, is_vector: bool) -> &'static str {
-    let [value, vector] = match header.element {
-        Element::F16 => ["half", "vec3h"],
-        Element::F32 => ["float", "vec3f"],
-        Element::F64 => ["double", "vec3d"],
-        Element::Int(8) | Element::Uint(8) => ["int64", "vec3i"],
-        Element::Int(_) | Element::Uint(_) => ["int32", "vec3i"],
-    };
-    if is_vector { vector } else { value }
-}
-
 fn particles(path: &Path) -> Result<Report, ReadError> {
     let mut archive = particles::open(path)?;
     let count = particles::count(&mut archive)?;
@@ -265,11 +222,11 @@ fn particles(path: &Path) -> Result<Report, ReadError> {
     let is_fortran = archive.header("position")?.is_some_and(|header| header.fortran_order);
     archive.each("position", |value: f32| {
         let axis = if is_fortran { at / count.max(1) } else { at % 3 };
-        axes[axis as usize % 3].add(value);
+        axes[axis as usize % 3].add(value, 1);
         at += 1;
     })?;
     let mut temperature = Statistics::default();
-    archive.each("temperature", |value| temperature.add(value))?;
+    archive.each("temperature", |value| temperature.add(value, 1))?;
     let not_finite = axes.iter().chain([&temperature]).map(|of| of.not_finite).sum();
     let bounds = match axes.map(|axis| axis.range) {
         [Some(x), Some(y), Some(z)] => Some([[x.min, y.min, z.min], [x.max, y.max, z.max]]),
@@ -299,6 +256,16 @@ fn not_finite(count: u64) -> String {
     if count > 0 { format!(", {count} values not finite") } else { String::new() }
 }
 
+impl Display for GridReport {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let GridReport { name, kind, dimensions: [x, y, z], voxel_size, origin, active, sum, .. } = self;
+        writeln!(f, "grid `{name}`: {kind}, {x} x {y} x {z} voxels of {voxel_size:?} m from {origin:?}")?;
+        write!(f, "  {active} active")?;
+        self.min.zip(self.max).iter().try_for_each(|(min, max)| write!(f, ", {min} to {max}, sum {sum}"))?;
+        writeln!(f, "{}", not_finite(self.not_finite))
+    }
+}
+
 impl Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -313,13 +280,10 @@ impl Display for Report {
                 })?;
                 notes.iter().try_for_each(|note| writeln!(f, "note: {note}"))
             }
-            Report::Volume { grids } => grids.iter().try_for_each(|grid| {
-                let GridReport { name, kind, dimensions: [x, y, z], voxel_size, origin, active, sum, .. } = grid;
-                writeln!(f, "grid `{name}`: {kind}, {x} x {y} x {z} voxels of {voxel_size:?} m from {origin:?}")?;
-                write!(f, "  {active} active")?;
-                grid.min.zip(grid.max).iter().try_for_each(|(min, max)| write!(f, ", {min} to {max}, sum {sum}"))?;
-                writeln!(f, "{}", not_finite(grid.not_finite))
-            }),
+            Report::Volume { grids, notes } => {
+                grids.iter().try_for_each(|grid| write!(f, "{grid}"))?;
+                notes.iter().try_for_each(|note| writeln!(f, "note: {note}"))
+            }
             Report::Particles { count, bounds, temperature, not_finite: odd } => {
                 writeln!(f, "particles: {count}{}", not_finite(*odd))?;
                 bounds.iter().try_for_each(|[low, high]| writeln!(f, "bounds: {low:?} to {high:?} m"))?;

@@ -23,6 +23,7 @@ pub mod picture;
 pub mod scene;
 pub mod sequence;
 pub mod shot;
+pub mod vdb;
 pub mod volume;
 
 /// A file that could not be read (exit code 3).

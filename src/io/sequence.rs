@@ -49,6 +49,8 @@ pub struct Sequence<I: Input> {
     kind: Kind<I::Builtin>,
     options: I::Options,
     hold: bool,
+    /// Where files are numbered by frames of another rate: the frame that has its own number, and theirs by the shot's.
+    rate: Option<(u32, f64)>,
     last: Option<(Source<I::Builtin>, Arc<I>)>,
 }
 
@@ -70,7 +72,21 @@ impl<I: Input> Sequence<I> {
             },
             None => Kind::Files(Pattern::parse(name)?.below(folder)),
         };
-        Ok(Sequence { kind, options, hold, last: None })
+        Ok(Sequence { kind, options, hold, rate: None, last: None })
+    }
+
+    /// The same of files that have `ratio` frames for each of the shot's: `first` has the file of that number, and each later
+    /// frame the last file that is not after it.
+    #[must_use]
+    pub fn at_rate(self, first: u32, ratio: f64) -> Sequence<I> {
+        Sequence { rate: Some((first, ratio)), ..self }
+    }
+
+    /// The number of the file of a frame.
+    fn number(&self, frame: u32) -> u32 {
+        let Some((first, ratio)) = self.rate else { return frame };
+        // What rounding takes from a whole number is no frame.
+        first.saturating_add((f64::from(frame.saturating_sub(first)) * ratio + 1e-6) as u32)
     }
 
     /// The input of a frame. The last one is kept, so that a frame with the same one costs nothing.
@@ -128,6 +144,7 @@ impl<I: Input> Sequence<I> {
             Kind::Builtin { which, fps } => return Ok(Source::Builtin { which: *which, frame, fps: *fps }),
             Kind::Files(pattern) => pattern,
         };
+        let frame = self.number(frame);
         let wanted = pattern.path(frame);
         if exists(&wanted)? {
             return Ok(Source::File(wanted));

@@ -18,7 +18,7 @@ type Result<T> = std::result::Result<T, ShotError>;
 
 impl Tree {
     /// The value at `path` as `read` understands it, or `default` where the shot does not name it.
-    fn read<T>(&self, path: &str, default: T, read: impl Fn(&Value) -> Option<T>) -> Result<T> {
+    pub(crate) fn read<T>(&self, path: &str, default: T, read: impl Fn(&Value) -> Option<T>) -> Result<T> {
         match self.get(path).map(|node| &node.kind) {
             None => Ok(default),
             Some(Kind::Leaf(value)) => read(value).ok_or_else(|| self.not_allowed(path)),

@@ -45,6 +45,7 @@ fn an_empty_table_has_every_default() {
         volume: "builtin:plume".to_owned(),
         grids: Grids::default(),
         hold: false,
+        volume_fps: None,
         exposure: Exposure::new(1, 1),
         settings: Settings::default(),
     };

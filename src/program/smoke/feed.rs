@@ -86,7 +86,9 @@ impl SmokeFeed {
         wanted: bool,
     ) -> Result<VolumeInput> {
         let Volume { dimensions, voxel_size, origin, .. } = *volume;
-        let values = volume.velocity.as_deref().filter(|_| wanted);
+        // A frame without velocities, among others that have some, is still.
+        let still = (wanted && volume.velocity.is_none()).then(|| vec![[0.0; 3]; volume.density.len()]);
+        let values = volume.velocity.as_deref().or(still.as_deref()).filter(|_| wanted);
         // SAFETY: the caller's.
         let (density, velocity) = unsafe {
             let density = bytemuck::cast_slice(&volume.density);

@@ -59,8 +59,8 @@ fn drawn(settings: &Settings, exposure: Exposure) -> Settings {
 
 impl Input for SmokeInput {
     fn add_common(&self, hash: &mut Xxh3, _: &mut Files) -> Result<(), ReadError> {
-        let Smoke { volume, grids, exposure, settings, .. } = &self.smoke;
-        add(hash, ("smoke", self.shot.frames[0], grids, builtin(volume), exposure, settings));
+        let Smoke { volume, grids, volume_fps, exposure, settings, .. } = &self.smoke;
+        add(hash, ("smoke", self.shot.frames[0], grids, volume_fps, builtin(volume), exposure, settings));
         Ok(())
     }
 

@@ -195,6 +195,9 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
                 "smoke.on",
                 "smoke.density_grid",
                 "smoke.velocity_grid",
+                "smoke.velocity_scale",
+                "smoke.volume_fps",
+                "smoke.up",
                 "smoke.group_depth",
                 "smoke.tones_above",
             ]);
