@@ -23,6 +23,8 @@ mod outputs;
 mod resume;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/smoke.rs"]
+mod smoke;
 #[path = "cli/tuning.rs"]
 mod tuning;
 #[path = "cli/vignette.rs"]

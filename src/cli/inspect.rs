@@ -9,6 +9,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, print};
+use crate::data::Particles;
 use crate::io::ReadError;
 use crate::io::array::Archive;
 use crate::io::particles;
@@ -150,7 +151,7 @@ fn report(file: &str) -> Result<Report, Failure> {
         Some("toml") => shot(file),
         Some("glb" | "gltf") => Ok(mesh(path)?),
         Some("npz") => Ok(archive(path)?),
-        Some("ply" | "csv") => Ok(particles(path)?),
+        Some("ply" | "csv") => Ok(table(path)?),
         Some("vdb") => Ok(grids::vdb(path)?),
         _ => {
             let expected = "a name that ends in .glb, .gltf, .npz, .ply, .csv, .vdb or .toml";
@@ -215,8 +216,27 @@ fn mesh(path: &Path) -> Result<Report, ReadError> {
     })
 }
 
+/// Of text and PLY only what is right is reported.
+fn table(path: &Path) -> Result<Report, ReadError> {
+    let Particles { position, temperature, .. } = particles::read(path)?;
+    let mut axes = [const { Statistics { range: None, sum: 0.0, not_finite: 0 } }; 3];
+    for place in &position {
+        axes.iter_mut().zip(place).for_each(|(axis, value)| axis.add(*value, 1));
+    }
+    let mut all = Statistics::default();
+    temperature.iter().for_each(|value| all.add(*value, 1));
+    Ok(Report::Particles { count: position.len() as u64, bounds: bounds(axes), temperature: all.range, not_finite: 0 })
+}
+
+fn bounds(axes: [Statistics; 3]) -> Option<[[f32; 3]; 2]> {
+    match axes.map(|axis| axis.range) {
+        [Some(x), Some(y), Some(z)] => Some([[x.min, y.min, z.min], [x.max, y.max, z.max]]),
+        _ => None,
+    }
+}
+
 fn particles(path: &Path) -> Result<Report, ReadError> {
-    let mut archive = particles::open(path)?;
+    let mut archive = Archive::open(path)?;
     let count = particles::count(&mut archive)?;
     let (mut axes, mut at) = ([const { Statistics { range: None, sum: 0.0, not_finite: 0 } }; 3], 0);
     let is_fortran = archive.header("position")?.is_some_and(|header| header.fortran_order);
@@ -228,11 +248,7 @@ fn particles(path: &Path) -> Result<Report, ReadError> {
     let mut temperature = Statistics::default();
     archive.each("temperature", |value| temperature.add(value, 1))?;
     let not_finite = axes.iter().chain([&temperature]).map(|of| of.not_finite).sum();
-    let bounds = match axes.map(|axis| axis.range) {
-        [Some(x), Some(y), Some(z)] => Some([[x.min, y.min, z.min], [x.max, y.max, z.max]]),
-        _ => None,
-    };
-    Ok(Report::Particles { count, bounds, temperature: temperature.range, not_finite })
+    Ok(Report::Particles { count, bounds: bounds(axes), temperature: temperature.range, not_finite })
 }
 
 fn shot(name: &str) -> Result<Report, Failure> {

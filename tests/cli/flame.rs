@@ -76,6 +76,35 @@ fn a_frame_of_fire_and_smoke_alone_equals_the_frame_of_the_sequence() {
     assert!(["\n2,smoke.", "\n2,flame."].iter().all(|row| profile.contains(row)), "{profile}");
 }
 
+/// The same particles in another kind of file are the same fire.
+#[test]
+fn fire_does_not_depend_on_the_kind_of_file() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    let particles = [[0.0, 0.1, 0.0, 2900.0, 5.0], [0.05, 0.25, 0.02, 2200.0, 9.0], [-0.04, 0.4, 0.0, 1500.0, 2.0]];
+    let rows = |separator: &str| {
+        let row = |row: &[f64; 5]| row.map(|value| value.to_string()).join(separator) + "\n";
+        particles.iter().map(row).collect::<String>()
+    };
+    folder.write("fire.csv", &format!("x, y, z, temperature, id\n{}", rows(", ")));
+    let properties = ["x", "y", "z", "temperature", "id"].map(|name| format!("property double {name}\n")).concat();
+    let header = |format: &str| format!("ply\nformat {format} 1.0\nelement vertex 3\n{properties}end_header\n");
+    folder.write("fire.ply", &(header("ascii") + &rows(" ")));
+    let bytes: Vec<u8> = particles.as_flattened().iter().flat_map(|value| value.to_be_bytes()).collect();
+    let file = [header("binary_big_endian").as_bytes(), &bytes].concat();
+    fs::write(folder.0.join("big.ply"), file).expect("a file");
+    let pictures = ["fire.csv", "fire.ply", "big.ply"].map(|name| {
+        folder.write("shot.toml", &FIRE.replace("builtin:random", name));
+        succeeds(&folder, &["render", "shot.toml", "-q", "-o", "a.exr", "--frames", "1"]);
+        let inspected = succeeds(&folder, &["inspect", "--json", name]);
+        assert!(inspected.contains("\"count\": 3") && inspected.contains("2900"), "{inspected}");
+        image::read_exr(&folder.0.join("a.exr")).expect("a picture").channels
+    });
+    assert!(pictures[0] == pictures[1] && pictures[1] == pictures[2]);
+}
+
 #[test]
 fn a_spread_is_found_and_said() {
     if !has_device() {

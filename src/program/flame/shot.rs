@@ -27,7 +27,7 @@ const COLOURS: &[&str] = &["physical", "displayable"];
 
 /// Keys of its input, each with what is allowed.
 const INPUTS: &[(&str, &str)] = &[
-    ("flame.particles", "\"builtin:random\", or a file or pattern (\"fire.####.npz\")"),
+    ("flame.particles", "\"builtin:random\", or a file or pattern (\"fire.####.ply\", .csv, .npz)"),
     ("flame.hold", "true or false"),
     ("flame.on", "1, 2 or 3 frames"),
 ];
