@@ -67,9 +67,9 @@ vec4 ink_of(ivec2 pixel) {
     return ink;
 }
 
-// A frame's pixel, finished: over what is behind.
+// A frame's pixel, finished.
 vec4 finished_at(vec4 own, ivec2 pixel) {
-    return own + (1.0 - own.w) * background_at(pixel);
+    return params.is_over_background != 0u ? own + (1.0 - own.w) * background_at(pixel) : own;
 }
 
 // What goes along with the mesh around a pixel.

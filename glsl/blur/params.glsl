@@ -103,6 +103,7 @@ layout(binding = 0) uniform BlurParams {
     uint outer_images;         // bits: 1: there is an image of frame i - 1, 2: of frame i + 2
     uint has_background_image; // what is behind everything is an image
     uint is_drawn;             // frames are drawn by this effect
+    uint is_over_background;   // frames lie over the background
     uint is_clipped;           // what is outside of the picture is not refined
     uint is_whole;             // all tiles are worked on
     uint has_directions;       // hulls are the farthest points in DIRECTIONS directions

@@ -209,8 +209,9 @@ pub struct Frame<'a> {
     pub target: HostImage,
     /// The host's depth, given exactly if the effect was made for one.
     pub depth: Option<DepthInput>,
-    /// The background: it lies under the frames as far as their alpha lets it through, so that they may show the mesh alone,
-    /// and where no image shows anything but the mesh. [`Background::Keep`] is nothing at all. An image is as theirs are.
+    /// The background where no image shows anything but the mesh, and under frames that are drawn: [`Background::Keep`]
+    /// is nothing at all. An image lies under the images of the frames, too, as far as their alpha lets it through: so they may show
+    /// the mesh alone. It is as they are.
     pub background: Background,
     /// Outputs for temporal upscalers. What a pixel shows of the mesh is on its trajectory at k', and was where that is at k' - 1 in the
     /// output before; before frame i, if trajectories are not made that far, where the smoothest way through frame i - 1 has it. Nothing is

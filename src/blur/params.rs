@@ -210,6 +210,7 @@ impl BlurParams {
             skirt: settings.skirt,
             outer_images: u32::from(outer[0]) + 2 * u32::from(outer[1]),
             is_drawn: frame.images.is_none().into(),
+            is_over_background: (frame.images.is_none() || matches!(frame.background, Background::Copy(_))).into(),
             is_clipped: settings.is_clipped().into(),
             has_directions: desc.parts.is_some().into(),
             is_whole: (desc.layers || desc.depth.is_some()).into(),

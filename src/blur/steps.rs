@@ -84,18 +84,19 @@ impl Steps<'_> {
     /// Fills it.
     pub fn fill(&mut self, frame: &Frame) {
         let extent = self.desc.size;
-        if matches!(frame.background, Background::Copy(_)) {
+        let has_image_behind = matches!(frame.background, Background::Copy(_));
+        if has_image_behind {
             self.plan.step(self.passes.behind, Command::CopyImage { from: HOST_BACKGROUND, to: BACKGROUND, extent });
         }
         if frame.images.is_some() {
             self.plan.skip(self.passes.toon_params, "images are given");
             let from = HOST_FRAMES[1];
-            if matches!(frame.background, Background::Keep) {
-                self.plan.step(self.passes.background, Command::CopyImage { from, to: TARGET, extent });
-            } else {
+            if has_image_behind {
                 self.plan.step(self.passes.frame_behind, Command::CopyImage { from, to: FRAMES[1], extent });
                 let constants = BackgroundConstants::new(frame.background, &frame.target);
                 self.plan.step_with(self.passes.frame_background, Command::Draw { vertices: 4 }, &constants);
+            } else {
+                self.plan.step(self.passes.background, Command::CopyImage { from, to: TARGET, extent });
             }
         }
         match &frame.mesh {

@@ -196,26 +196,6 @@ fn a_background_can_be_an_image() {
     assert!(seen > 128 * 72 / 3 && other.reasons().len() == 2, "{seen}");
 }
 
-/// Images with alpha lie over the background, wherever it is seen: a colour is an image of one colour.
-#[test]
-fn images_lie_over_the_background() {
-    let make = || Film::new(Builtin::Crossing, 800, [128, 72], 22..26, Settings::default(), false);
-    let (Some(mut film), Some(mut other)) = (make(), make()) else { return };
-    film.set_light(Light::default(), Background::Keep);
-    let frames = [1, 2].map(|frame| film.output(frame, false));
-    for film in [&mut film, &mut other] {
-        film.rig.toon = None;
-        frames.iter().enumerate().for_each(|(place, frame)| film.rig.set_image(place, frame));
-    }
-    film.rig.colour_behind = Some(GREY.map(|c| 2.0 * c));
-    other.rig.set_backdrop(&vec![GREY.map(|c| 2.0 * c); 128 * 72]);
-    for moves in [false, true] {
-        let picture = film.output(2, moves);
-        assert!(picture == other.output(2, moves), "an image of one colour is that colour");
-        assert!(picture.iter().all(|colour| (colour[3] - 1.0).abs() < 2e-3), "halves are 2^-11 apart below 1");
-    }
-}
-
 #[test]
 fn order_changes_nothing() {
     let make = |turned| Film::new(Builtin::Crossing, 800, [128, 72], 22..26, Settings::default(), turned);

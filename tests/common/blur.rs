@@ -91,8 +91,6 @@ pub struct BlurRig {
     /// What it holds before a frame.
     pub wall: f32,
     has_backdrop: bool,
-    /// Colour behind images, where there is no image of it.
-    pub colour_behind: Option<[f32; 4]>,
     /// How far from the upper left of their images pictures begin.
     corner: [u32; 2],
     /// Depth images of frames i - 1 to i + 2.
@@ -213,7 +211,6 @@ impl BlurRig {
             wall: 0.0,
             previous: None,
             has_backdrop: false,
-            colour_behind: None,
             slot: 0,
             are_closed: true,
             corner,
@@ -483,11 +480,7 @@ impl BlurRig {
             target: self.host_image(0, if self.corner == [0; 2] { ImageState::default() } else { COPIED_FROM }),
             background: match self.has_backdrop {
                 true => Background::Copy(self.host_image(5, COPIED_FROM)),
-                false => match (self.toon, self.colour_behind) {
-                    (Some((_, background)), _) => background,
-                    (None, Some(colour)) => Background::Clear(colour),
-                    (None, None) => Background::Keep,
-                },
+                false => self.toon.map_or(Background::Keep, |(_, background)| background),
             },
             temporal: TemporalImages {
                 previous: self.previous,
