@@ -3,7 +3,9 @@
 
 mod coded;
 mod contained;
+
 mod openexr;
+mod profile;
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Write};
@@ -390,6 +392,16 @@ mod tests {
         deep.save(&path).unwrap();
         let expected = linear_from_srgb(32768.0 / 65535.0) as f32;
         assert_eq!(read_png(&path).unwrap().pixels, [[1.0, expected, 0.0, 1.0]]);
+        // Linear light, as it says of itself.
+        let mut bytes = Vec::new();
+        let mut info = png::Info::with_size(1, 1);
+        (info.bit_depth, info.color_type) = (png::BitDepth::Sixteen, png::ColorType::Rgb);
+        info.source_gamma = Some(png::ScaledFloat::new(1.0));
+        let mut writer = png::Encoder::with_info(&mut bytes, info).unwrap().write_header().unwrap();
+        writer.write_image_data(&[0xFF, 0xFF, 0x80, 0x00, 0, 0]).unwrap();
+        writer.finish().unwrap();
+        fs::write(&path, bytes).unwrap();
+        assert_eq!(read_png(&path).unwrap().pixels, [[1.0, (32768.0 / 65535.0) as f32, 0.0, 1.0]]);
     }
 
     #[test]

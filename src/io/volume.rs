@@ -129,6 +129,8 @@ pub struct Extent {
     pub dimensions: [u32; 3],
     /// Whether there are velocities.
     pub velocity: bool,
+    /// Whether some volumes have none all the same: nothing moves there.
+    pub still: bool,
 }
 
 impl Extent {
@@ -141,10 +143,13 @@ impl Extent {
             let expected = format!("at most [{z}, {y}, {x}], as when the rendering began");
             return Err(ReadError::at(path, "density", format!("has grown to [{nz}, {ny}, {nx}]"), expected));
         }
-        if volume.velocity.is_some() && !self.velocity {
-            return Err(ReadError::at(path, "velocity", "is there", "none, as when the rendering began"));
+        match (volume.velocity.is_some(), self.velocity) {
+            (true, false) => Err(ReadError::at(path, "velocity", "is there", "none, as when the rendering began")),
+            (false, true) if !self.still => {
+                Err(ReadError::at(path, "velocity", "is missing", "one, as when the rendering began"))
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
 }
 
@@ -176,18 +181,21 @@ impl VolumeSequence {
     /// smoke: then a name is wrong.
     pub fn extent(&self, frames: impl IntoIterator<Item = u32>) -> Result<Extent, ReadError> {
         let grids = self.options();
-        let (mut extent, mut first, mut has_smoke) = (Extent { dimensions: [1; 3], velocity: false }, None, false);
+        let (mut extent, mut first, mut has_smoke) =
+            (Extent { dimensions: [1; 3], velocity: false, still: false }, None, false);
         for source in self.sources(frames) {
             let path = match source? {
                 Source::File(path) => path,
                 Source::Builtin { which, frame, fps } => {
                     // All frames of a built-in volume are of one size.
                     let volume = which.volume(frame, fps);
-                    return Ok(Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() });
+                    let velocity = volume.velocity.is_some();
+                    return Ok(Extent { dimensions: volume.dimensions, velocity, still: !velocity });
                 }
             };
             let Contents { dimensions, velocity } = contents(&path, grids)?;
             extent.velocity |= velocity;
+            extent.still |= !velocity;
             has_smoke |= dimensions.is_some();
             let dimensions = dimensions.unwrap_or_default();
             (0..3).for_each(|axis| extent.dimensions[axis] = extent.dimensions[axis].max(dimensions[axis]));

@@ -7,7 +7,8 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::contained::contained;
-use super::{Fault, Fit, Picture, linear_from_srgb};
+use super::profile::{self, Coding};
+use super::{Fault, Fit, Picture};
 use crate::io::{ReadError, file};
 
 /// Bytes that a decoder may take besides the picture: for profiles, texts and the like.
@@ -15,35 +16,51 @@ const MAX_BESIDE: u64 = 1 << 26;
 /// Longest JPEG file, which its decoder holds in memory: four bytes a pixel of the largest picture.
 const MAX_JPEG: u64 = 1 << 30;
 
-/// Reads a PNG of any bit depth as sRGB (a profile in the file is not looked at) into linear premultiplied pixels.
+/// Reads a PNG of any bit depth into linear premultiplied pixels, by its gamma or profile; without one as sRGB.
 pub fn read_png(path: &Path) -> Result<Picture<[f32; 4]>, ReadError> {
     read_coded(path, ImageFormat::Png, Fit::ANY)
 }
 
-/// Reads a PNG or JPEG as sRGB (a profile in the file is not looked at) into linear premultiplied pixels.
+/// Reads a PNG or JPEG into linear premultiplied pixels, by its gamma or profile; without one as sRGB.
 pub(in crate::io) fn read_coded(path: &Path, format: ImageFormat, fit: Fit) -> Result<Picture<[f32; 4]>, ReadError> {
     let unreadable = |error| ReadError::file(path, error, "a file that can be read");
     let file = file::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    let decoded = decode(BufReader::new(file), format, length, fit);
-    let picture = decoded.map_err(|(why, expected)| ReadError::file(path, why, expected))?.into_rgba16();
-    let table: Vec<f32> = (0..=u16::MAX).map(|v| linear_from_srgb(f64::from(v) / 65535.0) as f32).collect();
-    let linear = |&image::Rgba([r, g, b, a]): &image::Rgba<u16>| {
-        let alpha = f32::from(a) / 65535.0;
-        let [r, g, b] = [r, g, b].map(|c| table[usize::from(c)] * alpha);
-        [r, g, b, alpha]
+    let fault = |(why, expected)| ReadError::file(path, why, expected);
+    let mut source = BufReader::new(file);
+    let own = match format {
+        ImageFormat::Png => Some(profile::of_png(&mut source).map_err(fault)?),
+        _ => None,
     };
-    Ok(Picture { size: [picture.width(), picture.height()], pixels: picture.pixels().map(linear).collect() })
+    source.rewind().map_err(unreadable)?;
+    let (picture, of_file) = decode_coded(source, format, length, fit).map_err(fault)?;
+    let coding = own.unwrap_or_else(|| of_file.map_or(Coding::Srgb, Coding::Profile));
+    let picture = picture.into_rgba16();
+    let size = [picture.width(), picture.height()];
+    let pixels = contained(|| profile::linear(&coding, &picture));
+    let pixels =
+        pixels.map_err(|why| (why.to_owned(), "a profile that can be used".to_owned())).and_then(|found| found);
+    Ok(Picture { size, pixels: pixels.map_err(fault)? })
 }
 
-/// Decodes a PNG or JPEG of `length` bytes, turned upright as it says (EXIF). Nothing is decoded of a picture that does
-/// not fit, or that has more pixels than so few bytes can hold.
+/// Decodes a PNG or JPEG of `length` bytes, turned upright as it says (EXIF), whatever its colours mean. Nothing is decoded of
+/// a picture that does not fit, or that has more pixels than so few bytes can hold.
 pub(in crate::io) fn decode(
     source: impl BufRead + Seek,
     format: ImageFormat,
     length: u64,
     fit: Fit,
 ) -> Result<DynamicImage, Fault> {
+    decode_coded(source, format, length, fit).map(|(picture, _)| picture)
+}
+
+/// As [`decode`], with the picture's ICC profile.
+fn decode_coded(
+    source: impl BufRead + Seek,
+    format: ImageFormat,
+    length: u64,
+    fit: Fit,
+) -> Result<(DynamicImage, Option<Vec<u8>>), Fault> {
     let expected = || format!("a whole {} picture", if format == ImageFormat::Jpeg { "JPEG" } else { "PNG" });
     let damaged = |why: image::ImageError| (why.to_string(), expected());
     let decoded = contained(|| {
@@ -56,6 +73,7 @@ pub(in crate::io) fn decode(
         reader.limits(limits);
         let mut decoder = reader.into_decoder().map_err(damaged)?;
         let orientation = decoder.orientation().map_err(damaged)?;
+        let profile = decoder.icc_profile().map_err(damaged)?;
         let (width, height) = decoder.dimensions();
         let [width, height] = fit.checked(upright([width, height], orientation))?;
         if u64::from(width) * u64::from(height) > length.saturating_mul(most_pixels(format)) {
@@ -64,7 +82,7 @@ pub(in crate::io) fn decode(
         decoder.set_limits(Limits::no_limits()).map_err(damaged)?;
         let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
         picture.apply_orientation(orientation);
-        Ok(if matches!(fit, Fit::Row) { picture.crop_imm(0, 0, width, height) } else { picture })
+        Ok((if matches!(fit, Fit::Row) { picture.crop_imm(0, 0, width, height) } else { picture }, profile))
     });
     decoded.map_err(|why| (why.to_owned(), expected())).and_then(|result| result)
 }

@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::bytes::Bytes;
 use crate::io::ReadError;
+use crate::view::FARTHEST;
 
 /// Takes places on a grid, at whose whole numbers the middles of voxels are, to the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,9 +14,6 @@ pub struct Map {
     /// Where voxel (0, 0, 0) has its middle.
     pub middle: DVec3,
 }
-
-/// Largest and smallest way from a voxel to the next, and the farthest that one is from the world's origin, in metres.
-const FARTHEST: f64 = 1e12;
 
 impl Map {
     pub(super) fn read(bytes: &mut Bytes) -> Result<Map, ReadError> {
@@ -57,9 +55,11 @@ impl Map {
 
     fn is_valid(&self) -> bool {
         let sizes = self.voxel_size();
-        let are_sizes = sizes.to_array().iter().all(|size| (1.0 / FARTHEST..=FARTHEST).contains(size));
+        // Also the smallest and largest voxels.
+        let farthest = f64::from(FARTHEST);
+        let are_sizes = sizes.to_array().iter().all(|size| (1.0 / farthest..=farthest).contains(size));
         let volume = self.axes.determinant().abs() / sizes.element_product();
-        are_sizes && volume > 1e-6 && self.middle.abs().max_element() <= FARTHEST
+        are_sizes && volume > 1e-6 && self.middle.abs().max_element() <= farthest
     }
 
     /// The lengths of its axes, in metres.

@@ -15,7 +15,7 @@ const VOXELS: usize = (BRICK * BRICK * BRICK) as usize;
 const MOST_TILES: usize = 1 << 26;
 const TILES_A_BYTE: usize = 16;
 /// No voxel has a coordinate that is this far from 0.
-const FARTHEST: i32 = 1 << 30;
+const MOST_COORDINATE: i32 = 1 << 30;
 
 /// A cube of one value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -257,7 +257,7 @@ pub(super) fn place_in_brick(begin: [i32; 3], voxel: usize) -> [i32; 3] {
 fn origin(bytes: &mut Bytes) -> Result<[i32; 3], ReadError> {
     let before = *bytes;
     let begin: [i32; 3] = bytes.value("a node's place")?;
-    match begin.iter().all(|c| c % OUTER == 0 && (-FARTHEST..FARTHEST).contains(c)) {
+    match begin.iter().all(|c| c % OUTER == 0 && (-MOST_COORDINATE..MOST_COORDINATE).contains(c)) {
         true => Ok(begin),
         false => {
             Err(before.fault(format!("a node begins at {begin:?}"), format!("multiples of {OUTER}, none beyond 2^30")))

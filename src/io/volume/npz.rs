@@ -73,8 +73,13 @@ pub fn shape_of(archive: &mut Archive, grids: &Grids) -> Result<Shape, ReadError
 
 /// What a file has of a volume.
 pub(super) fn contents(path: &Path, grids: &Grids) -> Result<Contents, ReadError> {
-    let Shape { dimensions, velocity, .. } = shape_of(&mut Archive::open(path)?, grids)?;
-    Ok(Contents { dimensions: Some(dimensions).filter(|all| !all.contains(&0)), velocity })
+    let mut archive = Archive::open(path)?;
+    let dimensions = density_header(&mut archive, grids)?;
+    if dimensions.contains(&0) {
+        return Ok(Contents { dimensions: None, velocity: velocity_header(&mut archive, grids, dimensions)? });
+    }
+    let Shape { dimensions, velocity, .. } = shape_of(&mut archive, grids)?;
+    Ok(Contents { dimensions: Some(dimensions), velocity })
 }
 
 /// The values of an array whose header has been read.

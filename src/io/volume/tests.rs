@@ -209,10 +209,13 @@ fn the_extent_of_a_sequence_is_known_from_its_headers() {
     write_npz(&folder.0.join("v.0004.npz"), &numbered(true)).unwrap();
     let open = |name: &str, hold| VolumeSequence::new(name, &folder.0, Grids::default(), hold, 24.0).unwrap();
     let files = open("v.####.npz", true);
-    assert_eq!(files.extent(1..=3).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false });
-    assert_eq!(files.extent(4..=9).unwrap(), Extent { dimensions: numbered(true).dimensions, velocity: true });
+    assert_eq!(files.extent(1..=3).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false, still: true });
+    assert_eq!(
+        files.extent(4..=9).unwrap(),
+        Extent { dimensions: numbered(true).dimensions, velocity: true, still: false }
+    );
     // Frames without a velocity, and without smoke, are among the others.
-    assert_eq!(files.extent(1..=4).unwrap(), Extent { dimensions: [3, 4, 4], velocity: true });
+    assert_eq!(files.extent(1..=4).unwrap(), Extent { dimensions: [3, 4, 4], velocity: true, still: true });
     let nothing = Volume { dimensions: [2, 0, 3], density: Vec::new(), ..numbered(false) };
     write_npz(&folder.0.join("v.0005.npz"), &nothing).unwrap();
     assert_eq!(files.extent(1..=5).unwrap(), files.extent(1..=4).unwrap());
@@ -223,7 +226,8 @@ fn the_extent_of_a_sequence_is_known_from_its_headers() {
     assert_eq!(missing.path, folder.0.join("v.0003.npz"));
     let plume = open("builtin:plume", false);
     let volume = plume.clone().frame(7).unwrap();
-    let extent = Extent { dimensions: volume.dimensions, velocity: volume.velocity.is_some() };
+    let velocity = volume.velocity.is_some();
+    let extent = Extent { dimensions: volume.dimensions, velocity, still: !velocity };
     assert_eq!(plume.extent(1..=1_000_000).unwrap(), extent);
 }
 
