@@ -27,6 +27,8 @@ mod run;
 mod smoke;
 #[path = "cli/tuning.rs"]
 mod tuning;
+#[path = "cli/video.rs"]
+mod video;
 #[path = "cli/vignette.rs"]
 mod vignette;
 #[path = "cli/winding.rs"]
@@ -138,9 +140,6 @@ fn unreadable_input_is_3_and_names_file_and_place() {
     write_density(&path("flat.npz"), &[4, 4]);
     write_density(&path("none.npz"), &[0, 4, 4]);
     write_npz(&path("v.0001.npz"), &volume([4; 3], 1.0)).expect("temporary folder");
-    let moving = Volume { velocity: Some(vec![[0.0; 3]; 64]), ..volume([4; 3], 1.0) };
-    write_npz(&path("w.0001.npz"), &moving).expect("temporary folder");
-    write_npz(&path("w.0002.npz"), &volume([4; 3], 1.0)).expect("temporary folder");
     fs::write(path("text.npz"), b"not a zip archive").expect("temporary folder");
     let whole = fs::read(path("v.0001.npz")).expect("just written");
     fs::write(path("cut.npz"), &whole[..whole.len() / 2]).expect("temporary folder");
@@ -156,7 +155,6 @@ fn unreadable_input_is_3_and_names_file_and_place() {
         ("[smoke]\nvolume = \"cut.npz\"", &["cut.npz"]),
         ("[smoke]\nvolume = \"v.0001.npz\"\ndensity_grid = \"rho\"", &["v.0001.npz", "`rho`", "density"]),
         ("[smoke]\nvolume = \"v.####.npz\"", &["v.0002.npz", "hold = true"]),
-        ("[smoke]\nvolume = \"w.####.npz\"", &["w.0002.npz", "`velocity`", "is missing", "in all volumes"]),
         ("[smoke]\ntones = \"missing.png\"", &["missing.png"]),
         ("background = \"missing.png\"\n[smoke]", &["missing.png"]),
         ("background = \"sky.png\"\n[smoke]", &["sky.png", "1 x 1", "64 x 64"]),

@@ -6,6 +6,7 @@ mod input;
 mod origin;
 mod outputs;
 mod strip;
+mod video;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -32,6 +33,7 @@ use input::{Inputs, Read};
 use origin::Origins;
 use outputs::{Found, Frame, Outputs};
 use strip::Strip;
+use video::Video;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -70,8 +72,9 @@ pub(super) struct Options {
     /// Write a contact sheet of the frames
     #[arg(long, value_name = "FILE.png", value_parser = |name: &str| named(name, &["png"]))]
     sheet: Option<PathBuf>,
-    /// Write the frames as an animation
-    #[arg(long, value_name = "FILE.gif", value_parser = |name: &str| named(name, &["gif"]))]
+    /// Write the frames as an animation, too: .gif; .apng, with exact colours and alpha; or .mp4, .mov or .webm,
+    /// which take ffmpeg to be installed
+    #[arg(long, value_name = "FILE", value_parser = |name: &str| named(name, &["gif", "apng", "mp4", "mov", "webm"]))]
     animation: Option<PathBuf>,
     /// Keep frames that are complete and made from the same settings and input; of those that are not: `again`
     /// renders them again, `strict` refuses to begin
@@ -138,9 +141,14 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     interrupt::install(Failure::INTERRUPTED);
 
     let count = (last - first) as usize + 1;
+    let video = options.animation.as_deref().map(|path| Video::new(path, shot.size, shot.fps)).transpose()?.flatten();
     let strips: Vec<Strip> = [
         options.sheet.as_deref().map(|path| Strip::sheet(path, shot.size, count)),
-        options.animation.as_deref().map(|path| Strip::animation(path, shot.size, count, shot.fps)),
+        options
+            .animation
+            .as_deref()
+            .filter(|_| video.is_none())
+            .map(|path| Strip::animation(path, shot.size, count, shot.fps)),
     ]
     .into_iter()
     .flatten()
@@ -155,6 +163,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     remove_stale_parts(missing.iter().flat_map(|frame| job.outputs.files(*frame)).chain(job.outputs.others()));
     let times = if missing.is_empty() { Times::default() } else { job.render(&missing, inputs, origins)? };
     job.strips.iter().try_for_each(Strip::write)?;
+    video.map_or(Ok(()), |video| video.write((first..=last).map(|frame| job.outputs.picture(frame))))?;
     job.report(&times, missing.len(), count, options.profile.as_deref())
 }
 

@@ -314,6 +314,40 @@ pub fn write_gif(path: &Path, size: [u32; 2], frames: &[Vec<[u8; 4]>], fps: f64)
     })
 }
 
+/// Writes an animated PNG that repeats for ever: 8-bit sRGB with straight alpha, every pixel as it is. `fps` above 0.
+/// Viewers that know no animations show its first frame. Atomic.
+pub fn write_apng(path: &Path, size: [u32; 2], frames: &[Vec<[u8; 4]>], fps: f64) -> Result<(), WriteError> {
+    write_encoded(path, |buffer| {
+        if !(fps > 0.0 && fps.is_finite()) || frames.is_empty() {
+            return Err(invalid(format!("{} frames, {fps} per second", frames.len())));
+        }
+        for frame in frames {
+            check_size(size, frame.len())?;
+        }
+        let mut encoder = png::Encoder::new(buffer, size[0], size[1]);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let count = u32::try_from(frames.len()).map_err(io::Error::other)?;
+        encoder.set_animated(count, 0)?;
+        let [seconds, parts] = delay(fps);
+        encoder.set_frame_delay(seconds, parts)?;
+        let mut writer = encoder.write_header()?;
+        frames.iter().try_for_each(|frame| writer.write_image_data(frame.as_flattened()))?;
+        Ok(writer.finish()?)
+    })
+}
+
+/// The time between two frames as a fraction of a second: exact for whole rates, to a thousandth for others.
+fn delay(fps: f64) -> [u16; 2] {
+    let most = f64::from(u16::MAX);
+    match fps {
+        fps if fps.fract() == 0.0 && fps <= most => [1, fps as u16],
+        fps if fps * 1000.0 <= most => [1000, (fps * 1000.0).round().max(1.0) as u16],
+        fps => [1, fps.round().min(most) as u16],
+    }
+}
+
 /// How long frame `i` stays, in hundredths of a second.
 fn hundredths(i: usize, fps: f64) -> u32 {
     let end = |frames: usize| (frames as f64 * 100.0 / fps).round();
@@ -477,6 +511,25 @@ mod tests {
             assert!(write_gif(&path, size, &frames[..count], fps).is_err());
         }
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn apngs_keep_every_pixel() {
+        let folder = Folder::new();
+        let path = folder.0.join("new/a.apng");
+        let frames: Vec<Vec<[u8; 4]>> =
+            (0..5u8).map(|i| (0..12).map(|x| [10 * i, 200, 20 * x, 255 - 21 * x]).collect()).collect();
+        write_apng(&path, [4, 3], &frames, 24.0).unwrap();
+        let decoder = image::codecs::png::PngDecoder::new(Cursor::new(fs::read(&path).unwrap())).unwrap();
+        let read = decoder.apng().unwrap().into_frames().collect_frames().unwrap();
+        assert_eq!(read.len(), 5);
+        for (frame, expected) in read.iter().zip(&frames) {
+            assert_eq!(frame.buffer().as_raw(), expected.as_flattened());
+            let (number, of) = frame.delay().numer_denom_ms();
+            assert!((f64::from(number) / f64::from(of) - 1000.0 / 24.0).abs() < 1e-3);
+        }
+        assert!(write_apng(&path, [4, 4], &frames, 24.0).is_err() && write_apng(&path, [4, 3], &[], 24.0).is_err());
+        assert_eq!([24.0, 23.976, 0.0005, 1e6].map(delay), [[1, 24], [1000, 23976], [1000, 1], [1, 65535]]);
     }
 
     #[test]

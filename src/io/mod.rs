@@ -66,12 +66,17 @@ pub struct WriteError {
 /// renamed; where NAME is long, that of the hidden file has a hash of it in its place. Folders that are missing are made, a
 /// file of that name is replaced, and a `.part` that a killed run left behind does not disturb (see [`remove_stale_parts`]). On an error the `.part` is removed and what was at `path` stays.
 pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
-    write_atomic_io(path, write).map_err(|source| WriteError { path: path.into(), source })
+    make_atomic(path, |part| fill(part, write))
 }
 
-fn write_atomic_io(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+/// As [`write_atomic`], of a file that somebody else writes at the path that `make` is given.
+pub fn make_atomic(path: &Path, make: impl FnOnce(&Path) -> io::Result<()>) -> Result<(), WriteError> {
+    make_atomic_io(path, make).map_err(|source| WriteError { path: path.into(), source })
+}
+
+fn make_atomic_io(path: &Path, make: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
     let part = begin(path)?;
-    let result = fill(&part, write).and_then(|()| fs::rename(&part, path));
+    let result = make(&part).and_then(|()| fs::rename(&part, path));
     if result.is_err() {
         // The first error is the one to report, whether or not there was anything to remove.
         let _ = fs::remove_file(&part);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::Failure;
-use crate::io::image::{Picture, contact_sheet, srgb8, write_gif, write_png8};
+use crate::io::image::{Picture, contact_sheet, srgb8, write_apng, write_gif, write_png8};
 
 /// Longest side of a contact sheet in pixels.
 const SHEET_SIDE: u64 = 4096;
@@ -81,7 +81,10 @@ impl Strip {
         let frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
         let size = self.size.map(|side| side.div_ceil(self.factor));
         match self.kind {
-            Kind::Animation { fps } => write_gif(&self.path, size, &frames, fps)?,
+            Kind::Animation { fps } => match self.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gif")) {
+                true => write_gif(&self.path, size, &frames, fps)?,
+                false => write_apng(&self.path, size, &frames, fps)?,
+            },
             Kind::Sheet { columns } => {
                 let Some(Picture { size, pixels }) = contact_sheet(size, &frames, columns, GAP) else {
                     let why = format!("{}: not every frame of the sheet was rendered", self.path.display());
