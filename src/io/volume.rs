@@ -178,8 +178,13 @@ pub type VolumeSequence = Sequence<Volume>;
 impl VolumeSequence {
     /// The extent of these frames' volumes, from the headers of all files, so that a missing or unfit one is found
     /// before work begins. A frame may be without smoke, or be still because it has no velocity, but not all of them without
-    /// smoke: then a name is wrong.
-    pub fn extent(&self, frames: impl IntoIterator<Item = u32>) -> Result<Extent, ReadError> {
+    /// smoke: then a name is wrong. Where these frames do not tell, `others` of the shot do, as far as their files are there:
+    /// frames that are rendered alone are as among all.
+    pub fn extent(
+        &self,
+        frames: impl IntoIterator<Item = u32>,
+        others: impl IntoIterator<Item = u32>,
+    ) -> Result<Extent, ReadError> {
         let grids = self.options();
         let (mut extent, mut first, mut has_smoke) =
             (Extent { dimensions: [1; 3], velocity: false, still: false }, None, false);
@@ -200,6 +205,16 @@ impl VolumeSequence {
             let dimensions = dimensions.unwrap_or_default();
             (0..3).for_each(|axis| extent.dimensions[axis] = extent.dimensions[axis].max(dimensions[axis]));
             first.get_or_insert(path);
+        }
+        for source in self.sources(others) {
+            if has_smoke && extent.velocity {
+                break;
+            }
+            // What cannot be read is told when it is rendered.
+            let Ok(Source::File(path)) = source else { continue };
+            let Ok(Contents { dimensions, velocity }) = contents(&path, grids) else { continue };
+            extent.velocity |= velocity;
+            has_smoke |= dimensions.is_some();
         }
         match first {
             Some(path) if !has_smoke => Err(self.without_smoke(&path)),

@@ -69,6 +69,9 @@ fn caches_are_of_their_own_rate_and_may_begin_empty() {
     succeeds(&folder, &["render", "shot.toml", "-q", "-o", "####.exr", run::validate()]);
     let frames = [1, 2, 3].map(|frame| shown(&folder, &format!("{frame:04}.exr")));
     assert!(frames[0] == frames[1] && frames[1] != frames[2], "two without smoke, one with");
+    // A frame without smoke that is rendered alone is none of a wrong name.
+    succeeds(&folder, &["render", "shot.toml", "-q", "-o", "a.exr", "--frames", "1", run::validate()]);
+    assert!(shown(&folder, "a.exr") == frames[0]);
     folder.write("shot.toml", &format!("{SHOT}volume = \"s.####.vdb\"\ndensity_grid = \"copy\"\n"));
     fails(&folder, &["render", "shot.toml", "-o", "a.####.exr"], 3, &["s.0003.vdb: no such file"]);
     let inspected = succeeds(&folder, &["inspect", "s.0002.vdb"]);

@@ -128,7 +128,7 @@ fn optional_arrays_and_other_names() {
     // It may be there in other frames.
     assert_eq!(read(&path, &grids).unwrap().velocity, None);
     let sequence = VolumeSequence::new("v.npz", &folder.0, grids, false, 24.0).unwrap();
-    let error = sequence.extent([1]).unwrap_err().to_string();
+    let error = sequence.extent([1], []).unwrap_err().to_string();
     assert!(error.contains("v.npz: no frame has a velocity `wind`"), "{error}");
     let grids = Grids { density: Some("fuel".into()), ..Grids::default() };
     assert!(read(&path, &grids).unwrap_err().to_string().contains("array `fuel`: is missing"));
@@ -209,26 +209,26 @@ fn the_extent_of_a_sequence_is_known_from_its_headers() {
     write_npz(&folder.0.join("v.0004.npz"), &numbered(true)).unwrap();
     let open = |name: &str, hold| VolumeSequence::new(name, &folder.0, Grids::default(), hold, 24.0).unwrap();
     let files = open("v.####.npz", true);
-    assert_eq!(files.extent(1..=3).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false, still: true });
+    assert_eq!(files.extent(1..=3, []).unwrap(), Extent { dimensions: [3, 4, 2], velocity: false, still: true });
     assert_eq!(
-        files.extent(4..=9).unwrap(),
+        files.extent(4..=9, []).unwrap(),
         Extent { dimensions: numbered(true).dimensions, velocity: true, still: false }
     );
     // Frames without a velocity, and without smoke, are among the others.
-    assert_eq!(files.extent(1..=4).unwrap(), Extent { dimensions: [3, 4, 4], velocity: true, still: true });
+    assert_eq!(files.extent(1..=4, []).unwrap(), Extent { dimensions: [3, 4, 4], velocity: true, still: true });
     let nothing = Volume { dimensions: [2, 0, 3], density: Vec::new(), ..numbered(false) };
     write_npz(&folder.0.join("v.0005.npz"), &nothing).unwrap();
-    assert_eq!(files.extent(1..=5).unwrap(), files.extent(1..=4).unwrap());
+    assert_eq!(files.extent(1..=5, []).unwrap(), files.extent(1..=4, []).unwrap());
     assert_eq!(files.clone().frame(5).unwrap().density, [0.0]);
-    let none = files.extent([5]).unwrap_err().to_string();
+    let none = files.extent([5], []).unwrap_err().to_string();
     assert!(none.contains("v.0005.npz: density: has no voxels, in any frame"), "{none}");
-    let missing = open("v.####.npz", false).extent(1..=4).unwrap_err();
+    let missing = open("v.####.npz", false).extent(1..=4, []).unwrap_err();
     assert_eq!(missing.path, folder.0.join("v.0003.npz"));
     let plume = open("builtin:plume", false);
     let volume = plume.clone().frame(7).unwrap();
     let velocity = volume.velocity.is_some();
     let extent = Extent { dimensions: volume.dimensions, velocity, still: !velocity };
-    assert_eq!(plume.extent(1..=1_000_000).unwrap(), extent);
+    assert_eq!(plume.extent(1..=1_000_000, []).unwrap(), extent);
 }
 
 #[test]

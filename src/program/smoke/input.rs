@@ -79,7 +79,8 @@ impl Input for SmokeInput {
         let last = *rendered.last().unwrap_or(&end);
         let exposure = self.smoke.exposure;
         let drawings = (start..=last).filter(|frame| !exposure.is_held(*frame));
-        let extent = self.volumes.sequence.extent(interrupt::until(drawings))?;
+        let others = (last + 1..=end).filter(|frame| !exposure.is_held(*frame));
+        let extent = self.volumes.sequence.extent(interrupt::until(drawings), interrupt::until(others))?;
         interrupt::check()?;
         self.extent = Some(extent);
         let lights = || (start..=end).map(|frame| shot.light(frame));

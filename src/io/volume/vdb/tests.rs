@@ -122,13 +122,17 @@ fn a_sequence_may_begin_without_smoke() {
     }
     let open = |density: &str| VolumeSequence::new("s.####.vdb", &folder.0, grids(density), false, 24.0).unwrap();
     let mut copies = open("copy");
-    let extent = copies.extent(1..=3).unwrap();
+    let extent = copies.extent(1..=3, []).unwrap();
     assert_eq!((extent.dimensions, extent.velocity), ([10; 3], true));
     let frames = [1, 2, 3].map(|frame| copies.frame(frame).unwrap());
     assert_eq!(frames.each_ref().map(|volume| volume.dimensions), [[1; 3], [10; 3], [1; 3]]);
     for (frame, volume) in (1..).zip(&frames) {
         extent.check(volume, &folder.0.join(format!("s.{frame:04}.vdb"))).unwrap();
     }
-    let error = open("soot").extent(1..=3).unwrap_err().to_string();
+    // The first frame alone: another of the shot has the grid, and a velocity.
+    let alone = copies.extent([1], 2..=9).unwrap();
+    assert_eq!((alone.dimensions, alone.velocity), ([1; 3], true));
+    assert!(copies.extent([1], [3]).is_err(), "neither has it");
+    let error = open("soot").extent(1..=3, []).unwrap_err().to_string();
     assert!(error.contains("s.0001.vdb") && error.contains("no frame has smoke in a grid `soot`"), "{error}");
 }
