@@ -215,6 +215,46 @@ fn each_output_has_a_mesh_of_its_own() {
     assert!(offline.picture() == alone[0]);
 }
 
+/// A disc flies behind a bar that stands still: its smear shows to both sides of that, and nowhere before it.
+#[test]
+fn a_smear_passes_behind_what_stands_still() {
+    const SIZE: [u32; 2] = [160, 80];
+    let shown = |number: u32, x: u32, y: u32| {
+        let at = [x as f32 + 0.5, y as f32 + 0.5];
+        let is_disc = (at[0] - (150.0 - 20.0 * number as f32)).hypot(at[1] - 40.0) < 14.0;
+        match (104..112).contains(&x) {
+            true => Some((2.0, 2, [0.0; 2], [0.0, 1.0, 0.0, 1.0])),
+            false if is_disc => Some((3.0, 1, [20.0, 0.0], [1.0, 0.0, 0.0, 1.0])),
+            false => None,
+        }
+    };
+    let pixels = move |number: u32| {
+        let nothing = (f32::INFINITY, 0, [0.0; 2], [0.0; 4]);
+        let of = move |pixel: u32| shown(number, pixel % SIZE[0], pixel / SIZE[0]).unwrap_or(nothing);
+        (0..SIZE[0] * SIZE[1]).map(of)
+    };
+    let read = move |number: u32| {
+        let next = None;
+        let (depth, id) = (pixels(number).map(|p| p.0).collect(), pixels(number).map(|p| p.1).collect());
+        Ok(PassFrame { size: SIZE, depth, id, previous: pixels(number).map(|p| p.2).collect(), next })
+    };
+    let mut input = PassesInput::new(read, [1, 6], &Settings::default(), SIZE, 2).expect("settings");
+    let frame = input.frame(3).expect("a frame");
+    let Some(device) = common::device() else { return };
+    let mut offline = device.offline(input.desc(0, false).expect("a description"), Effort::Needed).expect("an effect");
+    let images: Vec<Picture> = (1..=4).map(|number| pixels(number).map(|p| p.3).collect()).collect();
+    let image = |place: usize| Some(&images[place][..]);
+    let blur = Some(BlurScene { frame: &frame, images: [image(1), image(2)], outer: [image(0), image(3)] });
+    offline.frame(&Scene { blur, rendered: true, ..Scene::default() }).expect("rendered");
+    let is_bar = |at: usize| (104..112).contains(&(at % SIZE[0] as usize));
+    let is_smear = |at: &usize| offline.picture()[*at][0] > 0.5 && images[2][*at][0] == 0.0;
+    for (at, pixel) in offline.picture().iter().enumerate().filter(|(at, _)| is_bar(*at)) {
+        assert_eq!(*pixel, images[2][at], "{at}");
+    }
+    let smeared: Vec<usize> = (0..images[2].len()).filter(is_smear).map(|at| at % SIZE[0] as usize).collect();
+    assert!(smeared.iter().any(|x| *x < 104) && smeared.iter().filter(|x| **x >= 112).count() > 20, "{smeared:?}");
+}
+
 /// The program makes the same of files: all passes as layers of one.
 #[test]
 fn files_of_a_renderer_become_smears() {

@@ -4,23 +4,25 @@
 //! a space whose x and y are pixels and whose depth is the logarithm of the passes', seen without perspective; where its points
 //! were in frame i, and are in the frames beside, follows from the motion vectors. What frame i shows and frame i + 1 hides is a
 //! second part of the mesh, made of frame i's pixels, so that nothing is missing where smears lay it bare; and a third is where
-//! surfaces go on a little below what hides them in both. All else is as with the mesh of a scene.
+//! surfaces go on a little below what hides them in both. What stands still is in the mesh where it is before smears, and hides
+//! them. All else is as with the mesh of a scene.
 //!
 //! What passes do not say is not known: what neither frame shows, what is transparent, what is blurred already.
 
+mod front;
 mod grid;
 mod hidden;
 mod sheets;
 mod tracks;
 mod under;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec4};
 
-use crate::blur::settings::{Settings, Trajectory};
+use crate::blur::settings::{Completion, Settings, Trajectory};
 use crate::blur::{self, Counts, FrameView, Mesh, MeshInput, Motion, Pose, Window};
 use crate::io::ReadError;
 use crate::io::passes::PassFrame;
@@ -38,8 +40,6 @@ const CELL: u32 = 4;
 /// Pixels of the picture for each point that there is room for, and the least room.
 const PIXELS_A_POINT: u32 = 8;
 const LEAST_ROOM: u32 = 4096;
-/// Objects whose colours completion can learn.
-const OBJECTS: u32 = 64;
 
 /// Reads the passes of a frame.
 type Read = dyn FnMut(u32) -> Result<PassFrame, ReadError> + Send;
@@ -98,21 +98,26 @@ impl PassesInput {
     pub fn desc(&self, seed: u32, layers: bool) -> Result<blur::Desc, BlurError> {
         let points = self.room();
         let triangles = 2 * points;
+        let mut settings = self.settings.clone();
+        // All that the mesh has is seen, and its normals are not those of what was rendered: there is nothing to learn from them.
+        if settings.completion == Completion::Surface {
+            settings.completion = Completion::None;
+        }
         Ok(blur::Desc {
             target_format: super::TARGET_FORMAT,
             points,
             triangles,
             // Of a plane graph; each edge is in two lists.
             neighbours: 6 * points,
-            objects: OBJECTS,
+            objects: points,
             groups: points.next_multiple_of(blur::GroupInput::MULTIPLE),
             group_triangles: 3 * triangles,
             outer: true,
             most_triangles: blur::MOST_TRIANGLES.max(2 * triangles).min(crate::blur::params::BASE_MASK),
-            segments: blur::Desc::segments_of(&self.settings),
+            segments: blur::Desc::segments_of(&settings),
             seed,
             layers,
-            ..blur::Desc::new(&nothing()?, self.size, self.settings.clone())
+            ..blur::Desc::new(&nothing()?, self.size, settings)
         })
     }
 
@@ -234,7 +239,9 @@ fn nothing() -> Result<Mesh, BlurError> {
 /// The mesh of frames i and i + 1, and its places.
 fn mesh_of([before, previous, next, after]: Around, shape: Shape) -> Result<(Mesh, Poses), BlurError> {
     let (Some(previous), Some(next)) = (previous, next) else { return Ok((nothing()?, Poses::default())) };
-    let own = Grid::new(&next.sheets, &next.movers, shape.cell);
+    let mut mask = front::pixels(next, shape.reach);
+    mask.iter_mut().zip(&next.movers).for_each(|(is_in, moves)| *is_in |= moves);
+    let own = Grid::new(&next.sheets, &mask, shape.cell);
     let found = Next::new(&own, previous, next, after);
     let mask = hidden::pixels(previous, next, &found.earlier, &own.triangles, found.ids());
     let behind = Grid::new(&previous.sheets, &mask, shape.cell);
@@ -271,24 +278,14 @@ fn joined(grids: [&Grid; 3], ids: &[u32]) -> Result<Mesh, BlurError> {
         triangles.extend(grid.triangles.iter().map(|triangle| triangle.map(|point| first + point)));
         first += grid.points.len() as u32;
     }
-    let objects = numbered(ids.to_vec());
     Ok(Mesh::new(&MeshInput {
-        vertices: objects.len(),
+        vertices: ids.len(),
         triangles: &triangles,
-        objects: Some(&objects),
+        objects: Some(ids),
         weld: None,
         normals: None,
         rest: None,
     })?)
-}
-
-/// Objects of which there are no more than there is room for: those with the largest numbers count as one.
-fn numbered(mut objects: Vec<u32>) -> Vec<u32> {
-    let numbers: BTreeSet<u32> = objects.iter().copied().collect();
-    if let Some(last) = numbers.iter().nth(OBJECTS as usize - 1) {
-        objects.iter_mut().for_each(|object| *object = (*object).min(*last));
-    }
-    objects
 }
 
 #[cfg(test)]

@@ -150,6 +150,34 @@ fn grid_of(frame: &PassFrame) -> Grid {
     grid(frame).2
 }
 
+/// A disc flies to the left behind a bar that stands still, over one at the other side, and before a wall.
+#[test]
+fn what_stands_still_is_in_the_mesh_where_smears_pass_behind_it() {
+    let scene = |number: u32| {
+        let centre = 70.5 - 8.0 * number as f32;
+        frame([80, 40], move |[x, y]| match x {
+            _ if (x - centre).hypot(y - 20.0) < 6.0 => Some((3.0, 1, [8.0, 0.0])),
+            _ if (52.0..56.0).contains(&x) => Some((2.0, 2, [0.0; 2])),
+            _ if (0.0..4.0).contains(&x) => Some((2.0, 3, [0.0; 2])),
+            _ => Some((9.0, 4, [0.0; 2])),
+        })
+    };
+    let size = [80, 40];
+    let mut input =
+        PassesInput::new(move |number| Ok(scene(number)), [1, 6], &Settings::default(), size, 1).expect("fine");
+    let made = input.frame(3).expect("a frame");
+    let objects = made.mesh.point_objects();
+    // Points of the disc and of the near bar; the far one is not on its way, and the wall lies behind it.
+    let places = |object: u32| {
+        made.poses.iter().map(move |pose| (0..pose.len()).filter(move |i| objects[*i] == object).map(|i| pose[i]))
+    };
+    assert_eq!([1, 2, 3, 4].map(|object| objects.contains(&object)), [true, true, false, false]);
+    assert!(places(2).all(|pose| pose.map(|[x, ..]| x).all(|x| (52.0..=56.0).contains(&x))));
+    // It does not move.
+    let moved = |pose: usize| places(2).nth(pose).expect("a pose").map(|[x, y, _]| [x, y]).collect::<Vec<_>>();
+    assert!((0..4).all(|pose| moved(pose) == moved(2)));
+}
+
 #[test]
 fn what_stands_still_is_no_mesh() {
     let scene = frame(SIZE, |at| match is_in_disc(at) {
