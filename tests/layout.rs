@@ -299,7 +299,7 @@ fn three_effects_share_scratch() {
             triangles: 20_000,
             neighbours: 60_000,
             texture_rows: 0,
-            objects: 1,
+            surfaces: 1,
             groups: 10_000,
             group_triangles: 60_000,
             outer,

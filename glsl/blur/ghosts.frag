@@ -14,7 +14,7 @@ layout(binding = 9) uniform texture2D frame_next;
 layout(location = 0) in vec3 previous;
 layout(location = 1) in vec3 next;
 layout(location = 2) in float moved;
-layout(location = 3) flat in uint object;
+layout(location = 3) flat in uint surface;
 layout(location = 0) out vec4 colour;
 
 // The pixel that sees a place; outside of the picture there is none.
@@ -28,9 +28,9 @@ void main() {
     ivec2 before;
     ivec2 after;
     uint seen = find(previous, before) ? texelFetch(seen_previous, before, 0).x : 0u;
-    bool has_previous = seen != 0u && triangles[max(seen, 1u) - 1u].w >> OBJECT_SHIFT == object;
+    bool has_previous = seen != 0u && triangles[max(seen, 1u) - 1u].w >> SURFACE_SHIFT == surface;
     seen = find(next, after) ? texelFetch(seen_next, after, 0).x : 0u;
-    bool has_next = seen != 0u && triangles[max(seen, 1u) - 1u].w >> OBJECT_SHIFT == object;
+    bool has_next = seen != 0u && triangles[max(seen, 1u) - 1u].w >> SURFACE_SHIFT == surface;
     if (!has_previous && !has_next) {
         discard;
     }

@@ -11,7 +11,7 @@ layout(std430, binding = 5) readonly buffer Splines { Piece splines[]; };
 layout(location = 0) out vec3 previous;  // where it is in frame i
 layout(location = 1) out vec3 next;      // and in frame i + 1
 layout(location = 2) out float moved;    // k'
-layout(location = 3) flat out uint object;
+layout(location = 3) flat out uint surface;
 #include "curve.glsl"
 #include "position.glsl"
 #include "base.glsl"
@@ -30,7 +30,7 @@ void main() {
     previous = place_of(1u, base, barycentrics);
     next = place_of(2u, base, barycentrics);
     moved = vertices[index].drawn_time;
-    object = base.w >> OBJECT_SHIFT;
+    surface = base.w >> SURFACE_SHIFT;
     // What stays where it is leaves no image.
     if (is_still(base) || (triangle.w & CULLED) != 0u) {
         gl_Position = vec4(0.0, 0.0, 1.0, -1.0);

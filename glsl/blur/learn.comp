@@ -1,4 +1,4 @@
-// Which colours the frames show of objects, by their world normal.
+// Which colours the frames show of surfaces, by their world normal.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -14,7 +14,7 @@ layout(constant_id = 0) const uint GROUPS = 0;
 #include "tables.glsl"
 #include "lesson.glsl"
 
-// The first lane's object and bin, which most lanes share: pixels and channels.
+// The first lane's surface and bin, which most lanes share: pixels and channels.
 shared uint usual[2];
 shared uint gathered[5];
 
@@ -30,22 +30,22 @@ void main() {
     uint frame = gl_GlobalInvocationID.z;
     uint lane = gl_LocalInvocationIndex;
     Lesson lesson = lesson_of(1u + frame, at);
-    uint object = lesson.base.w >> OBJECT_SHIFT;
-    bool is_told = lesson.is_there && object < params.tables;
+    uint surface = surface_of(lesson.base.w);
+    bool is_told = lesson.is_there && surface < params.tables;
     uint bin = is_told ? bin_of(normal_at(frame, lesson.place, lesson.base, lesson.barycentrics)) : NONE;
     if (lane < 5u) {
         gathered[lane] = 0u;
     }
     if (lane == 0u) {
-        usual = uint[2](object, bin);
+        usual = uint[2](surface, bin);
     }
     barrier();
     if (bin != NONE) {
         uvec4 units = quantised(colour_at(1u + frame, at), scale_of_images());
         // Fields of a bin stand so far from one another that neighbouring bins are neighbours: pixels, low words, high
         // words.
-        uint to = table_of(object, frame) * BIN_FIELDS + bin;
-        bool is_usual = object == usual[0] && bin == usual[1];
+        uint to = table_of(surface, frame) * BIN_FIELDS + bin;
+        bool is_usual = surface == usual[0] && bin == usual[1];
         if (is_usual) {
             atomicAdd(gathered[0], 1u);
         } else {

@@ -48,12 +48,15 @@ void main() {
     if (!(weight > LEAST_WEIGHT)) {
         return;
     }
-    site.normals[0].w = float(lesson.base.w >> OBJECT_SHIFT);
+    uint surface = surface_of(lesson.base.w);
+    site.normals[0].w = float(surface);
     for (uint i = 0u; i < 3u; ++i) {
         site.change[i] = change_of(colours[0][i], colours[1][i]);
     }
     site.change.w = 1;
-    atomicAdd(completing[OBJECTS + 2u * (lesson.base.w >> OBJECT_SHIFT)], 1u);
+    if (surface < params.tables) {
+        atomicAdd(completing[SURFACES + 2u * surface], 1u);
+    }
     uint index = atomicAdd(completing[SITE_COUNT], 1u);
     if (index < MOST_SITES) {
         sites[index] = site;

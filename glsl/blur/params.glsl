@@ -18,7 +18,10 @@ const uint OPEN_SHIFT = 29u;       // which may be split in this round or later;
 const uint CLOSED = 1u;            // of a triangle's last word: only its outside can be seen
 const uint TURNED = 2u;            // its outside is where its corners follow each other clockwise, in frame i; next: i + 1
 const uint FRONT_MASK = 7u;        // all of these
-const uint OBJECT_SHIFT = 3u;      // its object is above them
+const uint SURFACE_SHIFT = 3u;     // its surface is above them, a number up to
+const uint MOST_SURFACE = 0x7fffu;
+const uint OBJECT_SHIFT = 18u;     // and above that its object
+const uint MOST_OBJECT = 0x3fffu;
 const uint CULLED = 1u << 26u;     // never seen, because the object is closed
 // The cluster of a vertex between two clusters, or between such and others: k, l and k' are the mean of its parents', so
 // that k' is continuous. (If it belonged to one of the two, k' would jump beside the other's vertices, and what crosses the
@@ -81,7 +84,7 @@ layout(binding = 0) uniform BlurParams {
     uint vertex_room;          // vertices that there is room for, in each segment of the splines
     uint triangle_budget;      // triangles that refinement may make
     uint list_room;            // samples that there is room for in each list of completion
-    uint tables;               // objects that there are tables of colours for
+    uint tables;               // surfaces that there are tables of colours for
     vec4 curve[CURVE_ROWS];    // keys of the share of strength, two a row: speed in pixels a frame, and share
     uint curve_keys;           // how many there are
     float strength;            // how far the smear reaches back, in frames

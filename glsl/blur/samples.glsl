@@ -28,7 +28,7 @@ const uint SITE_COUNT = 39u;        // places that both show; of those the few t
 const uint FEW_COUNT = 40u;
 const uint FIRST_COUNT = 43u;       // and those with which its first rounds do
 const uint UNEXPLAINED = 41u;       // what tones leave unexplained of how these change, and all of it
-const uint OBJECTS = 64u;           // the same of each object, two words; before, how many places show it
+const uint SURFACES = 64u;          // the same of each surface, two words; before, how many places show it
 
 const float LEAST_COLOUR = 0.01;  // added to colours: what is black has no tone, and changes by no factor
 

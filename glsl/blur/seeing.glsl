@@ -60,14 +60,15 @@ vec3 corner_of(uint frame, uint point) {
     return clip[frame * params.points + point].xyz;
 }
 
-bool is_seen(uint frame, ivec2 at, uint object) {
+// `surface`: what is above a triangle's flags: its surface, and its object.
+bool is_seen(uint frame, ivec2 at, uint surface) {
     uint seen = seen_at(frame, at);
-    return seen > 0u && triangles[seen - 1u].w >> OBJECT_SHIFT == object;
+    return seen > 0u && triangles[seen - 1u].w >> SURFACE_SHIFT == surface;
 }
 
-// The colour of an object's surface in a pixel that sees it. A pixel at its border is covered in part; the surface is as
+// The colour of a surface in a pixel that sees it. A pixel at its border is covered in part; the surface is as
 // opaque as it is around.
-vec4 surface_at(uint frame, ivec2 at, uint object) {
+vec4 surface_at(uint frame, ivec2 at, uint surface) {
     vec4 colour = colour_at(frame, at);
     bool is_border = false;
     float opacity = colour.w;
@@ -75,7 +76,7 @@ vec4 surface_at(uint frame, ivec2 at, uint object) {
     for (int i = 0; i < around; ++i) {
         ivec2 beside = at + ivec2(i % 3, i / 3) - 1;
         if (is_in_picture(beside)) {
-            bool is_own = is_seen(frame, beside, object);
+            bool is_own = is_seen(frame, beside, surface);
             is_border = is_border || !is_own;
             opacity = is_own ? max(opacity, colour_at(frame, beside).w) : opacity;
         }
@@ -118,7 +119,7 @@ void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out fl
             continue;
         }
         bool is_outline = (frame == 1u || frame == 2u) && (cover_at(tap) & OUTLINE << frame) != 0u;
-        if (is_outline || !is_seen(frame, tap, triangle.w >> OBJECT_SHIFT)) {
+        if (is_outline || !is_seen(frame, tap, triangle.w >> SURFACE_SHIFT)) {
             continue;
         }
         // The triangle's plane goes on beyond it, which is the surface's slope. The same as depths that differ by a share
@@ -129,7 +130,7 @@ void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out fl
         }
         vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));
         float share = both.x * both.y;
-        colour += share * surface_at(frame, tap, triangle.w >> OBJECT_SHIFT);
+        colour += share * surface_at(frame, tap, triangle.w >> SURFACE_SHIFT);
         weight += share;
     }
     colour = weight > 0.0 ? colour / weight : colour;

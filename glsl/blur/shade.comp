@@ -13,21 +13,21 @@ layout(local_size_x = TILE, local_size_y = TILE) in;
 layout(std430, binding = 21) readonly buffer Tables { uvec4 tables[]; };
 layout(std430, binding = 25) writeonly buffer SampleSides { uvec4 sample_sides[]; };
 
-// What the object looks like at the place's normal.
+// What the surface looks like at the place's normal.
 vec4 typical(Fragment fragment, uint frame) {
-    uint object = fragment.base.w >> OBJECT_SHIFT;
+    uint surface = surface_of(fragment.base.w);
     uint bin = bin_of(normal_at(frame, fragment.place, fragment.base, fragment.barycentrics));
-    if (object >= params.tables || bin == NONE) {
+    if (surface >= params.tables || bin == NONE) {
         return vec4(-1.0);
     }
-    uvec4 units = tables[table_of(object, frame) + bin];
+    uvec4 units = tables[table_of(surface, frame) + bin];
     return units.x == NONE ? vec4(-1.0) : vec4(units) * (scale_of_images() / UNITS);
 }
 
-// Whether tones explain how colours change: of all at least a quarter, and of an object what it must.
-bool is_explained(uint object) {
-    uint own = OBJECTS + 2u * object;
-    bool is_own = object >= params.tables || completing[own] <= completing[own + 1u];
+// Whether tones explain how colours change: of all at least a quarter, and of a surface what it must.
+bool is_explained(uint surface) {
+    uint own = SURFACES + 2u * surface;
+    bool is_own = surface >= params.tables || completing[own] <= completing[own + 1u];
     return is_own && 4u * completing[UNEXPLAINED] <= 3u * completing[UNEXPLAINED + 1u];
 }
 
@@ -45,13 +45,13 @@ vec3 tone_at(uint place, uint frame, vec3 normal) {
 
 // It changes as the tone does.
 vec4 predicted(Fragment fragment, uint frame, vec4 known) {
-    uint object = fragment.base.w >> OBJECT_SHIFT;
+    uint surface = surface_of(fragment.base.w);
     vec3 hidden = unit(normal_at(frame, fragment.place, fragment.base, fragment.barycentrics));
     vec3 shown = unit(normal_at(1u - frame, fragment.place, fragment.base, fragment.barycentrics));
-    if (params.tables == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(object)) {
+    if (params.tables == 0u || hidden == vec3(0.0) || shown == vec3(0.0) || !is_explained(surface)) {
         return vec4(-1.0);
     }
-    uint place = object < params.tables ? 1u + object : 0u;
+    uint place = surface < params.tables ? 1u + surface : 0u;
     vec3 change = (tone_at(place, frame, hidden) - tone_at(place, 1u - frame, shown)) / LOGARITHM;
     vec3 colour = (max(known.xyz, vec3(0.0)) + LEAST_COLOUR) * exp(change) - LEAST_COLOUR;
     return vec4(clamp(colour, vec3(0.0), max(vec3(scale_of_images()), known.xyz)), known.w);

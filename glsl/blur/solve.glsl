@@ -3,13 +3,13 @@ layout(std430, binding = 1) readonly buffer Sites { Site sites[]; };
 layout(std430, binding = 2) buffer Lights { vec4 lights[]; };
 layout(std430, binding = 3) buffer Completing { uint completing[]; };
 
-const uint ALL = NONE;  // of the objects
+const uint ALL = NONE;  // of the surfaces
 
 // The equations' matrix and right sides, whole numbers at first, then the bits of others.
 shared int cells[TONE_STEPS * TONE_STEPS];
 shared int rights[3u * TONE_STEPS];
 shared int tones[3u * TONE_STEPS];
-// Tones of all, from which an object's depart by `tones`; 0 while these are not known.
+// Tones of all, from which a surface's depart by `tones`; 0 while these are not known.
 shared int common_tones[3u * TONE_STEPS];
 
 // Where the places of a round of the search begin, and how many there are; of what follows it: all places. None, if there was no room for all of them.
@@ -45,8 +45,8 @@ uint residual_of(Site site, uvec2 at) {
     return sum;
 }
 
-// Sums up the equations, of all places or of those of an object. A place counts less where the tones leave more than `scale` unexplained; 0: all count alike.
-void gather(uvec2 range, vec3 earlier, vec3 later, uint steps, uint scale, uint object) {
+// Sums up the equations, of all places or of those of a surface. A place counts less where the tones leave more than `scale` unexplained; 0: all count alike.
+void gather(uvec2 range, vec3 earlier, vec3 later, uint steps, uint scale, uint surface) {
     uint lane = gl_LocalInvocationIndex;
     for (uint i = lane; i < steps * steps; i += gl_WorkGroupSize.x) {
         cells[i] = 0;
@@ -57,7 +57,7 @@ void gather(uvec2 range, vec3 earlier, vec3 later, uint steps, uint scale, uint 
     barrier();
     for (uint i = lane; i < range.y; i += gl_WorkGroupSize.x) {
         Site site = sites[range.x + i];
-        if (object != ALL && uint(site.normals[0].w) != object) {
+        if (surface != ALL && uint(site.normals[0].w) != surface) {
             continue;
         }
         uvec2 at = steps_at(site, earlier, later, steps);

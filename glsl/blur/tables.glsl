@@ -1,10 +1,15 @@
-// Colours by world normal: what is typical of each object in each of frames i (0) and i + 1 (1).
+// Colours by world normal: what is typical of each surface in each of frames i (0) and i + 1 (1).
 #include "common/bits.glsl"
 #include "bins.glsl"
 
 // Where a table begins.
-uint table_of(uint object, uint frame) {
-    return (2u * object + frame) * BINS;
+// The surface of a triangle, from its last word.
+uint surface_of(uint word) {
+    return word >> SURFACE_SHIFT & MOST_SURFACE;
+}
+
+uint table_of(uint surface, uint frame) {
+    return (2u * surface + frame) * BINS;
 }
 
 float sign_of(float value) {

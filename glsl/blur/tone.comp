@@ -1,4 +1,4 @@
-// The tones under the light that has been found: of all in a first dispatch, then of each object, and how well these explain
+// The tones under the light that has been found: of all in a first dispatch, then of each surface, and how well these explain
 // what both frames show.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,7 +9,7 @@ layout(local_size_x = 256) in;
 #include "solve.glsl"
 layout(std430, binding = 4) buffer Tables { uvec4 tables[]; };
 layout(push_constant) uniform ToneConstants {
-    uint is_own;  // 1: those of objects
+    uint is_own;  // 1: those of surfaces
 } constants;
 
 shared uint judged[3];        // what is left unexplained, what there was, places
@@ -23,10 +23,10 @@ void main() {
     uvec2 range = places(SEARCHES);
     begin_solving();
     bool is_own = constants.is_own == 1u;
-    uint object = is_own ? group : ALL;
+    uint surface = is_own ? group : ALL;
     uint place = is_own ? group + 1u : 0u;
-    // Without a place of its own, an object has the common tones.
-    uint repeats = is_own && completing[OBJECTS + 2u * object] == 0u ? 0u : REPEATS;
+    // Without a place of its own, a surface has the common tones.
+    uint repeats = is_own && completing[SURFACES + 2u * surface] == 0u ? 0u : REPEATS;
     if (lane < 3u * TONE_STEPS) {
         tones[lane] = 0;
     }
@@ -38,7 +38,7 @@ void main() {
     }
     barrier();
     for (uint repeat = 0u; repeat < repeats; ++repeat) {
-        gather(range, earlier, later, TONE_STEPS, repeat == 0u ? 0u : RESIDUAL, object);
+        gather(range, earlier, later, TONE_STEPS, repeat == 0u ? 0u : RESIDUAL, surface);
         solve(TONE_STEPS);
     }
     if (lane < TONE_STEPS) {
@@ -58,7 +58,7 @@ void main() {
     uvec3 all = uvec3(0u);
     for (uint i = lane; i < range.y; i += gl_WorkGroupSize.x) {
         Site site = sites[range.x + i];
-        if (uint(site.normals[0].w) == object) {
+        if (uint(site.normals[0].w) == surface) {
             uint left = badness(residual_of(site, steps_at(site, earlier, later, TONE_STEPS)));
             all += uvec3(left, badness(sum_of(site.change.xyz)), 1u);
         }
@@ -70,7 +70,7 @@ void main() {
     if (lane == 0u) {
         atomicAdd(completing[UNEXPLAINED], judged[0]);
         atomicAdd(completing[UNEXPLAINED + 1u], judged[1]);
-        completing[OBJECTS + 2u * object] = judged[0];
-        completing[OBJECTS + 2u * object + 1u] = 2u * judged[1] + ALLOWED * judged[2];
+        completing[SURFACES + 2u * surface] = judged[0];
+        completing[SURFACES + 2u * surface + 1u] = 2u * judged[1] + ALLOWED * judged[2];
     }
 }

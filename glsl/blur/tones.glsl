@@ -29,16 +29,16 @@ const uint SEARCH_STEPS = 32u;      // in later ones
 const uint WHOLE = 16u;             // weight of a place; also of neighbouring steps having one tone
 const uint RESIDUAL = 13u;          // what the tones that are found may leave of a place that counts wholly
 const uint REPEATS = 5u;            // times that these are solved for
-const uint ALLOWED = 4u;            // badness that each place of an object may leave unexplained
-const uint TONE_ROWS = TONE_STEPS + 2u; // of an object: the light's directions in frames i and i + 1, the tone at each step
+const uint ALLOWED = 4u;            // badness that each place of a surface may leave unexplained
+const uint TONE_ROWS = TONE_STEPS + 2u; // of a surface: the light's directions in frames i and i + 1, the tone at each step
 
 // A place that both frames show.
 struct Site {
-    vec4 normals[2];  // unit, in frames i and i + 1; w: the object's number, unused
+    vec4 normals[2];  // unit, in frames i and i + 1; w: the surface's number, unused
     ivec4 change;     // logarithm of the colour in frame i + 1 by that in frame i; how many places it stands for
 };
 
-// What has been found stands behind the tables of colours: of all (place 0), then of each object, TONE_ROWS each, of
+// What has been found stands behind the tables of colours: of all (place 0), then of each surface, TONE_ROWS each, of
 // which those of tones are logarithms.
 uint row_of_light(uint place, uint frame) {
     return 2u * BINS * params.tables + TONE_ROWS * place + frame;

@@ -68,8 +68,8 @@ pub struct Desc {
     pub triangles: u32,
     /// Entries of its lists of neighbours.
     pub neighbours: u32,
-    /// Its objects.
-    pub objects: u32,
+    /// Its surfaces: objects, by their materials.
+    pub surfaces: u32,
     /// Its normal groups, and the entries of the lists of their triangles; not looked at unless `completion = "surface"`.
     pub groups: u32,
     /// As `groups`.
@@ -121,7 +121,7 @@ impl Desc {
             points: mesh.points() as u32,
             triangles,
             neighbours: mesh.neighbours().items.len() as u32,
-            objects: mesh.objects().len() as u32,
+            surfaces: mesh.surfaces(),
             groups: mesh.group_triangles().starts.len() as u32 - 1,
             group_triangles: mesh.group_triangles().items.len() as u32,
             texture_rows: 0,
@@ -143,8 +143,8 @@ impl Desc {
 
     /// What it has room for of a mesh.
     pub(super) fn sizes(&self) -> MeshSizes {
-        let Desc { points, triangles, neighbours, objects, groups, group_triangles, .. } = *self;
-        MeshSizes { points, triangles, neighbours, objects, groups, group_triangles }
+        let Desc { points, triangles, neighbours, surfaces, groups, group_triangles, .. } = *self;
+        MeshSizes { points, triangles, neighbours, surfaces, groups, group_triangles }
     }
 
     /// Whether it was made for a mesh, or one with as many of everything.
@@ -156,8 +156,8 @@ impl Desc {
 
     /// The same for a mesh of these sizes.
     pub(super) fn sized(&self, sizes: &MeshSizes) -> Desc {
-        let MeshSizes { points, triangles, neighbours, objects, groups, group_triangles } = *sizes;
-        Desc { points, triangles, neighbours, objects, groups, group_triangles, ..self.clone() }
+        let MeshSizes { points, triangles, neighbours, surfaces, groups, group_triangles } = *sizes;
+        Desc { points, triangles, neighbours, surfaces, groups, group_triangles, ..self.clone() }
     }
 
     /// Pieces that splines need: one, and one for each frame that the effect reaches back over.

@@ -22,7 +22,7 @@ use crate::shaders::blur::blocks::{
 };
 use crate::shaders::blur::constants::{
     BIN_FIELDS, BINS, BLOCK, DIRECTIONS, DISPATCHES, FEW_TRIANGLES, FRONTS_A_WORD, MOST_FEW, MOST_FIRST, MOST_ROWS,
-    MOST_SITES, OBJECTS, ROUNDS, STARTS, TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
+    MOST_SITES, ROUNDS, STARTS, SURFACES, TILE, TILE_DISPATCHES, TILE_FLAGS, TONE_ROWS,
 };
 
 buffers! {
@@ -95,8 +95,8 @@ buffers! {
 pub const TILE_WORDS: usize = TILE_FLAGS as usize;
 /// Words before the list of large groups: dispatch over them.
 pub const LARGE_WORDS: usize = 4;
-/// Words of what completion works on, before those of each object.
-pub const COMPLETING_WORDS: usize = OBJECTS as usize;
+/// Words of what completion works on, before those of each surface.
+pub const COMPLETING_WORDS: usize = SURFACES as usize;
 /// Bytes of a table of colours, and of the sums that it is made from.
 const TABLE_BYTES: u64 = 16 * BINS as u64;
 const SUM_BYTES: u64 = 4 * (BIN_FIELDS * BINS) as u64;
@@ -240,10 +240,10 @@ fn points_dispatched() -> u64 {
     MOST_GROUPS * u64::from(glsl::project::SHADER.local_size[0])
 }
 
-/// Objects whose colours are learnt.
+/// Surfaces whose colours are learnt.
 fn tables(desc: &Desc, limit: u64) -> u32 {
     let room = (limit / (2 * SUM_BYTES)).min(MOST_TABLES.into()) as u32;
-    if desc.settings.completion == Completion::Surface { desc.objects.min(room) } else { 0 }
+    if desc.settings.completion == Completion::Surface { desc.surfaces.min(room) } else { 0 }
 }
 
 /// Samples that may have to be filled from their neighbours: with the paper's way all, else the few that nothing shows.
@@ -260,7 +260,7 @@ pub struct Layout {
     pub triangles: u32,
     /// Vertices that there is room for: the mesh's points, and one for each triangle that refinement adds.
     pub vertices: u32,
-    /// Objects whose colours completion learns.
+    /// Surfaces whose colours completion learns.
     pub tables: u32,
     /// Samples that there is room for in each list of completion.
     pub listed: u32,
@@ -383,7 +383,7 @@ impl Layout {
         self.set(TILES, 4 * (TILE_WORDS as u64 + 2 * tiles[0] * tiles[1] + pixels));
         self.set(COMPLETING, 4 * COMPLETING_WORDS as u64 + 8 * tables);
         self.set(SUMS, 2 * SUM_BYTES * tables);
-        // Behind the tables, the light's directions and tones: of all and of each object.
+        // Behind the tables, the light's directions and tones: of all and of each surface.
         let tones = if tables > 0 { 16 * u64::from(TONE_ROWS) * (1 + tables) } else { 0 };
         self.set(TABLES, 2 * TABLE_BYTES * tables + tones);
         let sites = u64::from(MOST_SITES + MOST_FEW + MOST_FIRST) * size_of::<Site>() as u64;

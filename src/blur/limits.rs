@@ -5,7 +5,7 @@ use crate::shaders::blur::constants::{BESIDE, SEARCHES, STARTS};
 
 /// Places of frames that are drawn because the host has no images of them.
 pub const DRAWN_PLACES: usize = 4;
-/// The most objects that completion learns colours of; places of others have what the frame that shows them has.
+/// The most surfaces that completion learns colours of; places of others have what the frame that shows them has.
 pub const MOST_TABLES: u32 = 256;
 /// The most samples in one of completion's lists. A round of so many would not be within the loop budget: it and what would
 /// come after it are left out, and samples keep the side that is known.

@@ -201,7 +201,7 @@ impl Kind for BlurKind {
 
     fn go_on(&mut self, old: &BlurKind, descs: [&Desc; 2], kept: &Kept) {
         let mesh = descs
-            .map(|d| [d.points, d.triangles, d.neighbours, d.objects, d.groups, d.group_triangles, d.texture_rows]);
+            .map(|d| [d.points, d.triangles, d.neighbours, d.surfaces, d.groups, d.group_triangles, d.texture_rows]);
         let has_normals = descs.map(|desc| self.layout.has_normals(desc));
         let same_parts = descs[0].parts == descs[1].parts && descs[0].sources.len() == descs[1].sources.len();
         let same_mesh =

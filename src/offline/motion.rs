@@ -125,6 +125,7 @@ impl BlurInput {
             normals: None,
             rest: Some(&rest),
         })?;
+        mesh.set_materials(&topology.material)?;
         topology.triangles = mesh.corners().to_vec();
         let groups = shading_groups(&topology, &weld, &rest);
         // Vertices of one point share a normal if they have the same one here: any that tells the groups apart.

@@ -109,7 +109,7 @@ impl PassesInput {
             triangles,
             // Of a plane graph; each edge is in two lists.
             neighbours: 6 * points,
-            objects: points,
+            surfaces: points,
             groups: points.next_multiple_of(blur::GroupInput::MULTIPLE),
             group_triangles: 3 * triangles,
             outer: true,

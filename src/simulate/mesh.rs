@@ -191,8 +191,17 @@ fn assemble(which: Builtin, parts: Vec<Part>) -> (Model, Topology) {
         model.parts.push((transform, shape.positions));
     }
     let vertices = topology.object.len();
-    (topology.share, topology.material) = (vec![1.0; vertices], vec![0; vertices]);
-    (topology.materials, topology.coordinates) = (vec![String::new()], vec![[0.0; 2]; vertices]);
+    (topology.share, topology.coordinates) = (vec![1.0; vertices], vec![[0.0; 2]; vertices]);
+    // What has one colour is of one material.
+    let mut colours: Vec<[f32; 3]> = Vec::new();
+    for colour in &topology.colour {
+        let known = colours.iter().position(|other| other == colour);
+        topology.material.push(known.unwrap_or(colours.len()) as u32);
+        if known.is_none() {
+            colours.push(*colour);
+        }
+    }
+    topology.materials = (1..=colours.len()).map(|number| format!("colour {number}")).collect();
     (topology.texture, topology.texture_place) = (vec![None; vertices], vec![[0.0; 2]; vertices]);
     (model, topology)
 }

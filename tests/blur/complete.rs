@@ -40,6 +40,7 @@ fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Sc
     let mut count = topology.object.len();
     let mut triangles = topology.triangles.clone();
     let (mut objects, mut colours) = (topology.object.clone(), topology.colour.clone());
+    let mut materials = topology.material.clone();
     let rate = if which == Builtin::Run { 12.0 } else { 6.0 };
     let seconds = |frame: usize| start + frame as f64 / rate;
     let mut poses: Vec<Vec<[f32; 3]>> = (0..5)
@@ -56,6 +57,7 @@ fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Sc
         let first = count as u32;
         triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
         objects.extend([9; 4]);
+        materials.extend([0; 4]);
         colours.extend([[0.2, 0.5, 0.2]; 4]);
         count += 4;
     }
@@ -70,6 +72,7 @@ fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Sc
     let mut to = vec![0; count];
     (0..count).for_each(|v| to[rank[v] as usize] = v);
     let objects: Vec<u32> = to.iter().map(|v| objects[*v]).collect();
+    let materials: Vec<u32> = to.iter().map(|v| materials[*v]).collect();
     let colours: Vec<[f32; 3]> = to.iter().map(|v| colours[*v]).collect();
     let poses: Vec<Vec<[f32; 3]>> = poses.iter().map(|pose| to.iter().map(|v| pose[*v]).collect()).collect();
     let mut first = HashMap::new();
@@ -83,7 +86,8 @@ fn scene(which: Builtin, start: f64, order: Option<u32>, with_floor: bool) -> Sc
         normals: None,
         rest: None,
     };
-    let mesh = Mesh::new(&input).expect("a mesh");
+    let mut mesh = Mesh::new(&input).expect("a mesh");
+    mesh.set_materials(&materials).expect("one a vertex");
     let poses = poses.iter().map(|pose| mesh.gather(pose).expect("as many")).collect();
     let cameras = (0..5).map(|frame| model.camera(seconds(frame))).collect();
     let paint = triangles.iter().map(|triangle| colours[triangle[0] as usize]).collect();
@@ -194,7 +198,7 @@ fn expected(case: &mut Case, with_outer: bool) -> Expected {
     let Case { scene: Scene { mesh, animation, .. }, rig, .. } = case;
     let drawing = drawn(rig, mesh, animation, [I, I + 1]);
     let near = case.scene.near();
-    let surface = Surface { objects: case.scene.mesh.triangle_objects(), closed: &closed, still: &still, near };
+    let surface = Surface { surfaces: case.scene.mesh.triangle_surfaces(), closed: &closed, still: &still, near };
     let frames: Vec<Frame> =
         (0..4).map(|i| Frame::new(&corners[i], &normals[i], &case.images[i], SIZE, near)).collect();
     let inner = [&frames[1], &frames[2]];
@@ -242,7 +246,7 @@ fn hidden_errors(scene: &Scene, degrees: f64) -> ([f64; 2], usize) {
     let closed = scene::closed(outsides.each_ref().map(|outsides| &outsides[..]));
     let still = vec![false; scene.mesh.triangles().len()];
     let surface =
-        Surface { objects: scene.mesh.triangle_objects(), closed: &closed, still: &still, near: scene.near() };
+        Surface { surfaces: scene.mesh.triangle_surfaces(), closed: &closed, still: &still, near: scene.near() };
     let look = |k: usize, base: u32, weights: [f64; 3]| {
         let normal = DVec3::from_array(distort::interpolate(weights, normals[k][base as usize])).normalize();
         let dark = if normal.dot(lights[k].normalize()) > 0.25 { [1.0; 3] } else { [0.35, 0.4, 0.6] };
@@ -271,7 +275,7 @@ fn hidden_errors(scene: &Scene, degrees: f64) -> ([f64; 2], usize) {
             }
             let normals = [0, 1].map(|k| frames[k].normal(&surface, base, weights));
             let known = known.map(f64::from);
-            let found = tones.predict(surface.objects[base as usize], hidden, normals, known).unwrap_or(known);
+            let found = tones.predict(surface.surfaces[base as usize], hidden, normals, known).unwrap_or(known);
             let truth = oklab(look(hidden, base, weights));
             for (sum, [r, g, b, _]) in sums.iter_mut().zip([found, known]) {
                 *sum += oklab([r, g, b]).distance(truth);

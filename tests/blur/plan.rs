@@ -47,7 +47,7 @@ fn desc(settings: Settings) -> Desc {
         points: 1000,
         triangles: 1900,
         neighbours: 5800,
-        objects: 3,
+        surfaces: 3,
         groups: 1100,
         group_triangles: 5700,
         texture_rows: 0,

@@ -127,7 +127,7 @@ fn a_frame_of_blur() {
         points: 10_000,
         triangles: 19_000,
         neighbours: 58_000,
-        objects: 1,
+        surfaces: 1,
         groups: 11_000,
         group_triangles: 57_000,
         outer: true,

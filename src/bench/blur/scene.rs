@@ -64,7 +64,9 @@ impl Scene {
             normals: Some(&topology.normal),
             rest: None,
         };
-        let mesh = Arc::new(Mesh::new(&input)?);
+        let mut mesh = Mesh::new(&input)?;
+        mesh.set_materials(&topology.material)?;
+        let mesh = Arc::new(mesh);
         let poses = files.iter().filter_map(|pose| mesh.gather(pose)).map(Arc::new).collect();
         let views = (0..which.frames()).map(|frame| model.camera(seconds(frame)).view(size)).collect();
         Ok(Scene { size, topology, mesh, poses, views, current: which.frames() as usize / 2 })
@@ -192,7 +194,9 @@ impl Scene {
             normals: Some(&topology.normal),
             rest: None,
         };
-        let mesh = Arc::new(Mesh::new(&input)?);
+        let mut mesh = Mesh::new(&input)?;
+        mesh.set_materials(&topology.material)?;
+        let mesh = Arc::new(mesh);
         let (poses, views) = (self.poses.clone(), self.views.clone());
         Ok(Scene { size: self.size, topology, mesh, poses, views, current: self.current })
     }

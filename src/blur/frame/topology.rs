@@ -7,7 +7,7 @@ use crate::blur::parts::{Chunk, PartRow, PartSizes};
 use crate::blur::settings::Completion;
 use crate::error::Result;
 use crate::host::{HostBuffer, check_buffer as holds};
-use crate::shaders::blur::constants::OBJECT_SHIFT;
+use crate::shaders::blur::constants::{MOST_OBJECT, MOST_SURFACE, OBJECT_SHIFT, SURFACE_SHIFT};
 
 /// How much there is of a mesh: each at most what the effect was made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,8 +18,8 @@ pub struct MeshSizes {
     pub triangles: u32,
     /// Entries of the lists of neighbours.
     pub neighbours: u32,
-    /// Objects.
-    pub objects: u32,
+    /// Surfaces: objects, by their materials.
+    pub surfaces: u32,
     /// Normal groups, a multiple of [`GroupInput::MULTIPLE`]: the lists of the last may be empty.
     pub groups: u32,
     /// Entries of the lists of their triangles.
@@ -87,19 +87,19 @@ impl MeshSizes {
             points: mesh.points() as u32,
             triangles: mesh.triangles().len() as u32,
             neighbours: mesh.neighbours().items.len() as u32,
-            objects: mesh.objects().len() as u32,
+            surfaces: mesh.surfaces(),
             groups: groups.next_multiple_of(GroupInput::MULTIPLE),
             group_triangles: mesh.group_triangles().items.len() as u32,
         }
     }
 
     fn named(&self) -> [(&'static str, u32); 6] {
-        let MeshSizes { points, triangles, neighbours, objects, groups, group_triangles } = *self;
+        let MeshSizes { points, triangles, neighbours, surfaces, groups, group_triangles } = *self;
         [
             ("points", points),
             ("triangles", triangles),
             ("neighbours", neighbours),
-            ("objects", objects),
+            ("surfaces", surfaces),
             ("normal groups", groups),
             ("triangles of normal groups", group_triangles),
         ]
@@ -158,11 +158,15 @@ impl TopologyInput {
         mesh.corners().iter().flatten().map(colour).collect()
     }
 
-    /// The rows of [`TopologyInput::triangles`] of a mesh.
+    /// The rows of [`TopologyInput::triangles`] of a mesh. Objects and surfaces beyond those that have numbers there count as
+    /// one.
     pub fn triangle_rows(mesh: &Mesh) -> Vec<[u32; 4]> {
         let place = |id: &u32| mesh.objects().partition_point(|object| object < id) as u32;
-        let rows = mesh.triangles().iter().zip(mesh.triangle_objects());
-        rows.map(|([a, b, c], id)| [*a, *b, *c, place(id) << OBJECT_SHIFT]).collect()
+        let of = mesh.triangle_objects().iter().zip(mesh.triangle_surfaces());
+        let words = of.map(|(id, surface)| {
+            place(id).min(MOST_OBJECT) << OBJECT_SHIFT | (*surface).min(MOST_SURFACE) << SURFACE_SHIFT
+        });
+        mesh.triangles().iter().zip(words).map(|([a, b, c], word)| [*a, *b, *c, word]).collect()
     }
 }
 
@@ -219,7 +223,7 @@ mod tests {
         let input =
             MeshInput { vertices: 4, triangles: &triangles, objects: None, weld: None, normals: None, rest: None };
         let sizes = MeshSizes::of(&Mesh::new(&input).expect("a mesh"));
-        assert_eq!((sizes.points, sizes.triangles, sizes.neighbours, sizes.objects), (4, 2, 10, 1));
+        assert_eq!((sizes.points, sizes.triangles, sizes.neighbours, sizes.surfaces), (4, 2, 10, 1));
         // Groups without triangles stand behind the others.
         assert_eq!((sizes.groups, sizes.group_triangles), (GroupInput::MULTIPLE, 6));
         assert!(sizes.check(&sizes).is_ok());

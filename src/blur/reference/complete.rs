@@ -37,11 +37,11 @@ pub fn complete(
     let colour = |sample: &Shaded| {
         let fragment = sample.fragment?;
         let normal = |side: usize| frames[side].normal(surface, fragment.base, fragment.weights);
-        let object = surface.objects[fragment.base as usize];
+        let own = surface.surfaces[fragment.base as usize];
         match (sample.sides, &tables) {
             ([Some(previous), Some(next)], _) => Some(mix(fragment.time, [previous, next])),
             ([None, None], Some((tables, _))) => {
-                let typical = [0, 1].map(|side| tables[side].typical(object, normal(side)));
+                let typical = [0, 1].map(|side| tables[side].typical(own, normal(side)));
                 match typical {
                     [Some(previous), Some(next)] => Some(mix(fragment.time, [previous, next])),
                     [one, other] => one.or(other),
@@ -55,7 +55,7 @@ pub fn complete(
                 }
                 let missing = usize::from(one.is_some());
                 let Some((_, tones)) = tables else { return (how == Completion::None).then_some(known) };
-                let predicted = tones.predict(object, missing, [normal(0), normal(1)], known);
+                let predicted = tones.predict(own, missing, [normal(0), normal(1)], known);
                 let sides = [one, other].map(|side| side.or(predicted).unwrap_or(known));
                 Some(mix(fragment.time, sides))
             }

@@ -19,8 +19,8 @@ pub type Colour = [f64; 4];
 /// The constant data of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
-    /// The object of each triangle of the mesh.
-    pub objects: &'a [u32],
+    /// The surface of each triangle of the mesh: what an object has of one material.
+    pub surfaces: &'a [u32],
     /// Whether each triangle is of a closed surface that is seen from outside.
     pub closed: &'a [bool],
     /// Whether each triangle stays where it is in frame i + 1: its three points are in no cluster.
@@ -80,7 +80,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The colour of a place, given by its triangle and its barycentric coordinates there: four bilinear taps, of which
-    /// those count that see the same object at the depth that the triangle's plane has at the tap's centre, within
+    /// those count that see the same surface at the depth that the triangle's plane has at the tap's centre, within
     /// `DEPTH_TOLERANCE`. Of a triangle without area the place's own depth counts. Taps off screen see nothing, and
     /// neither does what is nearer than the near plane. A tap has its [surface's colour](Frame::surface).
     pub fn look_up(&self, surface: &Surface, base: u32, weights: [f64; 3]) -> Look {
@@ -100,7 +100,7 @@ impl<'a> Frame<'a> {
             look.uncertain |= uncertain && share > PLACE_ROUNDING;
             if sees {
                 look.weight += share;
-                let value = self.surface(surface, pixel, surface.objects[base as usize]);
+                let value = self.surface(surface, pixel, surface.surfaces[base as usize]);
                 (0..4).for_each(|i| colour[i] += share * value[i]);
             }
         }
@@ -112,13 +112,13 @@ impl<'a> Frame<'a> {
     /// The colour of an object's surface in a pixel that sees it. A pixel at the object's border is covered in part: if its
     /// alpha is between 0 and 1, and one of its eight neighbours does not see the object, then its colour is brought to
     /// the largest alpha of it and of those that do. Without this a border that is stretched would be full of holes.
-    pub fn surface(&self, surface: &Surface, pixel: usize, object: u32) -> Colour {
+    pub fn surface(&self, surface: &Surface, pixel: usize, number: u32) -> Colour {
         let own = self.image[pixel].map(f64::from);
         let width = self.seen.size[0] as usize;
         let [x, y] = [(pixel % width) as f64, (pixel / width) as f64];
         let around = (0..9).filter_map(|i| self.pixel([x + f64::from(i % 3) - 1.0, y + f64::from(i / 3) - 1.0]));
         let sees = |pixel: &usize| {
-            self.seen.seen[*pixel].checked_sub(1).is_some_and(|other| surface.objects[other as usize] == object)
+            self.seen.seen[*pixel].checked_sub(1).is_some_and(|other| surface.surfaces[other as usize] == number)
         };
         let (of_it, beside): (Vec<usize>, Vec<usize>) = around.partition(sees);
         if beside.is_empty() || !(own[3] > 0.0 && own[3] < 1.0) {
@@ -154,7 +154,7 @@ impl<'a> Frame<'a> {
     fn sees(&self, surface: &Surface, pixel: usize, centre: [f64; 2], base: u32, depth: f64) -> (bool, bool) {
         let uncertain = self.seen.uncertain[pixel];
         let Some(other) = self.seen.seen[pixel].checked_sub(1) else { return (false, uncertain) };
-        let is_same = surface.objects[other as usize] == surface.objects[base as usize];
+        let is_same = surface.surfaces[other as usize] == surface.surfaces[base as usize];
         let (own, slope) = match &self.shapes[base as usize] {
             Some(shape) => (shape.inverse_depth(centre), shape.slope()),
             None => (1.0 / depth, 0.0),

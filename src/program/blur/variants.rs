@@ -66,7 +66,7 @@ fn desc(settings: Settings) -> Desc {
         points: 8,
         triangles: 8,
         neighbours: 8,
-        objects: 1,
+        surfaces: 1,
         groups: 8,
         group_triangles: 8,
         texture_rows: 0,

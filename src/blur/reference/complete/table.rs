@@ -1,4 +1,4 @@
-//! Colours by world normal: what a frame shows of an object where it is turned some way. Of places that neither frame shows
+//! Colours by world normal: what a frame shows of a surface where it is turned some way. Of places that neither frame shows
 //! nothing else is known.
 //!
 //! All sums and means are whole numbers, so that their order does not matter and a device has the same.
@@ -126,8 +126,8 @@ pub struct Table {
 pub(super) struct Lesson {
     /// Its place on screen.
     pub pixel: usize,
-    /// The object that it sees.
-    pub object: u32,
+    /// The surface that it sees.
+    pub surface: u32,
     /// The mesh's triangle.
     pub base: u32,
     /// Barycentric coordinates there.
@@ -136,14 +136,14 @@ pub(super) struct Lesson {
     colour: [u32; 4],
 }
 
-/// The pixels of a frame that teach: those of which all four neighbours that there are on screen see the same object, so
+/// The pixels of a frame that teach: those of which all four neighbours that there are on screen see the same surface, so
 /// that borders and what is mixed there do not. By the normal at their centre.
 pub(super) fn lessons(surface: &Surface, frame: &Frame, scale: f32) -> Vec<Lesson> {
     let lesson = |pixel: usize| {
         let (base, weights) = frame.place(pixel)?;
         let bin = bin(frame.normal(surface, base, weights))?;
-        let object = surface.objects[base as usize];
-        Some(Lesson { pixel, object, base, weights, bin, colour: quantised(frame.image[pixel], scale) })
+        let own = surface.surfaces[base as usize];
+        Some(Lesson { pixel, surface: own, base, weights, bin, colour: quantised(frame.image[pixel], scale) })
     };
     let inner = (0..frame.image.len()).filter(|pixel| is_inner(surface, frame, *pixel));
     inner.filter_map(lesson).collect()
@@ -151,16 +151,15 @@ pub(super) fn lessons(surface: &Surface, frame: &Frame, scale: f32) -> Vec<Lesso
 
 impl Table {
     /// Learns from the inner pixels of both frames, those of which all four neighbours that there are on screen see the
-    /// same object: of each bin the mean of the colours that `frame` shows there; where it shows none, of those that
+    /// same surface: of each bin the mean of the colours that `frame` shows there; where it shows none, of those that
     /// `other` does, for a light that stays makes a normal look the same; then [`filled`]. Colours are [`quantised`] by the
     /// [`scale`] of what both images show of the mesh, the larger of the two.
     pub fn learn(surface: &Surface, frame: &Frame, other: &Frame) -> Table {
         let scale = scale(frame.shown()).max(scale(other.shown()));
-        let mut objects: BTreeMap<u32, [Vec<Sum>; 2]> = BTreeMap::new();
+        let mut surfaces: BTreeMap<u32, [Vec<Sum>; 2]> = BTreeMap::new();
         for (k, frame) in [frame, other].into_iter().enumerate() {
-            for Lesson { object, bin, colour, .. } in lessons(surface, frame, scale) {
-                let sums =
-                    objects.entry(object).or_insert_with(|| [(); 2].map(|()| vec![Sum::default(); BINS as usize]));
+            for Lesson { surface: own, bin, colour, .. } in lessons(surface, frame, scale) {
+                let sums = surfaces.entry(own).or_insert_with(|| [(); 2].map(|()| vec![Sum::default(); BINS as usize]));
                 sums[k][bin].add(colour);
             }
         }
@@ -168,24 +167,24 @@ impl Table {
             let mean = |place: usize| own[place].mean().or_else(|| other[place].mean());
             filled(&(0..BINS as usize).map(mean).collect::<Vec<_>>())
         };
-        Table { filled: objects.iter().filter_map(|(object, sums)| Some((*object, means(sums)?))).collect(), scale }
+        Table { filled: surfaces.iter().filter_map(|(surface, sums)| Some((*surface, means(sums)?))).collect(), scale }
     }
 
-    /// An object's colour in this frame at a normal; none where neither frame shows it.
-    pub fn typical(&self, object: u32, normal: [f64; 3]) -> Option<Colour> {
-        let units = self.filled.get(&object)?[bin(normal)?];
+    /// A surface's colour in this frame at a normal; none where neither frame shows it.
+    pub fn typical(&self, surface: u32, normal: [f64; 3]) -> Option<Colour> {
+        let units = self.filled.get(&surface)?[bin(normal)?];
         Some(units.map(|units| f64::from(units) * f64::from(self.scale / UNITS)))
     }
 }
 
-/// Whether a pixel and its neighbours on screen see one object.
+/// Whether a pixel and its neighbours on screen see one surface.
 fn is_inner(surface: &Surface, frame: &Frame, pixel: usize) -> bool {
     let [width, height] = frame.seen.size.map(|side| side as usize);
-    let object = |pixel: usize| frame.seen.seen[pixel].checked_sub(1).map(|base| surface.objects[base as usize]);
-    let (x, y, own) = (pixel % width, pixel / width, object(pixel));
+    let seen = |pixel: usize| frame.seen.seen[pixel].checked_sub(1).map(|base| surface.surfaces[base as usize]);
+    let (x, y, own) = (pixel % width, pixel / width, seen(pixel));
     own.is_some()
-        && (x == 0 || object(pixel - 1) == own)
-        && (x + 1 == width || object(pixel + 1) == own)
-        && (y == 0 || object(pixel - width) == own)
-        && (y + 1 == height || object(pixel + width) == own)
+        && (x == 0 || seen(pixel - 1) == own)
+        && (x + 1 == width || seen(pixel + 1) == own)
+        && (y == 0 || seen(pixel - width) == own)
+        && (y + 1 == height || seen(pixel + width) == own)
 }

@@ -34,8 +34,8 @@ const ADDED: f64 = 0.01;
 /// A place that both frames show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
-    /// Its object.
-    pub object: u32,
+    /// Its surface.
+    pub surface: u32,
     /// Unit normals in frames i and i + 1.
     pub normals: [[f64; 3]; 2],
     /// The logarithm of its red, green and blue in frame i + 1 by those in frame i, in units.
@@ -51,12 +51,12 @@ pub struct Tones {
     pub lights: [[f64; 3]; 2],
     /// Logarithm of the tone at each step of the cosine, from -1 to 1, in units; only differences mean something.
     pub tones: Vec<[i32; 3]>,
-    /// Those of each object that shows a place.
+    /// Those of each surface that shows a place.
     pub own: BTreeMap<u32, Vec<[i32; 3]>>,
     /// The variation that the tones leave unexplained over all places ([`badness`]), and the variation there was.
     pub unexplained: [u64; 2],
-    /// The same of each object's places, and what may be: twice what there was, and [`ALLOWED`] each.
-    pub objects: BTreeMap<u32, [u64; 2]>,
+    /// The same of each surface's places, and what may be: twice what there was, and [`ALLOWED`] each.
+    pub surfaces: BTreeMap<u32, [u64; 2]>,
     /// The largest value of a channel.
     brightest: f64,
 }
@@ -121,7 +121,7 @@ pub fn sites(surface: &Surface, frames: [&Frame; 2]) -> [Vec<Site>; 3] {
             let normals = frames.map(|frame| unit(frame.normal(surface, lesson.base, lesson.weights)));
             let [Some(earlier), Some(later)] = normals else { continue };
             let change = [0, 1, 2].map(|i| change(colours[0][i], colours[1][i]));
-            let site = Site { object: lesson.object, normals: [earlier, later], change, weight: 1 };
+            let site = Site { surface: lesson.surface, normals: [earlier, later], change, weight: 1 };
             all.push(site);
             let cell = at.map(|c| (c / stride) as u32);
             let is_one = cell[0].is_multiple_of(4) && cell[1].is_multiple_of(2);
@@ -288,16 +288,16 @@ impl Tones {
         Tones::under(&sites[0], lights, brightest)
     }
 
-    /// The tones under lights: those common to all places; then of each object what its own depart from these by, solved
-    /// for in the same way, so that an object of which little is seen has the common ones.
+    /// The tones under lights: those common to all places; then of each surface what its own depart from these by, solved
+    /// for in the same way, so that a surface of which little is seen has the common ones.
     fn under(sites: &[Site], lights: [[f64; 3]; 2], brightest: f64) -> Tones {
         let steps = TONE_STEPS as usize;
         let tones = solve(sites, lights, steps, FINDING);
-        let (own, objects) = (BTreeMap::new(), BTreeMap::new());
-        let mut found = Tones { lights, tones, own, unexplained: [0; 2], objects, brightest };
-        let mut by_object: BTreeMap<u32, Vec<Site>> = BTreeMap::new();
-        sites.iter().for_each(|site| by_object.entry(site.object).or_default().push(*site));
-        for (object, sites) in by_object {
+        let (own, surfaces) = (BTreeMap::new(), BTreeMap::new());
+        let mut found = Tones { lights, tones, own, unexplained: [0; 2], surfaces, brightest };
+        let mut by_surface: BTreeMap<u32, Vec<Site>> = BTreeMap::new();
+        sites.iter().for_each(|site| by_surface.entry(site.surface).or_default().push(*site));
+        for (surface, sites) in by_surface {
             let rest = |site: &Site| {
                 let [to, from] = steps_at(site, lights, steps);
                 let change = [0, 1, 2].map(|i| site.change[i] - found.tones[to][i] + found.tones[from][i]);
@@ -312,17 +312,17 @@ impl Tones {
                 sums = [sums[0] + left, sums[1] + 2 * there + u64::from(ALLOWED)];
                 found.unexplained = [found.unexplained[0] + left, found.unexplained[1] + there];
             }
-            found.objects.insert(object, sums);
+            found.surfaces.insert(surface, sums);
             let own = departing.iter().zip(&found.tones).map(|(own, all)| [0, 1, 2].map(|i| own[i] + all[i])).collect();
-            found.own.insert(object, own);
+            found.own.insert(surface, own);
         }
         found
     }
 
-    /// The logarithm of an object's tone at a unit normal in frame i (0) or i + 1 (1): that of its step; where the neighbouring
+    /// The logarithm of a surface's tone at a unit normal in frame i (0) or i + 1 (1): that of its step; where the neighbouring
     /// step on its side differs by less than [`EVEN`], linear between the middles of the two.
-    fn tone(&self, object: u32, side: usize, normal: [f64; 3]) -> [f64; 3] {
-        let tones = self.own.get(&object).unwrap_or(&self.tones);
+    fn tone(&self, surface: u32, side: usize, normal: [f64; 3]) -> [f64; 3] {
+        let tones = self.own.get(&surface).unwrap_or(&self.tones);
         let steps = tones.len();
         let cosine: f64 = (0..3).map(|i| self.lights[side][i] * normal[i]).sum();
         let nearest = step(self.lights[side], normal, steps);
@@ -335,24 +335,24 @@ impl Tones {
         [0, 1, 2].map(|i| f64::from(own[i]) + share * f64::from(way[i]))
     }
 
-    /// Whether colours of an object follow from tones: of all places, these explain at least a quarter of what changes; of
-    /// the object's they do not leave more than may be. That is generous, for an object may show few places that change,
+    /// Whether colours of a surface follow from tones: of all places, these explain at least a quarter of what changes; of
+    /// the surface's they do not leave more than may be. That is generous, for a surface may show few places that change,
     /// but one that has no tones is found: what glows, or shines.
-    pub fn explains(&self, object: u32) -> bool {
-        let [left, most] = self.objects.get(&object).copied().unwrap_or_default();
+    pub fn explains(&self, surface: u32) -> bool {
+        let [left, most] = self.surfaces.get(&surface).copied().unwrap_or_default();
         4 * self.unexplained[0] <= 3 * self.unexplained[1] && left <= most
     }
 
     /// The colour in frame i (0) or i + 1 (1), `hidden`, of a place that only the other one shows, in colour `known`: red,
     /// green and blue, plus `LEAST_COLOUR`, times the tone at the normal in the one by that at the normal in the other,
     /// less it; from 0 to the [`scale`] of the images, or `known` if that is brighter. Alpha stays. None where a normal has
-    /// no direction or tones do not explain the object's colours.
-    pub fn predict(&self, object: u32, hidden: usize, normals: [[f64; 3]; 2], known: Colour) -> Option<Colour> {
+    /// no direction or tones do not explain the surface's colours.
+    pub fn predict(&self, surface: u32, hidden: usize, normals: [[f64; 3]; 2], known: Colour) -> Option<Colour> {
         let (there, here) = (unit(normals[hidden])?, unit(normals[1 - hidden])?);
-        if !self.explains(object) {
+        if !self.explains(surface) {
             return None;
         }
-        let (to, from) = (self.tone(object, hidden, there), self.tone(object, 1 - hidden, here));
+        let (to, from) = (self.tone(surface, hidden, there), self.tone(surface, 1 - hidden, here));
         let channel = |i: usize| {
             let value = (known[i].max(0.0) + ADDED) * ((to[i] - from[i]) / f64::from(LOGARITHM)).exp() - ADDED;
             value.clamp(0.0, self.brightest.max(known[i]))

@@ -117,7 +117,12 @@ impl Scene {
     }
 
     fn surface(&self) -> Surface<'_> {
-        Surface { objects: self.mesh.triangle_objects(), closed: &self.closed, still: &self.still, near: camera().near }
+        Surface {
+            surfaces: self.mesh.triangle_surfaces(),
+            closed: &self.closed,
+            still: &self.still,
+            near: camera().near,
+        }
     }
 
     fn triangles(&self) -> &[Triangle] {
@@ -142,7 +147,7 @@ impl Scene {
         let points = self.mesh.triangles()[base as usize];
         let rest = points.map(|p| self.points[p as usize % self.points.len()].as_dvec3());
         let rest = rest[0] * weights[0] + rest[1] * weights[1] + rest[2] * weights[2];
-        let object = self.mesh.triangle_objects()[base as usize];
+        let object = self.mesh.triangle_surfaces()[base as usize];
         look(object, frame.normal(&self.surface(), base, weights), rest, striped)
     }
 
@@ -237,7 +242,7 @@ fn the_sphere_that_stays_is_the_next_image() {
     let image = compose(&surface, &drawing, frames, &shaded, &colours, [0.0; 4]);
     let is_same = |pixel: &usize| image[*pixel] == images[1][*pixel].map(f64::from);
     let object =
-        |frame: &Frame, pixel: usize| frame.seen.seen[pixel].checked_sub(1).map(|base| surface.objects[base as usize]);
+        |frame: &Frame, pixel: usize| frame.seen.seen[pixel].checked_sub(1).map(|base| surface.surfaces[base as usize]);
     let own: Vec<usize> = (0..images[1].len()).filter(|pixel| object(frames[1], *pixel) == Some(2)).collect();
     assert!(own.len() > 300 && own.iter().all(is_same), "{}", own.len());
     assert!((0..images[1].len()).filter(|pixel| !is_same(pixel)).count() > 1000);

@@ -61,7 +61,7 @@ impl Rig {
     }
 
     pub fn surface(&self) -> Surface<'_> {
-        Surface { objects: &self.objects, closed: &self.closed, still: &self.still, near: NEAR }
+        Surface { surfaces: &self.objects, closed: &self.closed, still: &self.still, near: NEAR }
     }
 
     pub fn frame(&self, k: usize) -> Frame<'_> {

@@ -212,7 +212,7 @@ fn an_open_surface_has_a_normal_on_both_sides() {
     let image = vec![SKY; 24 * 8];
     let frame = Frame::new(&corners, &normals, &image, SIZE, rig::NEAR);
     let normal = |closed: bool, base: u32, weights: [f64; 3]| {
-        let surface = Surface { objects: &[0; 2], closed: &[closed; 2], still: &[false; 2], near: rig::NEAR };
+        let surface = Surface { surfaces: &[0; 2], closed: &[closed; 2], still: &[false; 2], near: rig::NEAR };
         frame.normal(&surface, base, weights)
     };
     assert_eq!(normal(false, 0, [0.25, 0.5, 0.25]), [1.0, 2.0, 3.0], "towards the camera");

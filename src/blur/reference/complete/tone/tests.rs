@@ -34,7 +34,7 @@ fn sites_of(count: u32, turn: f64, lights: [DVec3; 2], tone: fn(f64) -> [f64; 3]
             [0, 1, 2].map(|i| tone[i] * paint[i])
         });
         let change = [0, 1, 2].map(|i| change(colours[0][i], colours[1][i]));
-        Site { object: index % 2, normals: normals.map(|n| n.to_array()), change, weight: 1 }
+        Site { surface: index % 2, normals: normals.map(|n| n.to_array()), change, weight: 1 }
     };
     (0..count).map(site).collect()
 }
@@ -61,7 +61,7 @@ fn logarithms_are_rounded_and_what_has_none_is_black() {
 fn equations_are_solved() {
     // Steps 0 to 3, of which 0 and 3 are known to be 100 apart, and many places say so.
     let site = |from: f64, to: f64, change: i32| Site {
-        object: 0,
+        surface: 0,
         normals: [[from, 0.0, 0.0], [to, 0.0, 0.0]],
         change: [change, -change, 0],
         weight: 1000,
@@ -148,8 +148,8 @@ fn objects_have_their_own_tones() {
     let mut sites = sites_of(6000, 0.3, [LIGHT; 2], flat);
     // One changes red where the other changes blue, a third does not change at all.
     for (site, index) in sites.iter_mut().zip(0..) {
-        site.object = [0, 1, 0, 2, 0, 0][index % 6];
-        match site.object {
+        site.surface = [0, 1, 0, 2, 0, 0][index % 6];
+        match site.surface {
             1 => site.change.reverse(),
             2 => site.change = [0; 3],
             _ => {}
@@ -177,7 +177,7 @@ fn what_has_no_tones_keeps_what_is_known() {
     };
     // One object flickers.
     let with = |objects: &[u32]| -> Vec<Site> {
-        let is_noisy = |site: &Site| objects.contains(&site.object);
+        let is_noisy = |site: &Site| objects.contains(&site.surface);
         sites.iter().zip(0..).map(|(site, i)| if is_noisy(site) { noise((site, i)) } else { *site }).collect()
     };
     assert!(!learnt(&with(&[0, 1]), lights).explains(0));
