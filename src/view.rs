@@ -10,9 +10,9 @@ use glam::{DMat4, DVec3};
 use crate::error::Result;
 pub use crate::shaders::common::constants::FARTHEST;
 
-pub use camera::Camera;
+pub use camera::{Camera, MOST_SHIFT};
 #[cfg(feature = "cli")]
-pub(crate) use camera::{near, vertical_fov};
+pub(crate) use camera::{near, orthographic, pixel_aspect, vertical_fov};
 pub use light::{FireLight, Light, LightSource, SecondLight};
 #[cfg(feature = "cli")]
 pub(crate) use light::{ambient, fill, rim, strength};

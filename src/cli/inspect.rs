@@ -291,7 +291,7 @@ impl Display for Report {
                 listed(f, "material", &names.materials)?;
                 animations.iter().try_for_each(|a| writeln!(f, "animation `{}`: {} s", a.name, a.seconds))?;
                 cameras.iter().try_for_each(|c| {
-                    let kind = if c.perspective { "perspective" } else { "orthographic, cannot be looked through" };
+                    let kind = if c.perspective { "perspective" } else { "orthographic" };
                     writeln!(f, "camera `{}`: {kind}", c.name)
                 })?;
                 notes.iter().try_for_each(|note| writeln!(f, "note: {note}"))

@@ -228,7 +228,7 @@ impl Shot {
                 Background::Image(path) => Background::Image(folder.join(path)),
                 other => other,
             },
-            camera: CameraTrack::new(tree, folder, frames, fps)?,
+            camera: CameraTrack::new(tree, folder, frames, fps, tree.size()?)?,
             light: light_track(tree, "light")?.unwrap_or(LightTrack::of(light.source)),
             ambient: tree.number("light.ambient", light.ambient)?,
             fill: tree.number("light.fill", light.fill)?,

@@ -6,7 +6,10 @@ use super::{FARTHEST, NARROWEST, View, WIDEST, is_near};
 use crate::error::{Error, Result};
 use crate::settings::Rule;
 
-/// A pinhole camera: right-handed, y up, square pixels. Lengths in metres.
+/// Most that a lens is shifted, in picture heights.
+pub const MOST_SHIFT: f64 = 100.0;
+
+/// A camera without distortion: right-handed, y up. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Position.
@@ -15,8 +18,15 @@ pub struct Camera {
     pub target: DVec3,
     /// Any direction that is up in the picture; must not be parallel to the view direction.
     pub up: DVec3,
-    /// Vertical field of view in degrees, [`NARROWEST`] to [`WIDEST`].
+    /// Vertical field of view in degrees, [`NARROWEST`] to [`WIDEST`]; not looked at if the view is `orthographic`.
     pub vertical_fov: f64,
+    /// Height of what is seen in metres, without perspective, 1e-9 to 1e12; none: there is perspective.
+    pub orthographic: Option<f64>,
+    /// Where the picture's middle is, beside what lies ahead, in picture heights to the right and up, at most [`MOST_SHIFT`]: a
+    /// lens that is shifted.
+    pub shift: DVec2,
+    /// Width of a pixel by its height, 0.1 to 10.
+    pub pixel_aspect: f64,
     /// Nearest depth seen, 1e-9 to 1e12.
     pub near: f64,
     /// Farthest depth seen, > `near`; may be infinite.
@@ -30,6 +40,9 @@ impl Default for Camera {
             target: DVec3::new(0.0, 1.0, 0.0),
             up: DVec3::Y,
             vertical_fov: 40.0,
+            orthographic: None,
+            shift: DVec2::ZERO,
+            pixel_aspect: 1.0,
             near: 0.1,
             far: 100.0,
         }
@@ -54,9 +67,24 @@ impl Camera {
             return Err(Error::setting("camera.up", self.up, "must not be parallel to the view direction"));
         }
         vertical_fov().check("camera.vertical_fov", self.vertical_fov)?;
+        if let Some(height) = self.orthographic {
+            orthographic().check("camera.orthographic", height)?;
+        }
+        if !self.shift.to_array().iter().all(|shift| shift.abs() <= MOST_SHIFT) {
+            return Err(Error::setting(
+                "camera.shift",
+                self.shift,
+                "picture heights to the right and up, none beyond 100",
+            ));
+        }
+        pixel_aspect().check("camera.pixel_aspect", self.pixel_aspect)?;
         near().check("camera.near", self.near)?;
         if self.far.is_nan() || self.far <= self.near {
             return Err(Error::setting("camera.far", self.far, "metres, above camera.near; may be inf"));
+        }
+        if self.orthographic.is_some() && self.far.is_infinite() {
+            let allowed = "metres, above camera.near; not inf where camera.orthographic is";
+            return Err(Error::setting("camera.far", self.far, allowed));
         }
         Ok(())
     }
@@ -69,22 +97,33 @@ impl Camera {
         DMat3::from_cols(right, up, forward).transpose()
     }
 
-    /// View-space extent at depth 1 from the centre to the right and to the top edge of a picture of `size` pixels.
+    /// Half of what is seen at depth 1 of the view across a picture of `size` pixels, and of what is seen up it; orthographic: at
+    /// any depth.
     pub fn half_extent(&self, size: [u32; 2]) -> DVec2 {
-        let y = (self.vertical_fov.to_radians() / 2.0).tan();
-        DVec2::new(y * f64::from(size[0]) / f64::from(size[1]), y)
+        let y = match self.orthographic {
+            Some(height) => height / 2.0,
+            None => (self.vertical_fov.to_radians() / 2.0).tan(),
+        };
+        DVec2::new(self.pixel_aspect * y * f64::from(size[0]) / f64::from(size[1]), y)
     }
 
     /// What it sees in a picture of `size` pixels; depth is reversed.
     pub fn view(&self, size: [u32; 2]) -> View {
         let rotation = self.rotation();
         let row = |axis: usize| rotation.row(axis).extend(-rotation.row(axis).dot(self.eye));
-        let scale = self.half_extent(size).recip();
+        let half = self.half_extent(size);
+        let scale = half.recip();
         let share = if self.far.is_finite() { self.near / (self.far - self.near) } else { 0.0 };
-        let depth = DVec4::new(0.0, 0.0, -share, self.near * (1.0 + share));
+        let (divisor, depth) = match self.orthographic {
+            Some(_) => (DVec4::W, DVec4::new(0.0, 0.0, -1.0 / (self.far - self.near), 1.0 + share)),
+            None => (DVec4::Z, DVec4::new(0.0, 0.0, -share, self.near * (1.0 + share))),
+        };
+        let shift = 2.0 * self.shift * DVec2::new(half.y / half.x, 1.0);
+        let across = DVec4::X * scale.x - divisor * shift.x;
+        let down = DVec4::Y * -scale.y + divisor * shift.y;
         View {
             world_to_view: DMat4::from_cols(row(0), row(1), row(2), DVec4::W).transpose(),
-            view_to_clip: DMat4::from_cols(DVec4::X * scale.x, DVec4::Y * -scale.y, depth, DVec4::Z).transpose(),
+            view_to_clip: DMat4::from_cols(across, down, depth, divisor).transpose(),
             jitter: [0.0; 2],
             reversed: true,
         }
@@ -94,6 +133,16 @@ impl Camera {
 /// Allowed fields of view.
 pub(crate) fn vertical_fov() -> Rule<f64> {
     Rule::new("degrees", NARROWEST..=WIDEST)
+}
+
+/// Allowed heights of what is seen without perspective.
+pub(crate) fn orthographic() -> Rule<f64> {
+    Rule::new("metres", 1e-9..=f64::from(FARTHEST))
+}
+
+/// Allowed shapes of pixels.
+pub(crate) fn pixel_aspect() -> Rule<f64> {
+    Rule::new("width of a pixel by its height", 0.1..=10.0)
 }
 
 /// Allowed nearest depths.

@@ -267,3 +267,35 @@ fn more_light_takes_its_share_of_what_is_missing_to_white() {
     assert!(FireLight { colour: [f32::NAN; 3], ..fire }.validate().is_err());
     assert!(FireLight { position: DVec3::splat(1e13), ..fire }.validate().is_err());
 }
+
+/// Where lenses that are shifted, wide pixels and views without perspective see a place.
+#[test]
+fn a_camera_s_lens_is_as_it_says() {
+    let eye = DVec3::new(0.0, 1.0, 4.0);
+    let camera = Camera { eye, target: DVec3::Y, vertical_fov: 90.0, ..Camera::default() };
+    let size = [400, 200];
+    // 2 m ahead, 1 m to the right and half a metre up.
+    let place = |camera: &Camera| {
+        let clip = (camera.view(size).view_to_clip * camera.view(size).world_to_view) * DVec4::new(1.0, 1.5, 2.0, 1.0);
+        let [x, y] = [clip.x, clip.y].map(|c| 0.5 + 0.5 * c / clip.w);
+        [400.0 * x, 200.0 * y]
+    };
+    let near = |a: [f64; 2], b: [f64; 2]| assert!((0..2).all(|i| (a[i] - b[i]).abs() < 1e-9), "{a:?} {b:?}");
+    near(place(&camera), [250.0, 75.0]);
+    // The picture's middle goes right and up by a quarter and half of its height: what is seen the other way.
+    let shift = DVec2::new(0.25, 0.5);
+    near(place(&Camera { shift, ..camera }), [200.0, 175.0]);
+    // Twice as wide as they are high: what is seen is twice as wide.
+    near(place(&Camera { pixel_aspect: 2.0, ..camera }), [225.0, 75.0]);
+    near(place(&Camera { pixel_aspect: 2.0, shift, ..camera }), [200.0, 175.0]);
+    let parallel = Camera { orthographic: Some(4.0), ..camera };
+    near(place(&parallel), [250.0, 75.0]);
+    near(place(&Camera { shift, ..parallel }), [200.0, 175.0]);
+    let projection = Projection::new(&parallel.view(size), size).expect("a view");
+    assert!(projection.is_orthographic && (projection.far - projection.near - 99.9).abs() < 1e-9, "{projection:?}");
+    let why = |camera: Camera| camera.validate().expect_err("wrong").to_string();
+    assert!(why(Camera { far: f64::INFINITY, ..parallel }).starts_with("camera.far"));
+    assert!(why(Camera { shift: DVec2::new(0.0, f64::NAN), ..camera }).starts_with("camera.shift"));
+    assert!(why(Camera { pixel_aspect: 0.0, ..camera }).starts_with("camera.pixel_aspect"));
+    assert!(why(Camera { orthographic: Some(0.0), ..camera }).starts_with("camera.orthographic"));
+}

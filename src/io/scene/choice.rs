@@ -8,6 +8,10 @@ use super::rig::{Lens, Node};
 use super::track::Track;
 use super::{Animation, Note};
 use crate::io::ReadError;
+use crate::view::Camera;
+
+/// The least near plane of an orthographic camera, in metres.
+const LEAST_NEAR: f64 = 1e-6;
 
 /// One of a file's animations or cameras.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +28,7 @@ pub struct Choice {
     /// The animations that are played, all at once: of two that move the same, the later one does. None: the file's
     /// first. One called `*`, where the file has none of that name, is all of them.
     pub animations: Vec<Pick>,
-    /// The camera of the scene; none: the first perspective one.
+    /// The camera of the scene; none: the first perspective one, or else the first.
     pub camera: Option<Pick>,
     /// Whether the first animation that moves the camera is played where none of `animations` does.
     pub for_camera: bool,
@@ -35,11 +39,11 @@ pub struct Choice {
 pub struct NamedCamera {
     /// Its node's name, else its own; that of an unnamed one is its number among the scene's, from 0.
     pub name: String,
-    /// Only such a camera can be looked through; others are orthographic.
+    /// Others are orthographic.
     pub is_perspective: bool,
 }
 
-/// A camera in the scene, and the lens of a perspective one.
+/// A camera in the scene, and its lens, if its file says one.
 pub(super) struct Found {
     pub(super) camera: NamedCamera,
     /// The camera's own name beside its node's.
@@ -128,21 +132,35 @@ pub(super) fn cameras(document: &Document, shown: &[bool]) -> Result<Vec<Found>,
         let Some(camera) = json.camera else { continue };
         let camera = document.entry(&root.cameras, camera, "camera")?;
         let [name, own_name] = [&json.name, &camera.name].map(|name| name.clone().filter(|name| !name.is_empty()));
-        let lens = camera.perspective.as_ref().map(|lens| Lens {
+        let perspective = camera.perspective.as_ref().map(|lens| Lens {
             node,
             vertical_fov: f64::from(lens.yfov),
+            orthographic: None,
             near: f64::from(lens.znear),
             far: lens.zfar.map_or(f64::INFINITY, f64::from),
         });
+        let is_perspective = perspective.is_some();
+        let orthographic = camera.orthographic.as_ref().map(|lens| Lens {
+            node,
+            vertical_fov: Camera::default().vertical_fov.to_radians(),
+            orthographic: Some(2.0 * f64::from(lens.ymag)),
+            // It may be at the eye.
+            near: f64::from(lens.znear).max(LEAST_NEAR),
+            far: f64::from(lens.zfar),
+        });
+        let lens = perspective.or(orthographic);
         let name = name.or_else(|| own_name.clone()).unwrap_or_else(|| cameras.len().to_string());
-        cameras.push(Found { camera: NamedCamera { name, is_perspective: lens.is_some() }, own_name, lens });
+        cameras.push(Found { camera: NamedCamera { name, is_perspective }, own_name, lens });
     }
     Ok(cameras)
 }
 
-/// The number of the camera that is looked through; none where no perspective one is there and none is asked for.
+/// The number of the camera that is looked through: without a word on it the first perspective one, or else the first.
 pub(super) fn camera(document: &Document, all: &[Found], pick: Option<&Pick>) -> Result<Option<usize>, ReadError> {
-    let Some(pick) = pick else { return Ok(all.iter().position(|found| found.lens.is_some())) };
+    let Some(pick) = pick else {
+        let perspective = all.iter().position(|found| found.camera.is_perspective);
+        return Ok(perspective.or(all.iter().position(|found| found.lens.is_some())));
+    };
     let own = |found: &Found| matches!(pick, Pick::Name(name) if found.own_name.as_ref() == Some(name));
     let names: Vec<&str> = all.iter().map(|found| &found.camera.name[..]).collect();
     let number = find(document, "cameras", pick, &names).or_else(|e| all.iter().position(own).ok_or(e))?;
@@ -150,7 +168,8 @@ pub(super) fn camera(document: &Document, all: &[Found], pick: Option<&Pick>) ->
         Some(_) => Ok(Some(number)),
         None => {
             let name = &all[number].camera.name;
-            Err(document.fault(format!("camera `{name}`"), "is orthographic", "a perspective camera"))
+            let expected = "`perspective` or `orthographic`";
+            Err(document.fault(format!("camera `{name}`"), "does not say what it sees", expected))
         }
     }
 }

@@ -426,11 +426,19 @@ pub(super) enum KeyKind {
     Other,
 }
 
-/// A camera; one that is not perspective is orthographic.
+/// A camera.
 #[derive(Deserialize)]
 pub(super) struct Camera {
     pub(super) name: Option<String>,
     pub(super) perspective: Option<Perspective>,
+    pub(super) orthographic: Option<Orthographic>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Orthographic {
+    pub(super) ymag: f32,
+    pub(super) zfar: f32,
+    pub(super) znear: f32,
 }
 
 #[derive(Deserialize)]

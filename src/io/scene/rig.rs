@@ -82,12 +82,14 @@ pub(super) struct Part {
     pub(super) influences: Option<Arc<Influences>>,
 }
 
-/// A perspective camera in a node.
+/// A camera in a node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lens {
     pub(super) node: usize,
     /// Radians.
     pub(super) vertical_fov: f64,
+    /// Metres.
+    pub(super) orthographic: Option<f64>,
     pub(super) near: f64,
     pub(super) far: f64,
 }
@@ -198,8 +200,10 @@ impl Rig {
             target: eye - node.matrix3.z_axis.normalize_or_zero(),
             up: node.matrix3.y_axis.normalize_or_zero(),
             vertical_fov: lens.vertical_fov.to_degrees(),
+            orthographic: lens.orthographic,
             near: lens.near,
             far: lens.far,
+            ..Camera::default()
         })
     }
 }

@@ -17,6 +17,10 @@ const SHOT: &[(&str, &str)] = &[
     ("camera.eye", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("camera.target", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("camera.up", "[x, y, z], none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
+    (
+        "camera.shift",
+        "[right, up], picture heights, none beyond 100, or keyframes [[frame, [right, up]], ...], ascending",
+    ),
     ("camera.far", "metres, above camera.near, may be inf, or keyframes [[frame, metres], ...], ascending"),
     (
         "camera.file",
@@ -43,7 +47,8 @@ const SHOT: &[(&str, &str)] = &[
 ];
 
 /// Keys that `camera.file` takes the place of.
-pub(super) const INSTEAD_OF_FILE: [&str; 4] = ["camera.eye", "camera.target", "camera.up", "camera.vertical_fov"];
+pub(super) const INSTEAD_OF_FILE: [&str; 5] =
+    ["camera.eye", "camera.target", "camera.up", "camera.vertical_fov", "camera.orthographic"];
 
 /// The keys of a shot that may have some tables. Of those that are no settings, what they do and their defaults stand in the
 /// built-in shots.
@@ -58,6 +63,8 @@ impl Keys {
         };
         let mut keys: Vec<Dial> = SHOT.iter().map(own).collect();
         keys.push(keyframes("camera.vertical_fov", view::vertical_fov().allowed(), "degrees"));
+        keys.push(keyframes("camera.orthographic", view::orthographic().allowed(), "metres"));
+        keys.push(given("camera.pixel_aspect", view::pixel_aspect().allowed()));
         keys.push(keyframes("camera.near", view::near().allowed(), "metres"));
         keys.push(keyframes("light.ambient", view::ambient().allowed(), "ambient"));
         keys.push(keyframes("light.fill", view::fill().allowed(), "fill"));

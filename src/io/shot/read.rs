@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::de::DeserializeOwned;
 use toml::Value;
 
@@ -74,6 +74,14 @@ impl Tree {
     pub(super) fn vector(&self, path: &str, default: DVec3) -> Result<Track<DVec3>> {
         self.track(path, default, |value| {
             three(value).filter(|v| v.to_array().iter().all(|x| x.abs() <= f64::from(FARTHEST)))
+        })
+    }
+
+    /// Two numbers that may have keyframes, none beyond `most`.
+    pub(super) fn pair(&self, path: &str, default: DVec2, most: f64) -> Result<Track<DVec2>> {
+        self.track(path, default, |value| match value.as_array()?.as_slice() {
+            [x, y] => Some(DVec2::new(number(x)?, number(y)?)).filter(|v| v.to_array().iter().all(|x| x.abs() <= most)),
+            _ => None,
         })
     }
 

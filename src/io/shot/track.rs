@@ -1,6 +1,6 @@
 //! Keyframes: linear between frames, constant outside.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A value that can be interpolated between two keyframes.
 pub(super) trait Between: Copy {
@@ -12,6 +12,12 @@ impl Between for f64 {
     fn between(self, to: f64, t: f64) -> f64 {
         // Infinity (camera.far) stays infinity up to the next keyframe instead of becoming NaN.
         if self.is_infinite() || to.is_infinite() { f64::INFINITY } else { self + (to - self) * t }
+    }
+}
+
+impl Between for DVec2 {
+    fn between(self, to: DVec2, t: f64) -> DVec2 {
+        self + (to - self) * t
     }
 }
 

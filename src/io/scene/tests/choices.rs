@@ -149,7 +149,7 @@ fn a_camera_is_chosen_by_name_or_number() {
 }
 
 #[test]
-fn orthographic_cameras_are_refused_where_they_are_looked_through() {
+fn orthographic_cameras_are_looked_through_where_there_is_no_other() {
     let mut file = filmed();
     let orthographic = json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 2, "znear": 1}});
     file.root["cameras"][0] = orthographic.clone();
@@ -158,8 +158,11 @@ fn orthographic_cameras_are_refused_where_they_are_looked_through() {
     assert_eq!(mesh.camera_taken().unwrap().name, "Side");
     assert_eq!(mesh.cameras().iter().map(|camera| camera.is_perspective).collect::<Vec<_>>(), [false, true]);
     let choice = Choice { camera: Some(name("Main")), ..Choice::default() };
-    says(open_as(&file, &choice).unwrap_err(), &["camera `Main`: is orthographic", "a perspective camera"]);
-    // For the mesh alone no camera is needed.
+    assert_eq!(open_as(&file, &choice).unwrap().camera(0.0).unwrap().orthographic, Some(2.0));
     file.root["cameras"][1] = orthographic;
+    assert_eq!(open(&file).unwrap().camera_taken().unwrap().name, "Main");
+    // For the mesh alone no camera is needed.
+    file.root["cameras"] = json!([{"type": "orthographic"}, {"type": "fisheye"}]);
     assert_eq!(open(&file).unwrap().camera(0.0), None);
+    says(open_as(&file, &choice).unwrap_err(), &["camera `Main`: does not say what it sees", "`orthographic`"]);
 }

@@ -292,6 +292,7 @@ fn cameras_see_along_their_nodes() {
     assert_near(&[eye, target, up], &[[0.0, 0.0, 5.0], [0.0, 0.0, 4.0], [-1.0, 0.0, 0.0]], "turned");
     file.root["nodes"][1]["camera"] = 0.into();
     let mesh = open(&file).unwrap();
-    assert_eq!((mesh.camera(0.0), mesh.camera_taken()), (None, None));
+    let camera = mesh.camera(0.0).unwrap();
+    assert_eq!((camera.orthographic, camera.near, camera.far), (Some(2.0), 1.0, 2.0));
     assert_eq!(mesh.cameras(), [NamedCamera { name: "0".into(), is_perspective: false }]);
 }
