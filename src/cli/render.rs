@@ -3,6 +3,7 @@
 mod device;
 mod encode;
 mod input;
+mod layered;
 mod origin;
 mod outputs;
 mod strip;
@@ -43,6 +44,7 @@ Examples:
   celfx render builtin:flame --set flame.mode=expected     fire without grain
   celfx render my.toml --set smoke.sigma=8 --set smoke.shadow=map
   celfx render my.toml --layers layers --profile p.json    every pass's image, and its cost
+  celfx render my.toml --layers comp.####.exr              one file a frame for compositing
 
 Frames do not depend on how they are rendered: a frame alone, resumed, or with another number of
 threads is the same bit for bit, because smoke is always stepped from the shot's first frame.";
@@ -63,8 +65,9 @@ pub(super) struct Options {
     /// The pictures: .png (8-bit sRGB) or .exr (linear float); #### or %04d is the frame number
     #[arg(short, long, value_name = "PATTERN", default_value = "out/####.png")]
     output: PathBuf,
-    /// Also write what each pass made into this folder: LAYER.####.exr, arrays as .npy
-    #[arg(long, value_name = "DIR")]
+    /// Also write what each pass made: into a folder, LAYER.####.exr and arrays as .npy; or, with FILE.####.exr, one file a
+    /// frame for compositing, with the picture, Z, all layers that are images, and Cryptomatte
+    #[arg(long, value_name = "DIR|FILE.####.exr")]
     layers: Option<PathBuf>,
     /// Write the times of all passes: .json (Chrome trace, opens in Perfetto) or .csv
     #[arg(long, value_name = "FILE", value_parser = profile_path)]
@@ -134,7 +137,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Err(Failure::usage(format!("--frames {first}-{last}: the shot has frames {a} to {b}")));
     }
     let names = layers::names(|effect| shot.has(effect));
-    let layers = options.layers.as_deref().map(|folder| (folder, &names[..]));
+    let layers = options.layers.as_deref().map(|path| (path, &names[..]));
     let outputs = Outputs::new(&options.output, layers, options.others(), shot.size, frames)?;
     overlap::check(&shot.inputs(), &outputs.all(), shot.frames, frames)?;
     outputs.probe(frames)?;

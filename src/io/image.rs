@@ -3,7 +3,7 @@
 
 mod coded;
 mod contained;
-
+mod layered;
 mod openexr;
 mod profile;
 
@@ -20,6 +20,7 @@ use super::{WriteError, file, write_atomic};
 
 pub use coded::read_png;
 pub(super) use coded::{decode, read_coded};
+pub use layered::{Channel, Header, write_exr_layered};
 pub(super) use openexr::read_colours;
 pub use openexr::{Channels, Wanted, read_exr, read_named};
 
@@ -237,11 +238,15 @@ fn write_exr_layer(
         let attributes = LayerAttributes { other: note.into_iter().collect(), ..LayerAttributes::default() };
         let layer = Layer::new(size, attributes, encoding, channels);
         let image = exr::prelude::Image::from_layer(layer);
-        image.write().to_buffered(buffer).map_err(|error| match error {
-            exr::error::Error::Io(error) => error,
-            error => io::Error::other(error),
-        })
+        image.write().to_buffered(buffer).map_err(failed)
     })
+}
+
+fn failed(error: exr::error::Error) -> io::Error {
+    match error {
+        exr::error::Error::Io(error) => error,
+        error => io::Error::other(error),
+    }
 }
 
 /// The text that a PNG was written with beside its pixels, if it was.

@@ -5,15 +5,16 @@ use std::{fmt, fs};
 
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::Failure;
+use super::{Failure, layered};
 use crate::io::array::write_npy;
 use crate::io::file::digest;
-use crate::io::image::write_exr;
+use crate::io::image::{Header, write_exr, write_exr_layered};
 use crate::io::overlap::Files;
 use crate::io::pattern::Pattern;
 use crate::io::picture::{self, Format};
-use crate::io::{ReadError, probe};
+use crate::io::{ReadError, WriteError, probe};
 use crate::program::layers::{Layer, LayerData, LayerName};
+use crate::view::View;
 
 /// A frame that is done on the device.
 pub(super) struct Frame {
@@ -25,6 +26,29 @@ pub(super) struct Frame {
     pub(super) pixels: Vec<[f32; 4]>,
     /// Empty if no layers are written.
     pub(super) layers: Vec<Layer>,
+    /// What it is seen through, the width of a pixel by its height, and frames in a second.
+    pub(super) view: View,
+    pub(super) pixel_aspect: f64,
+    pub(super) fps: f64,
+}
+
+#[cfg(test)]
+impl Frame {
+    /// Without pixels and layers.
+    pub(super) fn of_nothing(number: u32) -> Frame {
+        let view = crate::view::Camera::default().view([2, 1]);
+        Frame { number, origin: 0, pixels: Vec::new(), layers: Vec::new(), view, pixel_aspect: 1.0, fps: 24.0 }
+    }
+}
+
+/// Files of layers.
+enum LayerFiles {
+    /// None are written.
+    None,
+    /// One of each layer.
+    Each(Vec<(LayerName, Pattern)>),
+    /// One of all that are images, with the picture.
+    One(Pattern),
 }
 
 /// All files of a run.
@@ -33,8 +57,7 @@ pub(super) struct Outputs {
     given: String,
     picture: Pattern,
     format: Format,
-    /// Empty if no layers are written.
-    layers: Vec<(LayerName, Pattern)>,
+    layers: LayerFiles,
     /// Those of all frames together: the profile, the contact sheet, the animation.
     others: Vec<Files>,
     size: [u32; 2],
@@ -51,8 +74,8 @@ pub(super) enum Found {
 }
 
 impl Outputs {
-    /// Takes the pattern apart; `layers` are those that are written, and the folder for them. `[first, last]` are the
-    /// frames that are rendered, `others` the files of all of them together.
+    /// Takes the pattern apart; `layers` are those that are written, and the folder or the EXR files for them. `[first, last]`
+    /// are the frames that are rendered, `others` the files of all of them together.
     pub(super) fn new(
         pattern: &Path,
         layers: Option<(&Path, &[LayerName])>,
@@ -66,18 +89,14 @@ impl Outputs {
             return Err(Failure::usage(format!("{given}: the name must end in .png or .exr, as in out/####.png")));
         };
         picture.check_frames(first, last)?;
-        let layers = layers.into_iter().flat_map(|(folder, names)| names.iter().map(move |name| (folder, *name)));
-        let layers = layers.map(|(folder, (name, is_array))| {
-            let extension = if is_array { "npy" } else { "exr" };
-            Ok(((name, is_array), Pattern::parse(format!("{name}.####.{extension}"))?.below(folder)))
-        });
-        let layers = layers.collect::<Result<Vec<_>, Failure>>()?;
+        let layers =
+            layers.map_or(Ok(LayerFiles::None), |(path, names)| LayerFiles::new(path, names, [first, last]))?;
         Ok(Outputs { given, picture, format, layers, others, size })
     }
 
     /// Whether layers are written.
     pub(super) fn has_layers(&self) -> bool {
-        !self.layers.is_empty()
+        !matches!(self.layers, LayerFiles::None)
     }
 
     /// The frame's picture.
@@ -91,14 +110,18 @@ impl Outputs {
             Files::new(format!("the layer {name} of --layers"), pattern.clone())
         };
         let mut all = vec![Files::new(&*self.given, self.picture.clone())];
-        all.extend(self.layers.iter().map(layer));
+        match &self.layers {
+            LayerFiles::None => {}
+            LayerFiles::Each(layers) => all.extend(layers.iter().map(layer)),
+            LayerFiles::One(pattern) => all.push(Files::new("--layers", pattern.clone())),
+        }
         all.extend(self.others.iter().cloned());
         all
     }
 
     /// All files of a frame.
     pub(super) fn files(&self, frame: u32) -> impl Iterator<Item = PathBuf> + '_ {
-        self.layers.iter().map(move |(_, pattern)| pattern.path(frame)).chain([self.picture(frame)])
+        self.layers.patterns().map(move |pattern| pattern.path(frame)).chain([self.picture(frame)])
     }
 
     /// The files of all frames together.
@@ -117,14 +140,20 @@ impl Outputs {
     /// Writes a frame: the layers first, so that a frame with a picture is complete. The picture's file says what all of
     /// it was made from.
     pub(super) fn write(&self, frame: &Frame) -> Result<(), Failure> {
-        for ((name, _), pattern) in &self.layers {
-            let Some(layer) = frame.layers.iter().find(|layer| layer.name == *name) else { continue };
-            let path = pattern.path(frame.number);
-            match &layer.data {
-                LayerData::Value(values) => write_exr(&path, self.size, values)?,
-                LayerData::Rgb(pixels) => write_exr(&path, self.size, pixels)?,
-                LayerData::Colour(pixels) => write_exr(&path, self.size, pixels)?,
-                LayerData::Array { shape, values } => write_npy(&path, shape, values)?,
+        match &self.layers {
+            LayerFiles::None => {}
+            LayerFiles::Each(layers) => {
+                for ((name, _), pattern) in layers {
+                    let Some(layer) = frame.layers.iter().find(|layer| layer.name == *name) else { continue };
+                    self.write_layer(&pattern.path(frame.number), &layer.data)?;
+                }
+            }
+            LayerFiles::One(pattern) => {
+                let (channels, texts) = layered::channels(frame);
+                let note = Note { origin: frame.origin, layers: None }.to_string();
+                let Frame { number, view, pixel_aspect, fps, .. } = *frame;
+                let header = Header { frame: number, fps, view: &view, pixel_aspect, note: Some(&note), texts };
+                write_exr_layered(&pattern.path(number), self.size, channels, &header)?;
             }
         }
         let path = self.picture(frame.number);
@@ -136,9 +165,18 @@ impl Outputs {
         Ok(picture::write(&path, self.format, self.size, &frame.pixels, Some(&note))?)
     }
 
+    fn write_layer(&self, path: &Path, data: &LayerData) -> Result<(), WriteError> {
+        match data {
+            LayerData::Value(values) => write_exr(path, self.size, values),
+            LayerData::Rgb(pixels) => write_exr(path, self.size, pixels),
+            LayerData::Colour(pixels) => write_exr(path, self.size, pixels),
+            LayerData::Array { shape, values } => write_npy(path, shape, values),
+        }
+    }
+
     /// A hash of all layers' files of a frame.
     fn layer_digest(&self, frame: u32) -> Result<u128, ReadError> {
-        let digests = self.layers.iter().map(|(_, pattern)| digest(&pattern.path(frame)));
+        let digests = self.layers.patterns().map(|pattern| digest(&pattern.path(frame)));
         let digests = digests.collect::<Result<Vec<u128>, _>>()?;
         let bytes: Vec<u8> = digests.into_iter().flat_map(u128::to_le_bytes).collect();
         Ok(xxh3_128(&bytes))
@@ -159,6 +197,31 @@ impl Outputs {
         let is_whole = !self.has_layers()
             || note.layers.is_some_and(|layers| self.layer_digest(frame).is_ok_and(|found| found == layers));
         if is_whole { Found::Finished(picture.pixels) } else { Found::Nothing }
+    }
+}
+
+impl LayerFiles {
+    /// In a folder, one file each; or in EXR files, one a frame, if that is what the name says.
+    fn new(path: &Path, names: &[LayerName], [first, last]: [u32; 2]) -> Result<LayerFiles, Failure> {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+            let pattern = Pattern::parse(path)?;
+            pattern.check_frames(first, last)?;
+            return Ok(LayerFiles::One(pattern));
+        }
+        let each = names.iter().map(|(name, is_array)| {
+            let extension = if *is_array { "npy" } else { "exr" };
+            Ok(((*name, *is_array), Pattern::parse(format!("{name}.####.{extension}"))?.below(path)))
+        });
+        Ok(LayerFiles::Each(each.collect::<Result<_, Failure>>()?))
+    }
+
+    fn patterns(&self) -> impl Iterator<Item = &Pattern> {
+        let (each, one) = match self {
+            LayerFiles::None => (&[][..], None),
+            LayerFiles::Each(layers) => (&layers[..], None),
+            LayerFiles::One(pattern) => (&[][..], Some(pattern)),
+        };
+        each.iter().map(|(_, pattern)| pattern).chain(one)
     }
 }
 
@@ -205,7 +268,7 @@ mod tests {
             Layer { name: "flame.mean", data: LayerData::Rgb(vec![[0.25; 3]; 2]) },
             Layer { name: "flame.mask", data: LayerData::Array { shape: vec![2, 3, 3], values: vec![0.5; 18] } },
         ];
-        Frame { number, origin: ORIGIN, pixels: vec![[0.0, 0.0, 0.0, 1.0]; 2], layers }
+        Frame { origin: ORIGIN, pixels: vec![[0.0, 0.0, 0.0, 1.0]; 2], layers, ..Frame::of_nothing(number) }
     }
 
     const ORIGIN: u128 = 42;
@@ -256,6 +319,27 @@ mod tests {
     }
 
     #[test]
+    fn layers_of_one_file_are_part_of_a_frame() {
+        let folder = Folder::new();
+        let one = folder.0.join("comp.####.exr");
+        let outputs = outputs(&folder, "####.png", Some(&one));
+        outputs.write(&frame(7)).expect("written");
+        assert!(is_finished(&outputs));
+        let path = folder.0.join("comp.0007.exr");
+        let names: Vec<String> =
+            crate::io::image::read_exr(&path).expect("readable").channels.into_iter().map(|(name, _)| name).collect();
+        assert!(
+            ["R", "A", "Z", "flame_mean.B", "smoke.R"].iter().all(|name| names.iter().any(|n| n == name)),
+            "{names:?}"
+        );
+        fs::remove_file(&path).expect("removed");
+        assert!(matches!(outputs.find(7, ORIGIN), Found::Nothing));
+        let failure =
+            Outputs::new(&folder.0.join("####.png"), Some((Path::new("one.exr"), &LAYERS)), Vec::new(), [2, 1], [1, 9]);
+        assert_eq!(failure.err().expect("one name for nine frames").code, Failure::USAGE);
+    }
+
+    #[test]
     fn frames_of_another_origin_are_told_apart() {
         let folder = Folder::new();
         let layers = folder.0.join("layers");
@@ -267,7 +351,7 @@ mod tests {
             with.write(&frame(7)).expect("written");
             assert!(is_finished(&with) && is_finished(&without));
             // A run with other settings was ended between its layers and its picture.
-            write_exr(&with.layers[0].1.path(7), [2, 1], &[2.0f32, 3.0]).expect("written");
+            write_exr(&layers.join("smoke.depth.0007.exr"), [2, 1], &[2.0f32, 3.0]).expect("written");
             assert!(matches!(with.find(7, ORIGIN), Found::Nothing) && is_finished(&without));
             // As older versions wrote it.
             let path = without.picture(7);
