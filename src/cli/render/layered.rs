@@ -14,12 +14,15 @@ const NOTHING: f32 = 1e10;
 /// Name of the Cryptomatte layer.
 const CRYPTOMATTE: &str = "CryptoObject";
 
-/// The channels of a frame, and the texts of its header.
-pub(super) fn channels(frame: &Frame) -> (Vec<Channel>, Vec<(String, String)>) {
+/// Farthest pixel, to each side, whose id ink without one takes.
+const INK_REACH: usize = 16;
+
+/// The channels of a frame so wide, and the texts of its header.
+pub(super) fn channels(frame: &Frame, width: usize) -> (Vec<Channel>, Vec<(String, String)>) {
     let mut all = colour("", &frame.pixels);
     all.extend(depth(&frame.layers).map(|values| plain("Z".to_owned(), values)));
     all.extend(frame.layers.iter().flat_map(of_layer));
-    let (mattes, texts) = cryptomatte(&frame.layers);
+    let (mattes, texts) = cryptomatte(&frame.layers, width);
     all.extend(mattes);
     (all, texts)
 }
@@ -77,8 +80,9 @@ type Seen = [(u32, f32); 2];
 
 /// Ids and coverage of smoke's groups and of fire, as Cryptomatte 1.2 has them, with the names in the header. None without
 /// such.
-fn cryptomatte(layers: &[Layer]) -> (Vec<Channel>, Vec<(String, String)>) {
+fn cryptomatte(layers: &[Layer], width: usize) -> (Vec<Channel>, Vec<(String, String)>) {
     let smoke = values(layers, "smoke.id").zip(alpha(layers, "smoke")).zip(values(layers, "smoke.depth"));
+    let smoke = smoke.map(|((id, alpha), depth)| ((inked(id, &alpha, width), alpha), depth));
     let flame = alpha(layers, "flame").zip(values(layers, "flame.depth"));
     let pixels = smoke.as_ref().map(|((id, _), _)| id.len()).or(flame.as_ref().map(|(_, depth)| depth.len()));
     let Some(pixels) = pixels else { return Default::default() };
@@ -108,6 +112,24 @@ fn cryptomatte(layers: &[Layer]) -> (Vec<Channel>, Vec<(String, String)>) {
     let channels =
         channels.map(|(name, rank, is_share)| plain(format!("{CRYPTOMATTE}00.{name}"), value(rank, is_share)));
     (channels.into(), texts(&names))
+}
+
+/// Ids of smoke, of which ink around it has that of the nearest pixel, by squares around it.
+fn inked(ids: &[f32], alpha: &[f32], width: usize) -> Vec<f32> {
+    let (columns, rows) = (width.max(1), ids.len() / width.max(1));
+    let nearest = |pixel: usize| {
+        let (x, y) = (pixel % columns, pixel / columns);
+        (1..=INK_REACH).find_map(|reach| {
+            let [left, right] = [x.saturating_sub(reach), (x + reach + 1).min(columns)];
+            let [above, below] = [y.saturating_sub(reach), (y + reach + 1).min(rows)];
+            let around = (above..below).flat_map(|row| (left..right).map(move |column| [column, row]));
+            let seen = around.filter(|[column, row]| ids[row * columns + column] > 0.0);
+            let nearest = seen.min_by_key(|[column, row]| x.abs_diff(*column).pow(2) + y.abs_diff(*row).pow(2));
+            nearest.map(|[column, row]| ids[row * columns + column])
+        })
+    };
+    let is_ink = |pixel: usize| ids[pixel] == 0.0 && alpha[pixel] > 0.0;
+    (0..ids.len()).map(|pixel| if is_ink(pixel) { nearest(pixel).unwrap_or(0.0) } else { ids[pixel] }).collect()
 }
 
 fn texts(names: &BTreeMap<String, u32>) -> Vec<(String, String)> {
@@ -153,6 +175,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn ink_around_smoke_is_of_the_nearest_group() {
+        let ids = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0];
+        let alpha = [0.0, 1.0, 1.0, 0.5, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        assert_eq!(inked(&ids, &alpha, 5), [0.0, 3.0, 3.0, 3.0, 3.0, 0.0, 0.0, 5.0, 5.0, 5.0]);
+    }
+
+    #[test]
     fn names_are_hashed_as_cryptomatte_does() {
         // Of the reference implementation, and the specification's examples.
         for (name, expected) in [("", 0), ("hello", 0x248b_fa47), ("hello, world", 0x149b_bb7f)] {
@@ -173,7 +202,7 @@ mod tests {
             Layer { name: "flame.mean", data: LayerData::Rgb(vec![[0.25; 3]; 3]) },
             Layer { name: "smoke.spheres", data: LayerData::table(5, vec![0.5; 10]) },
         ];
-        let (channels, texts) = channels(&frame(layers));
+        let (channels, texts) = channels(&frame(layers), 3);
         let names: Vec<(&str, bool)> = channels.iter().map(|channel| (&channel.name[..], channel.is_half)).collect();
         let colours = ["R", "G", "B", "A", "flame_mean.R", "flame_mean.G", "flame_mean.B"].map(|name| (name, true));
         let expected = [&colours[..4], &[("smoke_outline_inner.Y", false)], &colours[4..]].concat();
@@ -190,7 +219,7 @@ mod tests {
             Layer { name: "flame", data: colour([0.5, 0.5, 0.0]) },
             Layer { name: "flame.depth", data: LayerData::Value(vec![4.0, 2.0, f32::INFINITY]) },
         ];
-        let (channels, texts) = channels(&frame(layers));
+        let (channels, texts) = channels(&frame(layers), 3);
         let of = |name: &str| &channels.iter().find(|channel| channel.name == name).expect(name).values[..];
         assert_eq!(of("Z"), [3.0, 2.0, NOTHING]);
         let [smoke, flame] = ["smoke.2", "flame"].map(|name| f32::from_bits(id(name)));

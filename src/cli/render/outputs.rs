@@ -149,7 +149,7 @@ impl Outputs {
                 }
             }
             LayerFiles::One(pattern) => {
-                let (channels, texts) = layered::channels(frame);
+                let (channels, texts) = layered::channels(frame, self.size[0] as usize);
                 let note = Note { origin: frame.origin, layers: None }.to_string();
                 let Frame { number, view, pixel_aspect, fps, .. } = *frame;
                 let header = Header { frame: number, fps, view: &view, pixel_aspect, note: Some(&note), texts };
