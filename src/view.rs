@@ -12,7 +12,7 @@ pub use crate::shaders::common::constants::FARTHEST;
 
 pub use camera::{Camera, MOST_SHIFT};
 #[cfg(feature = "cli")]
-pub(crate) use camera::{near, orthographic, pixel_aspect, vertical_fov};
+pub(crate) use camera::{near, orthographic, pixel_aspect, shift_allowed, vertical_fov};
 pub use light::{FireLight, Light, LightSource, SecondLight};
 #[cfg(feature = "cli")]
 pub(crate) use light::{ambient, fill, rim, strength};

@@ -6,6 +6,7 @@
 #include "params.glsl"
 #include "common/widening.glsl"
 #include "picture.glsl"
+#include "triangle_word.glsl"
 layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(binding = 6) uniform utexture2D seen_previous;
 layout(binding = 7) uniform utexture2D seen_next;
@@ -28,9 +29,9 @@ void main() {
     ivec2 before;
     ivec2 after;
     uint seen = find(previous, before) ? texelFetch(seen_previous, before, 0).x : 0u;
-    bool has_previous = seen != 0u && triangles[max(seen, 1u) - 1u].w >> SURFACE_SHIFT == surface;
+    bool has_previous = seen != 0u && surface_of(triangles[max(seen, 1u) - 1u].w) == surface;
     seen = find(next, after) ? texelFetch(seen_next, after, 0).x : 0u;
-    bool has_next = seen != 0u && triangles[max(seen, 1u) - 1u].w >> SURFACE_SHIFT == surface;
+    bool has_next = seen != 0u && surface_of(triangles[max(seen, 1u) - 1u].w) == surface;
     if (!has_previous && !has_next) {
         discard;
     }

@@ -8,6 +8,7 @@ layout(std430, binding = 3) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 4) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 5) readonly buffer Splines { Piece splines[]; };
 #include "ghosts.glsl"
+#include "triangle_word.glsl"
 layout(location = 0) out vec3 previous;  // where it is in frame i
 layout(location = 1) out vec3 next;      // and in frame i + 1
 layout(location = 2) out float moved;    // k'
@@ -30,7 +31,7 @@ void main() {
     previous = place_of(1u, base, barycentrics);
     next = place_of(2u, base, barycentrics);
     moved = vertices[index].drawn_time;
-    surface = base.w >> SURFACE_SHIFT;
+    surface = surface_of(base.w);
     // What stays where it is leaves no image.
     if (is_still(base) || (triangle.w & CULLED) != 0u) {
         gl_Position = vec4(0.0, 0.0, 1.0, -1.0);

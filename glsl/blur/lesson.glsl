@@ -19,7 +19,7 @@ Lesson lesson_of(uint frame, ivec2 at) {
         return lesson;
     }
     uvec4 base = triangles[seen - 1u];
-    uint surface = base.w >> SURFACE_SHIFT;
+    uint surface = surface_of(base.w);
     bool is_inner = is_same(frame, at - ivec2(1, 0), surface) && is_same(frame, at + ivec2(1, 0), surface)
         && is_same(frame, at - ivec2(0, 1), surface) && is_same(frame, at + ivec2(0, 1), surface);
     // What may be an outline says nothing of a surface.

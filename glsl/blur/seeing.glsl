@@ -16,6 +16,7 @@ layout(std430, binding = 13) readonly buffer Triangles { uvec4 triangles[]; };
 layout(std430, binding = 14) readonly buffer Clip { vec4 clip[]; };
 layout(std430, binding = 15) readonly buffer Tiles { uint tiles[]; };
 #include "tiles.glsl"
+#include "triangle_word.glsl"
 #include "depths.glsl"
 
 const float LEAST_WEIGHT = 0.25;  // weight of the taps that see it, above which a colour is known
@@ -60,10 +61,9 @@ vec3 corner_of(uint frame, uint point) {
     return clip[frame * params.points + point].xyz;
 }
 
-// `surface`: what is above a triangle's flags: its surface, and its object.
 bool is_seen(uint frame, ivec2 at, uint surface) {
     uint seen = seen_at(frame, at);
-    return seen > 0u && triangles[seen - 1u].w >> SURFACE_SHIFT == surface;
+    return seen > 0u && surface_of(triangles[seen - 1u].w) == surface;
 }
 
 // The colour of a surface in a pixel that sees it. A pixel at its border is covered in part; the surface is as
@@ -119,7 +119,7 @@ void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out fl
             continue;
         }
         bool is_outline = (frame == 1u || frame == 2u) && (cover_at(tap) & OUTLINE << frame) != 0u;
-        if (is_outline || !is_seen(frame, tap, triangle.w >> SURFACE_SHIFT)) {
+        if (is_outline || !is_seen(frame, tap, surface_of(triangle.w))) {
             continue;
         }
         // The triangle's plane goes on beyond it, which is the surface's slope. The same as depths that differ by a share
@@ -130,7 +130,7 @@ void look(uint frame, uvec4 triangle, vec3 barycentrics, out vec4 colour, out fl
         }
         vec2 both = mix(1.0 - part, part, vec2(i & 1, i >> 1));
         float share = both.x * both.y;
-        colour += share * surface_at(frame, tap, triangle.w >> SURFACE_SHIFT);
+        colour += share * surface_at(frame, tap, surface_of(triangle.w));
         weight += share;
     }
     colour = weight > 0.0 ? colour / weight : colour;

@@ -3,11 +3,6 @@
 #include "bins.glsl"
 
 // Where a table begins.
-// The surface of a triangle, from its last word.
-uint surface_of(uint word) {
-    return word >> SURFACE_SHIFT & MOST_SURFACE;
-}
-
 uint table_of(uint surface, uint frame) {
     return (2u * surface + frame) * BINS;
 }

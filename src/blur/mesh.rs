@@ -202,7 +202,7 @@ impl Mesh {
 
     /// Material of each vertex, any number; without: one. What an object has of one material is a *surface*: colours that images
     /// show of one stand for no place of another, and those that hide are completed by surface. A triangle is of its first
-    /// vertex' material.
+    /// vertex' material. Effects tell 32,767 surfaces and 16,383 objects apart; those beyond count as one.
     ///
     /// # Errors
     /// Not one a vertex.

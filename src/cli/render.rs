@@ -138,7 +138,7 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     let names = layers::names(|effect| shot.has(effect));
     let layers = options.layers.as_deref().map(|path| (path, &names[..]));
-    let outputs = Outputs::new(&options.output, layers, options.others(), shot.size, frames)?;
+    let outputs = Outputs::new(&options.output, layers, options.others(), (shot.size, shot.fps), frames)?;
     overlap::check(&shot.inputs(), &outputs.all(), shot.frames, frames)?;
     outputs.probe(frames)?;
     interrupt::install(Failure::INTERRUPTED);

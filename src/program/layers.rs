@@ -63,6 +63,16 @@ impl LayerEntry {
     }
 }
 
+/// The layers that say what is seen of an effect, by their names: who and where it is in files for compositing.
+pub(crate) struct Shown {
+    /// Colours, premultiplied.
+    pub(crate) colour: &'static str,
+    /// View depth; infinite where nothing is, or ink alone.
+    pub(crate) depth: &'static str,
+    /// Numbers of what it consists of, 0 where none is; none: it is one thing.
+    pub(crate) id: Option<&'static str>,
+}
+
 /// A check after each frame, whether layers are written or not.
 pub(crate) struct Watch {
     pub(super) buffers: &'static [BufferId],

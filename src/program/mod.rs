@@ -31,7 +31,7 @@ use crate::smoke::Sequence;
 pub(crate) use hash::{Files, add};
 pub use input::InputError;
 pub(crate) use input::{Brought, Input, Opened};
-use layers::{LayerEntry, Watch};
+use layers::{LayerEntry, Shown, Watch};
 
 /// An effect as the program has it.
 pub(crate) struct EffectEntry {
@@ -41,6 +41,8 @@ pub(crate) struct EffectEntry {
     pub(crate) open: fn(&Arc<Shot>) -> Opened,
     /// What `--layers` writes.
     pub(crate) layers: &'static [LayerEntry],
+    /// Which of them say what is seen of it; none: they do not.
+    pub(crate) shown: Option<Shown>,
     /// Looked at after each frame.
     pub(crate) watch: Option<Watch>,
     /// Its passes, in all ways that their kernels are specialised for.

@@ -71,11 +71,7 @@ impl Camera {
             orthographic().check("camera.orthographic", height)?;
         }
         if !self.shift.to_array().iter().all(|shift| shift.abs() <= MOST_SHIFT) {
-            return Err(Error::setting(
-                "camera.shift",
-                self.shift,
-                "picture heights to the right and up, none beyond 100",
-            ));
+            return Err(Error::setting("camera.shift", self.shift, shift_allowed()));
         }
         pixel_aspect().check("camera.pixel_aspect", self.pixel_aspect)?;
         near().check("camera.near", self.near)?;
@@ -138,6 +134,11 @@ pub(crate) fn vertical_fov() -> Rule<f64> {
 /// Allowed heights of what is seen without perspective.
 pub(crate) fn orthographic() -> Rule<f64> {
     Rule::new("metres", 1e-9..=f64::from(FARTHEST))
+}
+
+/// Allowed shifts.
+pub(crate) fn shift_allowed() -> String {
+    format!("[right, up], in picture heights, none beyond {MOST_SHIFT}")
 }
 
 /// Allowed shapes of pixels.

@@ -218,6 +218,25 @@ mod tests {
     use crate::blur::MeshInput;
 
     #[test]
+    fn objects_and_surfaces_beyond_those_that_have_numbers_count_as_one() {
+        let count = MOST_SURFACE + 3;
+        let triangles: Vec<[u32; 3]> = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let numbers: Vec<u32> = (0..3 * count).map(|vertex| vertex / 3).collect();
+        let (vertices, objects) = (numbers.len(), Some(&numbers[..]));
+        let input = MeshInput { vertices, triangles: &triangles, objects, weld: None, normals: None, rest: None };
+        let words = |mesh: &Mesh| -> Vec<[u32; 2]> {
+            let word = |row: &[u32; 4]| [row[3] >> OBJECT_SHIFT, row[3] >> SURFACE_SHIFT & MOST_SURFACE];
+            TopologyInput::triangle_rows(mesh).iter().map(word).collect()
+        };
+        let expected = |i: u32| [i.min(MOST_OBJECT), i.min(MOST_SURFACE)];
+        assert_eq!(words(&Mesh::new(&input).expect("a mesh")), (0..count).map(expected).collect::<Vec<_>>());
+        // Of one object, of as many materials.
+        let mut mesh = Mesh::new(&MeshInput { objects: None, ..input }).expect("a mesh");
+        mesh.set_materials(&numbers).expect("one a vertex");
+        assert_eq!(words(&mesh), (0..count).map(|i| [0, i.min(MOST_SURFACE)]).collect::<Vec<_>>());
+    }
+
+    #[test]
     fn a_mesh_has_room_or_is_refused_by_name() {
         let triangles = [[0, 1, 2], [1, 3, 2]];
         let input =

@@ -109,8 +109,8 @@ impl<'a> Frame<'a> {
         look
     }
 
-    /// The colour of an object's surface in a pixel that sees it. A pixel at the object's border is covered in part: if its
-    /// alpha is between 0 and 1, and one of its eight neighbours does not see the object, then its colour is brought to
+    /// The colour of the surface of that number in a pixel that sees it. A pixel at its border is covered in part: if its
+    /// alpha is between 0 and 1, and one of its eight neighbours does not see the surface, then its colour is brought to
     /// the largest alpha of it and of those that do. Without this a border that is stretched would be full of holes.
     pub fn surface(&self, surface: &Surface, pixel: usize, number: u32) -> Colour {
         let own = self.image[pixel].map(f64::from);

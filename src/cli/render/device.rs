@@ -82,9 +82,7 @@ impl<'a> Renderer<'a> {
         let remarks = rendered.remarks().into_iter().map(|remark| format!("frame {number}: {remark}"));
         let remarks = remarks.collect();
         let layers = if self.layers { rendered.layers() } else { Vec::new() };
-        let camera = shot.camera(number);
-        let (view, pixel_aspect, fps) = (camera.view(shot.size), camera.pixel_aspect, shot.fps);
-        let frame = Frame { number, origin, pixels: picture.to_vec(), layers, view, pixel_aspect, fps };
+        let frame = Frame { number, origin, pixels: picture.to_vec(), layers, camera: shot.camera(number) };
         self.remarks = remarks;
         Ok((Some(frame), self.offline.times()))
     }

@@ -5,24 +5,31 @@
 
 use std::collections::BTreeMap;
 
-use super::outputs::Frame;
 use crate::io::image::Channel;
+use crate::program::EFFECTS;
 use crate::program::layers::{Layer, LayerData};
 
 /// Depth where nothing is seen, as Blender writes it: programs that read it do not all know infinity.
 const NOTHING: f32 = 1e10;
 /// Name of the Cryptomatte layer.
 const CRYPTOMATTE: &str = "CryptoObject";
-
-/// Farthest pixel, to each side, whose id ink without one takes.
+/// Farthest pixel, to each side, whose place ink without one takes.
 const INK_REACH: usize = 16;
 
-/// The channels of a frame so wide, and the texts of its header.
-pub(super) fn channels(frame: &Frame, width: usize) -> (Vec<Channel>, Vec<(String, String)>) {
-    let mut all = colour("", &frame.pixels);
-    all.extend(depth(&frame.layers).map(|values| plain("Z".to_owned(), values)));
-    all.extend(frame.layers.iter().flat_map(of_layer));
-    let (mattes, texts) = cryptomatte(&frame.layers, width);
+/// Names and values of texts in a header.
+pub(super) type Texts = Vec<(String, String)>;
+
+/// The channels of a picture so wide with its layers, and the texts of its header.
+pub(super) fn channels(width: usize, picture: &[[f32; 4]], layers: &[Layer]) -> (Vec<Channel>, Texts) {
+    let things: Vec<Things> = things(layers, width).collect();
+    let mut all = colour("", picture);
+    all.extend(layers.iter().flat_map(of_layer));
+    if things.is_empty() {
+        return (all, Vec::new());
+    }
+    let nearest = |pixel: usize| things.iter().map(|things| things.depth[pixel]).fold(NOTHING, f32::min);
+    all.push(plain("Z".to_owned(), (0..picture.len()).map(nearest).collect()));
+    let (mattes, texts) = cryptomatte(&things, picture.len());
     all.extend(mattes);
     (all, texts)
 }
@@ -51,91 +58,101 @@ fn of_layer(layer: &Layer) -> Vec<Channel> {
     }
 }
 
-/// The values of a layer.
-fn values<'a>(layers: &'a [Layer], name: &str) -> Option<&'a [f32]> {
-    layers.iter().find(|layer| layer.name == name).and_then(|layer| match &layer.data {
-        LayerData::Value(values) => Some(&values[..]),
+/// What is seen of an effect, a value a pixel.
+struct Things {
+    /// The effect's name.
+    name: &'static str,
+    alpha: Vec<f32>,
+    /// Infinite where nothing is.
+    depth: Vec<f32>,
+    /// Empty: it is one thing.
+    id: Vec<f32>,
+}
+
+/// Of all effects that say it. What ink alone covers is of the thing around which it is drawn.
+fn things(layers: &[Layer], width: usize) -> impl Iterator<Item = Things> {
+    let data = |name: &str| layers.iter().find(|layer| layer.name == name).map(|layer| &layer.data);
+    let value = move |name: &str| match data(name) {
+        Some(LayerData::Value(values)) => Some(&values[..]),
         _ => None,
+    };
+    EFFECTS.iter().filter_map(move |effect| {
+        let shown = effect.shown.as_ref()?;
+        let Some(LayerData::Colour(colour)) = data(shown.colour) else { return None };
+        let alpha: Vec<f32> = colour.iter().map(|[.., alpha]| *alpha).collect();
+        let depth = value(shown.depth)?;
+        let from = inked(depth, &alpha, width);
+        let at = |values: &[f32]| from.iter().map(|pixel| values[*pixel]).collect();
+        let id = shown.id.and_then(value).map(at).unwrap_or_default();
+        Some(Things { name: effect.name(), alpha, depth: at(depth), id })
     })
 }
 
-/// The opacity of a layer.
-fn alpha(layers: &[Layer], name: &str) -> Option<Vec<f32>> {
-    layers.iter().find(|layer| layer.name == name).and_then(|layer| match &layer.data {
-        LayerData::Colour(pixels) => Some(pixels.iter().map(|[.., alpha]| *alpha).collect()),
-        _ => None,
-    })
-}
-
-/// View depth of what is nearest, if an effect has such.
-fn depth(layers: &[Layer]) -> Option<Vec<f32>> {
-    let depths: Vec<&[f32]> = ["smoke.depth", "flame.depth"].iter().filter_map(|name| values(layers, name)).collect();
-    let pixels = depths.first()?.len();
-    let nearest = |pixel: usize| depths.iter().map(|depth| depth[pixel]).fold(NOTHING, f32::min);
-    Some((0..pixels).map(nearest).collect())
-}
-
-/// Who is seen in a pixel: a hash of the name, and the share of the pixel.
-type Seen = [(u32, f32); 2];
-
-/// Ids and coverage of smoke's groups and of fire, as Cryptomatte 1.2 has them, with the names in the header. None without
-/// such.
-fn cryptomatte(layers: &[Layer], width: usize) -> (Vec<Channel>, Vec<(String, String)>) {
-    let smoke = values(layers, "smoke.id").zip(alpha(layers, "smoke")).zip(values(layers, "smoke.depth"));
-    let smoke = smoke.map(|((id, alpha), depth)| ((inked(id, &alpha, width), alpha), depth));
-    let flame = alpha(layers, "flame").zip(values(layers, "flame.depth"));
-    let pixels = smoke.as_ref().map(|((id, _), _)| id.len()).or(flame.as_ref().map(|(_, depth)| depth.len()));
-    let Some(pixels) = pixels else { return Default::default() };
-    let mut names: BTreeMap<String, u32> = BTreeMap::new();
-    let mut id_of = |name: String| *names.entry(name.clone()).or_insert_with(|| id(&name));
-    let seen = |pixel: usize| -> Seen {
-        let smoke = smoke.as_ref().map(|((id, alpha), depth)| (id[pixel], alpha[pixel], depth[pixel]));
-        let smoke = smoke.filter(|(id, alpha, _)| *id > 0.0 && *alpha > 0.0);
-        let flame = flame.as_ref().map(|(alpha, depth)| (alpha[pixel], depth[pixel])).filter(|(alpha, _)| *alpha > 0.0);
-        let is_first = smoke.zip(flame).is_none_or(|((.., before), (_, behind))| before <= behind);
-        let smoke = smoke.map(|(number, alpha, _)| (id_of(format!("smoke.{number}")), alpha.min(1.0)));
-        let flame = flame.map(|(alpha, _)| (id_of("flame".to_owned()), alpha.min(1.0)));
-        let [front, behind] = if is_first { [smoke, flame] } else { [flame, smoke] };
-        let front = front.unwrap_or_default();
-        let behind = behind.map_or((0, 0.0), |(id, alpha)| (id, alpha * (1.0 - front.1)));
-        // The largest first; what has no share has no name.
-        let mut both = [front, behind].map(|(id, share)| if share > 0.0 { (id, share) } else { (0, 0.0) });
-        both.sort_by(|a, b| b.1.total_cmp(&a.1));
-        both
-    };
-    let all: Vec<Seen> = (0..pixels).map(seen).collect();
-    let value = |rank: usize, is_share: bool| {
-        let of = |seen: &Seen| if is_share { seen[rank].1 } else { f32::from_bits(seen[rank].0) };
-        all.iter().map(of).collect::<Vec<f32>>()
-    };
-    let channels = [("R", 0, false), ("G", 0, true), ("B", 1, false), ("A", 1, true)];
-    let channels =
-        channels.map(|(name, rank, is_share)| plain(format!("{CRYPTOMATTE}00.{name}"), value(rank, is_share)));
-    (channels.into(), texts(&names))
-}
-
-/// Ids of smoke, of which ink around it has that of the nearest pixel, by squares around it.
-fn inked(ids: &[f32], alpha: &[f32], width: usize) -> Vec<f32> {
-    let (columns, rows) = (width.max(1), ids.len() / width.max(1));
+/// The pixel whose place each has: its own, or, where it has a share of a picture and no depth, the nearest with one.
+fn inked(depth: &[f32], alpha: &[f32], width: usize) -> Vec<usize> {
+    let (columns, rows) = (width.max(1), depth.len() / width.max(1));
     let nearest = |pixel: usize| {
         let (x, y) = (pixel % columns, pixel / columns);
         (1..=INK_REACH).find_map(|reach| {
             let [left, right] = [x.saturating_sub(reach), (x + reach + 1).min(columns)];
             let [above, below] = [y.saturating_sub(reach), (y + reach + 1).min(rows)];
-            let around = (above..below).flat_map(|row| (left..right).map(move |column| [column, row]));
-            let seen = around.filter(|[column, row]| ids[row * columns + column] > 0.0);
-            let nearest = seen.min_by_key(|[column, row]| x.abs_diff(*column).pow(2) + y.abs_diff(*row).pow(2));
-            nearest.map(|[column, row]| ids[row * columns + column])
+            let around = (above..below).flat_map(|row| (left..right).map(move |column| row * columns + column));
+            let away = |at: &usize| x.abs_diff(at % columns).pow(2) + y.abs_diff(at / columns).pow(2);
+            // Those in the corners of the square are farther than some outside of it.
+            around.filter(|at| depth[*at].is_finite() && away(at) <= reach * reach).min_by_key(away)
         })
     };
-    let is_ink = |pixel: usize| ids[pixel] == 0.0 && alpha[pixel] > 0.0;
-    (0..ids.len()).map(|pixel| if is_ink(pixel) { nearest(pixel).unwrap_or(0.0) } else { ids[pixel] }).collect()
+    let is_ink = |pixel: usize| depth[pixel].is_infinite() && alpha[pixel] > 0.0;
+    (0..depth.len()).map(|pixel| if is_ink(pixel) { nearest(pixel).unwrap_or(pixel) } else { pixel }).collect()
 }
 
-fn texts(names: &BTreeMap<String, u32>) -> Vec<(String, String)> {
+/// Ids and shares of what is seen in a picture of so many pixels, as Cryptomatte 1.2 has them, and the names for the header.
+fn cryptomatte(things: &[Things], pixels: usize) -> (Vec<Channel>, Texts) {
+    // By the effect and the number, so that a name is made once and not for each pixel.
+    let mut names: BTreeMap<(&str, Option<u32>), (String, u32)> = BTreeMap::new();
+    let mut id_of = |effect: &'static str, number: Option<f32>| {
+        let (_, id) = names.entry((effect, number.map(f32::to_bits))).or_insert_with(|| {
+            let name = number.map_or(effect.to_owned(), |number| format!("{effect}.{number}"));
+            let id = id(&name);
+            (name, id)
+        });
+        *id
+    };
+    // Of each pixel an id and a share for each of the effects, the largest first.
+    let ranks = |pixel: usize| -> Vec<(u32, f32)> {
+        let is_there = |things: &&Things| things.alpha[pixel] > 0.0;
+        let mut there: Vec<&Things> = things.iter().filter(is_there).collect();
+        there.sort_by(|a, b| a.depth[pixel].total_cmp(&b.depth[pixel]));
+        let mut open = 1.0;
+        let mut all: Vec<(u32, f32)> = there
+            .into_iter()
+            .filter_map(|things| {
+                let share = open * things.alpha[pixel].min(1.0);
+                open -= share;
+                (share > 0.0).then(|| (id_of(things.name, things.id.get(pixel).copied()), share))
+            })
+            .collect();
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        all.resize(things.len().next_multiple_of(2), (0, 0.0));
+        all
+    };
+    let all: Vec<Vec<(u32, f32)>> = (0..pixels).map(ranks).collect();
+    let channels = (0..things.len()).step_by(2).flat_map(|rank| {
+        let names = [("R", rank, false), ("G", rank, true), ("B", rank + 1, false), ("A", rank + 1, true)];
+        names.map(|(name, rank, is_share)| {
+            let value = |ranks: &Vec<(u32, f32)>| if is_share { ranks[rank].1 } else { f32::from_bits(ranks[rank].0) };
+            plain(format!("{CRYPTOMATTE}{:02}.{name}", rank / 2), all.iter().map(value).collect())
+        })
+    });
+    let channels = channels.collect();
+    (channels, texts(names.into_values()))
+}
+
+/// `names`: each with its id.
+fn texts(names: impl Iterator<Item = (String, u32)>) -> Texts {
     // The specification's own way to tell the layers of a file apart.
     let key = &format!("{:08x}", murmur(CRYPTOMATTE.as_bytes()))[..7];
-    let manifest: BTreeMap<&str, String> = names.iter().map(|(name, id)| (&name[..], format!("{id:08x}"))).collect();
+    let manifest: BTreeMap<String, String> = names.map(|(name, id)| (name, format!("{id:08x}"))).collect();
     let manifest = serde_json::to_string(&manifest).unwrap_or_default();
     let texts = [
         ("name", CRYPTOMATTE.to_owned()),
@@ -175,10 +192,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ink_around_smoke_is_of_the_nearest_group() {
-        let ids = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0];
+    fn ink_has_the_place_of_what_is_nearest() {
+        let none = f32::INFINITY;
+        let depth = [none, none, 3.0, none, none, none, none, 5.0, none, none];
         let alpha = [0.0, 1.0, 1.0, 0.5, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-        assert_eq!(inked(&ids, &alpha, 5), [0.0, 3.0, 3.0, 3.0, 3.0, 0.0, 0.0, 5.0, 5.0, 5.0]);
+        assert_eq!(inked(&depth, &alpha, 5), [0, 2, 2, 2, 2, 5, 6, 7, 7, 7]);
     }
 
     #[test]
@@ -190,19 +208,16 @@ mod tests {
         assert!((0..100_000).all(|i| f32::from_bits(id(&format!("smoke.{i}"))).is_normal()));
     }
 
-    fn frame(layers: Vec<Layer>) -> Frame {
-        let pixels = vec![[0.25, 0.5, 0.75, 1.0]; 3];
-        Frame { layers, pixels, ..Frame::of_nothing(1) }
-    }
+    const PICTURE: [[f32; 4]; 4] = [[0.25, 0.5, 0.75, 1.0]; 4];
 
     #[test]
     fn layers_are_named_as_compositors_name_them() {
         let layers = vec![
-            Layer { name: "smoke.outline.inner", data: LayerData::Value(vec![0.5; 3]) },
-            Layer { name: "flame.mean", data: LayerData::Rgb(vec![[0.25; 3]; 3]) },
+            Layer { name: "smoke.outline.inner", data: LayerData::Value(vec![0.5; 4]) },
+            Layer { name: "flame.mean", data: LayerData::Rgb(vec![[0.25; 3]; 4]) },
             Layer { name: "smoke.spheres", data: LayerData::table(5, vec![0.5; 10]) },
         ];
-        let (channels, texts) = channels(&frame(layers), 3);
+        let (channels, texts) = channels(4, &PICTURE, &layers);
         let names: Vec<(&str, bool)> = channels.iter().map(|channel| (&channel.name[..], channel.is_half)).collect();
         let colours = ["R", "G", "B", "A", "flame_mean.R", "flame_mean.G", "flame_mean.B"].map(|name| (name, true));
         let expected = [&colours[..4], &[("smoke_outline_inner.Y", false)], &colours[4..]].concat();
@@ -211,21 +226,25 @@ mod tests {
 
     #[test]
     fn a_pixel_s_shares_are_those_of_what_is_before_and_behind() {
-        let colour = |alphas: [f32; 3]| LayerData::Colour(alphas.map(|alpha| [0.0, 0.0, 0.0, alpha]).into());
+        let colour = |alphas: [f32; 4]| LayerData::Colour(alphas.map(|alpha| [0.0, 0.0, 0.0, alpha]).into());
+        let none = f32::INFINITY;
         let layers = vec![
-            Layer { name: "smoke.id", data: LayerData::Value(vec![2.0, 2.0, 0.0]) },
-            Layer { name: "smoke.depth", data: LayerData::Value(vec![3.0, 3.0, f32::INFINITY]) },
-            Layer { name: "smoke", data: colour([0.25, 1.0, 0.0]) },
-            Layer { name: "flame", data: colour([0.5, 0.5, 0.0]) },
-            Layer { name: "flame.depth", data: LayerData::Value(vec![4.0, 2.0, f32::INFINITY]) },
+            Layer { name: "smoke.id", data: LayerData::Value(vec![2.0, 2.0, 0.0, 0.0]) },
+            Layer { name: "smoke.depth", data: LayerData::Value(vec![3.0, 3.0, none, none]) },
+            Layer { name: "smoke", data: colour([0.25, 1.0, 0.75, 0.0]) },
+            Layer { name: "flame", data: colour([0.5, 0.5, 0.5, 0.0]) },
+            Layer { name: "flame.depth", data: LayerData::Value(vec![4.0, 2.0, 4.0, none]) },
         ];
-        let (channels, texts) = channels(&frame(layers), 3);
+        let (channels, texts) = channels(4, &PICTURE, &layers);
         let of = |name: &str| &channels.iter().find(|channel| channel.name == name).expect(name).values[..];
-        assert_eq!(of("Z"), [3.0, 2.0, NOTHING]);
+        // Ink beside the smoke is as far away as that: before the fire.
+        assert_eq!(of("Z"), [3.0, 2.0, 3.0, NOTHING]);
         let [smoke, flame] = ["smoke.2", "flame"].map(|name| f32::from_bits(id(name)));
-        // Fire behind a quarter of smoke has more; before smoke, half of it.
-        assert_eq!([of("CryptoObject00.R"), of("CryptoObject00.B")], [[flame, flame, 0.0], [smoke, smoke, 0.0]]);
-        assert_eq!([of("CryptoObject00.G"), of("CryptoObject00.A")], [[0.375, 0.5, 0.0], [0.25, 0.5, 0.0]]);
+        // Fire behind a quarter of smoke has more than it; before smoke, half; behind ink, half of what that leaves.
+        assert_eq!(of("CryptoObject00.R"), [flame, flame, smoke, 0.0]);
+        assert_eq!(of("CryptoObject00.G"), [0.375, 0.5, 0.75, 0.0]);
+        assert_eq!(of("CryptoObject00.B"), [smoke, smoke, flame, 0.0]);
+        assert_eq!(of("CryptoObject00.A"), [0.25, 0.5, 0.125, 0.0]);
         let manifest = texts.iter().find(|(name, _)| name.ends_with("/manifest")).expect("names");
         assert_eq!(manifest.1, format!("{{\"flame\":\"{:08x}\",\"smoke.2\":\"{:08x}\"}}", id("flame"), id("smoke.2")));
         assert!(

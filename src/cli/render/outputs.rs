@@ -14,7 +14,7 @@ use crate::io::pattern::Pattern;
 use crate::io::picture::{self, Format};
 use crate::io::{ReadError, WriteError, probe};
 use crate::program::layers::{Layer, LayerData, LayerName};
-use crate::view::View;
+use crate::view::Camera;
 
 /// A frame that is done on the device.
 pub(super) struct Frame {
@@ -26,18 +26,15 @@ pub(super) struct Frame {
     pub(super) pixels: Vec<[f32; 4]>,
     /// Empty if no layers are written.
     pub(super) layers: Vec<Layer>,
-    /// What it is seen through, the width of a pixel by its height, and frames in a second.
-    pub(super) view: View,
-    pub(super) pixel_aspect: f64,
-    pub(super) fps: f64,
+    /// What it is seen through.
+    pub(super) camera: Camera,
 }
 
 #[cfg(test)]
 impl Frame {
     /// Without pixels and layers.
     pub(super) fn of_nothing(number: u32) -> Frame {
-        let view = crate::view::Camera::default().view([2, 1]);
-        Frame { number, origin: 0, pixels: Vec::new(), layers: Vec::new(), view, pixel_aspect: 1.0, fps: 24.0 }
+        Frame { number, origin: 0, pixels: Vec::new(), layers: Vec::new(), camera: Camera::default() }
     }
 }
 
@@ -61,6 +58,7 @@ pub(super) struct Outputs {
     /// Those of all frames together: the profile, the contact sheet, the animation.
     others: Vec<Files>,
     size: [u32; 2],
+    fps: f64,
 }
 
 /// The state of a frame on disk.
@@ -75,12 +73,13 @@ pub(super) enum Found {
 
 impl Outputs {
     /// Takes the pattern apart; `layers` are those that are written, and the folder or the EXR files for them. `[first, last]`
-    /// are the frames that are rendered, `others` the files of all of them together.
+    /// are the frames that are rendered, of pictures of that size and so many a second; `others` the files of all of them
+    /// together.
     pub(super) fn new(
         pattern: &Path,
         layers: Option<(&Path, &[LayerName])>,
         others: Vec<Files>,
-        size: [u32; 2],
+        (size, fps): ([u32; 2], f64),
         [first, last]: [u32; 2],
     ) -> Result<Outputs, Failure> {
         let picture = Pattern::parse(pattern)?;
@@ -91,7 +90,7 @@ impl Outputs {
         picture.check_frames(first, last)?;
         let layers =
             layers.map_or(Ok(LayerFiles::None), |(path, names)| LayerFiles::new(path, names, [first, last]))?;
-        Ok(Outputs { given, picture, format, layers, others, size })
+        Ok(Outputs { given, picture, format, layers, others, size, fps })
     }
 
     /// Whether layers are written.
@@ -149,10 +148,10 @@ impl Outputs {
                 }
             }
             LayerFiles::One(pattern) => {
-                let (channels, texts) = layered::channels(frame, self.size[0] as usize);
+                let (channels, texts) = layered::channels(self.size[0] as usize, &frame.pixels, &frame.layers);
                 let note = Note { origin: frame.origin, layers: None }.to_string();
-                let Frame { number, view, pixel_aspect, fps, .. } = *frame;
-                let header = Header { frame: number, fps, view: &view, pixel_aspect, note: Some(&note), texts };
+                let Frame { number, camera, .. } = *frame;
+                let header = Header { frame: number, fps: self.fps, camera, note: Some(&note), texts };
                 write_exr_layered(&pattern.path(number), self.size, channels, &header)?;
             }
         }
@@ -272,6 +271,8 @@ mod tests {
     }
 
     const ORIGIN: u128 = 42;
+    /// Size and rate.
+    const SHOT: ([u32; 2], f64) = ([2, 1], 24.0);
     const LAYERS: [LayerName; 5] = [
         ("smoke.depth", false),
         ("smoke", false),
@@ -282,7 +283,7 @@ mod tests {
 
     fn outputs(folder: &Folder, pattern: &str, layers: Option<&Path>) -> Outputs {
         let layers = layers.map(|folder| (folder, &LAYERS[..]));
-        Outputs::new(&folder.0.join(pattern), layers, Vec::new(), [2, 1], [1, 9]).expect("a pattern")
+        Outputs::new(&folder.0.join(pattern), layers, Vec::new(), SHOT, [1, 9]).expect("a pattern")
     }
 
     fn is_finished(outputs: &Outputs) -> bool {
@@ -335,7 +336,7 @@ mod tests {
         fs::remove_file(&path).expect("removed");
         assert!(matches!(outputs.find(7, ORIGIN), Found::Nothing));
         let failure =
-            Outputs::new(&folder.0.join("####.png"), Some((Path::new("one.exr"), &LAYERS)), Vec::new(), [2, 1], [1, 9]);
+            Outputs::new(&folder.0.join("####.png"), Some((Path::new("one.exr"), &LAYERS)), Vec::new(), SHOT, [1, 9]);
         assert_eq!(failure.err().expect("one name for nine frames").code, Failure::USAGE);
     }
 
@@ -378,7 +379,7 @@ mod tests {
         let below_a_file = outputs(&folder, "file/####.png", None).probe([1, 9]).expect_err("not a folder");
         assert!(below_a_file.code == Failure::OUTPUT && below_a_file.message.contains("0001.png"));
         let profile = Files::new("--profile out", Pattern::single(folder.0.join("out")));
-        let taken = Outputs::new(&folder.0.join("####.png"), None, vec![profile], [2, 1], [1, 9]).expect("a pattern");
+        let taken = Outputs::new(&folder.0.join("####.png"), None, vec![profile], SHOT, [1, 9]).expect("a pattern");
         assert_eq!(taken.probe([1, 9]).expect_err("a folder").code, Failure::OUTPUT);
         // Room for one digit, and not for two; and a layer's own name counts.
         let long = format!("{}#.png", "n".repeat(250));
@@ -391,7 +392,7 @@ mod tests {
 
     #[test]
     fn patterns_that_cannot_serve_are_refused() {
-        let new = |pattern: &str, frames| Outputs::new(Path::new(pattern), None, Vec::new(), [2, 1], frames);
+        let new = |pattern: &str, frames| Outputs::new(Path::new(pattern), None, Vec::new(), SHOT, frames);
         for pattern in ["out/####.jpg", "out/####", "out.png", "##-##.png"] {
             let failure = new(pattern, [1, 9]).err().expect(pattern);
             assert!(failure.code == Failure::USAGE && failure.message.contains(pattern), "{}", failure.message);

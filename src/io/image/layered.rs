@@ -8,10 +8,11 @@ use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, IntegerBounds, Layer, LayerAttributes,
     Text, Vec2, WritableImage, f16,
 };
+use glam::{DMat4, DVec3};
 
 use super::{NOTE, check_size, failed, write_encoded};
 use crate::io::WriteError;
-use crate::view::View;
+use crate::view::{Camera, View};
 
 /// The largest number that a half float holds.
 const LARGEST: f32 = 65_504.0;
@@ -36,9 +37,7 @@ pub struct Header<'a> {
     /// Frames in a second.
     pub fps: f64,
     /// What it is seen through.
-    pub view: &'a View,
-    /// Width of a pixel by its height.
-    pub pixel_aspect: f64,
+    pub camera: Camera,
     /// What it was made from; none: not said.
     pub note: Option<&'a str>,
     /// More texts, by their names.
@@ -57,9 +56,9 @@ pub fn write_exr_layered(
         check_size(size, channels.iter().map(|channel| channel.values.len()).min().unwrap_or(0))?;
         let channels = AnyChannels::sort(channels.into_iter().map(samples).collect());
         let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
-        let size = (size[0] as usize, size[1] as usize);
-        let layer = Layer::new(size, of_layer(header), encoding, channels);
-        let attributes = of_image(header, IntegerBounds::from_dimensions(size));
+        let (view, pixels) = (header.camera.view(size), (size[0] as usize, size[1] as usize));
+        let layer = Layer::new(pixels, of_layer(header, &view), encoding, channels);
+        let attributes = of_image(header, IntegerBounds::from_dimensions(pixels));
         exr::prelude::Image::empty(attributes).with_layer(layer).write().to_buffered(buffer).map_err(failed)
     })
 }
@@ -78,26 +77,25 @@ fn of_image(header: &Header, window: IntegerBounds) -> ImageAttributes {
     let [red, green, blue, white] =
         [(0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290)].map(|(x, y)| Vec2(x, y));
     ImageAttributes {
-        pixel_aspect: header.pixel_aspect as f32,
+        pixel_aspect: header.camera.pixel_aspect as f32,
         chromaticities: Some(Chromaticities { red, green, blue, white }),
         ..ImageAttributes::new(window)
     }
 }
 
-fn of_layer(header: &Header) -> LayerAttributes {
-    let View { world_to_view, view_to_clip, .. } = header.view;
+fn of_layer(header: &Header, View { world_to_view, view_to_clip, .. }: &View) -> LayerAttributes {
     let text = |text: &str| AttributeValue::Text(Text::from(text));
     let frame = (Text::from("celfx/frame"), AttributeValue::I32(header.frame as i32));
     let note = header.note.map(|note| (Text::from(NOTE), text(note)));
     let texts = header.texts.iter().map(|(name, value)| (Text::from(&name[..]), text(value)));
     // The columns of matrices that columns are multiplied by are rows of those for rows.
-    let rows = |matrix: glam::DMat4| matrix.to_cols_array().map(|x| x as f32);
+    let rows = |matrix: DMat4| matrix.to_cols_array().map(|x| x as f32);
     LayerAttributes {
         frames_per_second: Some(rational(header.fps)),
         world_to_camera: Some(rows(*world_to_view)),
         // There y is up.
         world_to_normalized_device: Some(rows(
-            glam::DMat4::from_scale(glam::DVec3::new(1.0, -1.0, 1.0)) * *view_to_clip * *world_to_view,
+            DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * *view_to_clip * *world_to_view,
         )),
         software_name: Some(Text::from(concat!("celfx ", env!("CARGO_PKG_VERSION")))),
         other: [frame].into_iter().chain(note).chain(texts).collect(),
@@ -121,7 +119,6 @@ mod tests {
     use super::*;
     use crate::io::image::{exr_note, read_exr};
     use crate::io::tests::Folder;
-    use crate::view::Camera;
 
     #[test]
     fn channels_come_back_as_halves_and_floats() {
@@ -130,9 +127,9 @@ mod tests {
         let channel =
             |name: &str, values: [f32; 2], is_half| Channel { name: name.to_owned(), values: values.into(), is_half };
         let channels = vec![channel("R", [1e6, 0.1], true), channel("smoke_id.Y", [0.1, f32::INFINITY], false)];
-        let view = Camera::default().view([2, 1]);
+        let camera = Camera { pixel_aspect: 2.0, ..Camera::default() };
         let texts = vec![("cryptomatte/0000000/name".to_owned(), "CryptoObject".to_owned())];
-        let header = Header { frame: 7, fps: 24.0, view: &view, pixel_aspect: 2.0, note: Some("origin 1"), texts };
+        let header = Header { frame: 7, fps: 24.0, camera, note: Some("origin 1"), texts };
         write_exr_layered(&path, [2, 1], channels, &header).expect("written");
         let found = read_exr(&path).expect("readable");
         let half = f16::from_f32(0.1).to_f32();
@@ -147,7 +144,7 @@ mod tests {
         assert_eq!(header.shared_attributes.pixel_aspect, 2.0);
         // What is seen at the middle of the right edge, by a row on the left of the matrix.
         let matrix = own.world_to_normalized_device.expect("a matrix");
-        let half = Camera::default().half_extent([2, 1]);
+        let half = camera.half_extent([2, 1]);
         let row = [half.x as f32 * 4.0, 1.0 + half.y as f32 * 2.0, 0.0, 1.0];
         let seen = |column: usize| (0..4).map(|i| row[i] * matrix[4 * i + column]).sum::<f32>();
         assert!((seen(0) / seen(3) - 1.0).abs() < 1e-6 && (seen(1) / seen(3) - 0.5).abs() < 1e-6);

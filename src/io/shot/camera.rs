@@ -12,7 +12,7 @@ use super::tree::Tree;
 use crate::io::ReadError;
 use crate::io::array::{Archive, Array, Kind};
 use crate::io::scene::{self, AnimatedMesh, Choice, Clock};
-use crate::view::{Camera, MOST_SHIFT};
+use crate::view::{self, Camera, MOST_SHIFT};
 
 /// Most values of an array of matrices: those of the most frames of a shot.
 const MAX_VALUES: u64 = 16 * 1_000_000;
@@ -78,7 +78,7 @@ impl CameraTrack {
     ) -> Result<CameraTrack, ShotError> {
         let default = Camera::default();
         let given = |key: &str, default| tree.get(key).map(|_| tree.number(key, default)).transpose();
-        let pixel_aspect = tree.plain_number("camera.pixel_aspect", 1.0, 0.1..=10.0)?;
+        let pixel_aspect = tree.ruled("camera.pixel_aspect", default.pixel_aspect, &view::pixel_aspect())?;
         let source = match tree.text("camera.file")? {
             Some(file) => {
                 if let Some(key) = INSTEAD_OF_FILE.into_iter().find(|key| tree.get(key).is_some()) {

@@ -17,10 +17,6 @@ const SHOT: &[(&str, &str)] = &[
     ("camera.eye", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("camera.target", "[x, y, z], in metres, none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
     ("camera.up", "[x, y, z], none beyond 1e12, or keyframes [[frame, [x, y, z]], ...], ascending"),
-    (
-        "camera.shift",
-        "[right, up], picture heights, none beyond 100, or keyframes [[frame, [right, up]], ...], ascending",
-    ),
     ("camera.far", "metres, above camera.near, may be inf, or keyframes [[frame, metres], ...], ascending"),
     (
         "camera.file",
@@ -63,6 +59,7 @@ impl Keys {
         };
         let mut keys: Vec<Dial> = SHOT.iter().map(own).collect();
         keys.push(keyframes("camera.vertical_fov", view::vertical_fov().allowed(), "degrees"));
+        keys.push(keyframes("camera.shift", view::shift_allowed(), "[right, up]"));
         keys.push(keyframes("camera.orthographic", view::orthographic().allowed(), "metres"));
         keys.push(given("camera.pixel_aspect", view::pixel_aspect().allowed()));
         keys.push(keyframes("camera.near", view::near().allowed(), "metres"));

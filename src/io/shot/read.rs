@@ -11,7 +11,7 @@ use super::tree::{self, Kind, Node, Tree};
 use super::{Background, Exposure, ShotError};
 use crate::io::pattern::LAST_FRAME;
 use crate::io::scene::Pick;
-use crate::settings::DialKind;
+use crate::settings::{DialKind, Rule};
 use crate::view::{BRIGHTEST, FARTHEST};
 
 type Result<T> = std::result::Result<T, ShotError>;
@@ -145,6 +145,11 @@ impl Tree {
     /// A number without keyframes, within a range; `default` where the shot does not name it.
     pub(crate) fn plain_number(&self, path: &str, default: f64, range: RangeInclusive<f64>) -> Result<f64> {
         self.read(path, default, |value| number(value).filter(|number| range.contains(number)))
+    }
+
+    /// A number without keyframes, as a rule allows it; `default` where the shot does not name it.
+    pub(super) fn ruled(&self, path: &str, default: f64, rule: &Rule<f64>) -> Result<f64> {
+        self.read(path, default, |value| number(value).filter(|number| rule.check(path, *number).is_ok()))
     }
 
     /// True or false; false where it is not named.

@@ -17,6 +17,7 @@ pub(super) static ENTRY: EffectEntry = EffectEntry {
     table: &shot::TABLE,
     open: input::open,
     layers: layers::LAYERS,
+    shown: None,
     watch: Some(layers::REFINEMENT),
     variants: variants::variants,
     benchmark: Benchmark(bench::blur::measure),

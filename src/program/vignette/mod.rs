@@ -26,6 +26,7 @@ pub(super) static ENTRY: EffectEntry = EffectEntry {
     table: &TABLE,
     open,
     layers: &[LayerEntry::image("vignette.darkness", &[DARKNESS], |made| LayerData::Value(made.image(DARKNESS)))],
+    shown: None,
     watch: None,
     variants,
     benchmark: Benchmark(bench::measure),

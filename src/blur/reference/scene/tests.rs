@@ -147,7 +147,7 @@ impl Scene {
         let points = self.mesh.triangles()[base as usize];
         let rest = points.map(|p| self.points[p as usize % self.points.len()].as_dvec3());
         let rest = rest[0] * weights[0] + rest[1] * weights[1] + rest[2] * weights[2];
-        let object = self.mesh.triangle_surfaces()[base as usize];
+        let object = self.mesh.triangle_objects()[base as usize];
         look(object, frame.normal(&self.surface(), base, weights), rest, striped)
     }
 
@@ -241,9 +241,9 @@ fn the_sphere_that_stays_is_the_next_image() {
     let colours = complete(&surface, &drawing, frames, &shaded, Completion::Surface, Mix::Blend);
     let image = compose(&surface, &drawing, frames, &shaded, &colours, [0.0; 4]);
     let is_same = |pixel: &usize| image[*pixel] == images[1][*pixel].map(f64::from);
-    let object =
+    let shown =
         |frame: &Frame, pixel: usize| frame.seen.seen[pixel].checked_sub(1).map(|base| surface.surfaces[base as usize]);
-    let own: Vec<usize> = (0..images[1].len()).filter(|pixel| object(frames[1], *pixel) == Some(2)).collect();
+    let own: Vec<usize> = (0..images[1].len()).filter(|pixel| shown(frames[1], *pixel) == Some(2)).collect();
     assert!(own.len() > 300 && own.iter().all(is_same), "{}", own.len());
     assert!((0..images[1].len()).filter(|pixel| !is_same(pixel)).count() > 1000);
 }

@@ -143,7 +143,7 @@ fn even_tones_have_no_steps() {
 }
 
 #[test]
-fn objects_have_their_own_tones() {
+fn surfaces_have_their_own_tones() {
     let lights = [LIGHT.to_array(); 2];
     let mut sites = sites_of(6000, 0.3, [LIGHT; 2], flat);
     // One changes red where the other changes blue, a third does not change at all.
@@ -156,14 +156,14 @@ fn objects_have_their_own_tones() {
         }
     }
     let tones = learnt(&sites, lights);
-    assert!([0, 1, 2].iter().all(|object| tones.explains(*object)));
+    assert!([0, 1, 2].iter().all(|surface| tones.explains(*surface)));
     let across = LIGHT.any_orthonormal_vector();
     let at = |cosine: f64| (LIGHT * cosine + across * (1.0 - cosine * cosine).sqrt()).to_array();
     let known = [0.5, 0.5, 0.5, 1.0];
-    for (object, tone) in [(0, [0.35, 0.4, 0.6]), (1, [0.6, 0.4, 0.35]), (2, [1.0; 3])] {
-        let found = tones.predict(object, 1, [at(0.9), at(-0.2)], known).unwrap();
+    for (surface, tone) in [(0, [0.35, 0.4, 0.6]), (1, [0.6, 0.4, 0.35]), (2, [1.0; 3])] {
+        let found = tones.predict(surface, 1, [at(0.9), at(-0.2)], known).unwrap();
         // The tones of all hold a little of those that are a sixth of the places.
-        assert!((0..3).all(|i| (found[i] - 0.5 * tone[i]).abs() < 0.04), "{object}: {found:?}");
+        assert!((0..3).all(|i| (found[i] - 0.5 * tone[i]).abs() < 0.04), "{surface}: {found:?}");
     }
 }
 
@@ -175,9 +175,9 @@ fn what_has_no_tones_keeps_what_is_known() {
         let change = [(hash(8, index, 0, 0) % 600) as i32 - 300; 3];
         Site { change, ..*site }
     };
-    // One object flickers.
-    let with = |objects: &[u32]| -> Vec<Site> {
-        let is_noisy = |site: &Site| objects.contains(&site.surface);
+    // One surface flickers.
+    let with = |surfaces: &[u32]| -> Vec<Site> {
+        let is_noisy = |site: &Site| surfaces.contains(&site.surface);
         sites.iter().zip(0..).map(|(site, i)| if is_noisy(site) { noise((site, i)) } else { *site }).collect()
     };
     assert!(!learnt(&with(&[0, 1]), lights).explains(0));
