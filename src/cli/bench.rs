@@ -26,8 +26,8 @@ Examples:
   celfx bench blur --only refine                    where triangles are divided, at all workloads
   celfx bench look                                  what makes the built-in effects look drawn
   celfx bench look my.toml --set smoke.sigma=8      the same of a shot of one's own
-  celfx bench calibrate > mine.toml                 which ways are the fastest here; then:
-  celfx render --tuning mine.toml shot.toml -o out/%04d.png";
+  celfx bench calibrate > tuning.toml               which ways are the fastest here; then:
+  celfx render --tuning tuning.toml shot.toml -o out/%04d.png";
 
 /// Options of `celfx bench`.
 #[derive(Debug, Args)]
