@@ -109,6 +109,17 @@ pub trait Kind: fmt::Debug + Sized {
     /// `descs` are of `old` and of this.
     fn go_on(&mut self, old: &Self, descs: [&Self::Desc; 2], kept: &Kept);
 
+    /// Buffers that the next frame goes on from, if it brings all that a first one does.
+    const PAST: &'static [BufferId] = &[];
+
+    /// What else it goes on from.
+    fn past(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// Goes on from [`Self::past`]; the buffers hold what they held then.
+    fn go_on_from(&mut self, _: &[u32]) {}
+
     /// The formats of the host's images, and what they are used as.
     fn formats(desc: &Self::Desc) -> Vec<NamedFormat>;
 }
@@ -528,6 +539,18 @@ impl<K: Kind> Effect<K> {
         self.executor.keep_images();
         self.kind.recorded(&self.desc, recorded);
         Ok(())
+    }
+
+    /// What the next frame goes on from, besides what it brings: words, and what is in buffers; none if it does not.
+    #[cfg(feature = "cli")]
+    pub(crate) fn past(&self) -> Option<(Vec<u32>, &'static [BufferId])> {
+        (!K::PAST.is_empty()).then(|| (self.kind.past(), K::PAST))
+    }
+
+    /// Goes on from these words, once the buffers hold what belongs to them.
+    #[cfg(feature = "cli")]
+    pub(crate) fn go_on_from(&mut self, words: &[u32]) {
+        self.kind.go_on_from(words);
     }
 
     /// The effect's parts on the device.

@@ -6,6 +6,7 @@ mod depth;
 mod effects;
 pub mod motion;
 pub mod passes;
+mod past;
 pub(crate) mod picture;
 mod player;
 mod slices;

@@ -7,12 +7,16 @@
 mod blur;
 #[path = "cli/exposure.rs"]
 mod exposure;
+#[path = "cli/farm.rs"]
+mod farm;
 #[path = "cli/flame.rs"]
 mod flame;
 #[path = "cli/hostile.rs"]
 mod hostile;
 #[path = "cli/info.rs"]
 mod info;
+#[path = "cli/layered.rs"]
+mod layered;
 #[path = "cli/look.rs"]
 mod look;
 #[path = "cli/mixed.rs"]

@@ -1,6 +1,7 @@
 //! The program `celfx`: one file per subcommand.
 
 mod bench;
+mod frames;
 mod info;
 mod inspect;
 pub mod memory;
@@ -80,6 +81,17 @@ impl Common {
         Ok(headless::Options { validate, device, tuning, go_on: interrupt::go_on, ..headless::Options::default() })
     }
 
+    /// As on the command line.
+    fn arguments(&self) -> Vec<OsString> {
+        let Common { device, tuning, validate, quiet, verbose, threads } = self;
+        let mut all = frames::option("--device", device);
+        all.extend(frames::option("--tuning", tuning));
+        all.extend(frames::option("--threads", &threads.map(|threads| threads.to_string())));
+        let flags = [("--validate", validate), ("--quiet", quiet), ("--verbose", verbose)].into_iter();
+        all.extend(flags.filter(|(_, is_given)| **is_given).map(|(flag, _)| flag.into()));
+        all
+    }
+
     fn threads(&self) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         self.threads.map_or_else(cores, usize::from)
@@ -90,6 +102,8 @@ impl Common {
 enum Command {
     /// Render a shot to a sequence of pictures
     Render(render::Options),
+    /// Print the commands that render a shot in parts, one a line, for a farm
+    Frames(frames::Options),
     /// Print a built-in shot: every key, commented
     Shot(shot::Options),
     /// Measure run time against error
@@ -243,12 +257,15 @@ fn ignore_file_size_limit() {
 }
 
 fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
+    let arguments: Vec<OsString> = arguments.collect();
+    let program = arguments.first().cloned().unwrap_or_else(|| "celfx".into());
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
     match cli.command {
         Command::Render(options) => render::run(&options, &cli.common),
+        Command::Frames(options) => frames::run(&options, &cli.common, &program),
         Command::Shot(options) => shot::run(&options),
         Command::Bench(options) => bench::run(&options, &cli.common),
         Command::Info(options) => info::run(&options, &cli.common),

@@ -1,14 +1,18 @@
 //! `celfx render`: a shot to a sequence of pictures.
 
+mod cache;
 mod device;
 mod encode;
 mod input;
 mod layered;
 mod origin;
 mod outputs;
+mod reader;
 mod strip;
+mod turns;
 mod video;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,7 +23,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Common, Failure, memory, print, visible};
+use super::{Common, Failure, frames, memory, print, visible};
 use crate::interrupt;
 use crate::io::image::Picture;
 use crate::io::overlap::{self, Files};
@@ -28,12 +32,15 @@ use crate::io::shot::{Background, Shot};
 use crate::io::{picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
 use crate::program::{self, layers};
+use cache::Cache;
 use device::Renderer;
 use encode::{Pool, Shared, no_thread};
-use input::{Inputs, Read};
+use input::Inputs;
 use origin::Origins;
 use outputs::{Found, Frame, Outputs};
+use reader::{Read, Reader, Step};
 use strip::Strip;
+use turns::Turns;
 use video::Video;
 
 const EXAMPLES: &str = "\
@@ -45,6 +52,7 @@ Examples:
   celfx render my.toml --set smoke.sigma=8 --set smoke.shadow=map
   celfx render my.toml --layers layers --profile p.json    every pass's image, and its cost
   celfx render my.toml --layers comp.####.exr              one file a frame for compositing
+  celfx render my.toml --resume --cache cache              as often as there are machines, at the same time
 
 Frames do not depend on how they are rendered: a frame alone, resumed, or with another number of
 threads is the same bit for bit, because smoke is always stepped from the shot's first frame.";
@@ -80,9 +88,13 @@ pub(super) struct Options {
     #[arg(long, value_name = "FILE", value_parser = |name: &str| named(name, &["gif", "apng", "mp4", "mov", "webm"]))]
     animation: Option<PathBuf>,
     /// Keep frames that are complete and made from the same settings and input; of those that are not: `again`
-    /// renders them again, `strict` refuses to begin
+    /// renders them again, `strict` refuses to begin. Processes that write the same frames share them: each is rendered once
     #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "again")]
     resume: Option<Resume>,
+    /// Keep what smoke leaves behind from frame to frame in this folder, and begin there: a process that renders later frames need
+    /// not step through all before them. Any shots and processes may share it; it may be emptied at any time
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
 }
 
 /// What becomes of frames that were made from something else.
@@ -93,14 +105,42 @@ enum Resume {
 }
 
 impl Options {
-    /// The files of all frames together, each with its option.
+    /// The options whose files are of all frames together, and these files.
+    pub(super) fn of_all_frames(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let all = [("--profile", &self.profile), ("--sheet", &self.sheet), ("--animation", &self.animation)];
+        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
+    }
+
     fn others(&self) -> Vec<Files> {
-        let others =
-            [("--profile", &self.profile), ("--sheet", &self.sheet), ("--animation", &self.animation)].into_iter();
-        let file = |(option, path): (&str, &Option<PathBuf>)| {
-            path.as_ref().map(|path| Files::new(format!("{option} {}", path.display()), Pattern::single(path)))
-        };
-        others.filter_map(file).collect()
+        let file =
+            |(option, path): (&str, &Path)| Files::new(format!("{option} {}", path.display()), Pattern::single(path));
+        self.of_all_frames().map(file).collect()
+    }
+
+    /// The shot, and the frames of it that are asked for.
+    pub(super) fn shot(&self) -> Result<(Arc<Shot>, [u32; 2]), Failure> {
+        let shot = Arc::new(program::load(&self.shot, &self.set)?);
+        let frames = self.frames.unwrap_or(shot.frames);
+        shot.check_effects().map_err(|why| Failure::usage(format!("{}: {why}", shot.name)))?;
+        let [first, last] = frames;
+        if first < shot.frames[0] || last > shot.frames[1] {
+            let [a, b] = shot.frames;
+            return Err(Failure::usage(format!("--frames {first}-{last}: the shot has frames {a} to {b}")));
+        }
+        Ok((shot, frames))
+    }
+
+    /// As on the command line, but for frames and files of all of them: what parts of a sequence have in common. They resume.
+    pub(super) fn arguments(&self) -> Vec<OsString> {
+        let Options { shot, set, output, layers, resume, cache, .. } = self;
+        let resume = if *resume == Some(Resume::Strict) { "--resume=strict" } else { "--resume" };
+        let mut all = vec![OsString::from(shot)];
+        all.extend(set.iter().flat_map(|set| ["--set".into(), set.into()]));
+        all.extend(["--output".into(), output.into()]);
+        all.extend(frames::path("--layers", layers));
+        all.extend(frames::path("--cache", cache));
+        all.push(resume.into());
+        all
     }
 }
 
@@ -128,14 +168,8 @@ fn named(name: &str, extensions: &[&str]) -> Result<PathBuf, String> {
 
 pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     memory::doing("reading the shot", None);
-    let shot = Arc::new(program::load(&options.shot, &options.set)?);
-    let frames = options.frames.unwrap_or(shot.frames);
-    shot.check_effects().map_err(|why| Failure::usage(format!("{}: {why}", shot.name)))?;
+    let (shot, frames) = options.shot()?;
     let [first, last] = frames;
-    if first < shot.frames[0] || last > shot.frames[1] {
-        let [a, b] = shot.frames;
-        return Err(Failure::usage(format!("--frames {first}-{last}: the shot has frames {a} to {b}")));
-    }
     let names = layers::names(|effect| shot.has(effect));
     let layers = options.layers.as_deref().map(|path| (path, &names[..]));
     let outputs = Outputs::new(&options.output, layers, options.others(), (shot.size, shot.fps), frames)?;
@@ -157,22 +191,26 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     .flatten()
     .collect();
     let timed = options.profile.is_some() || !common.quiet;
-    let job = Job { shot: &shot, first, outputs, strips, timed, common };
+    let cache = options.cache.as_deref().map(Cache::new);
+    let claims = options.resume.is_some();
+    let job = Job { shot: &shot, first, outputs, strips, timed, claims, cache, common };
     memory::doing("reading the shot's input", None);
-    let inputs = Inputs::open(&shot)?;
-    let mut origins = Origins::new(&shot, inputs.effects())?;
+    let (inputs, mut origins) = job.open()?;
     let missing = job.missing(last, options.resume, &mut origins, &inputs)?;
     // Only what this run will write itself: another one may be at the other frames.
-    remove_stale_parts(missing.iter().flat_map(|frame| job.outputs.files(*frame)).chain(job.outputs.others()));
-    let times = if missing.is_empty() { Times::default() } else { job.render(&missing, inputs, origins)? };
+    let own = if claims { &[][..] } else { &missing };
+    remove_stale_parts(own.iter().flat_map(|frame| job.outputs.files(*frame)).chain(job.outputs.others()));
+    let times = job.render_all(missing, inputs, origins)?;
     job.strips.iter().try_for_each(Strip::write)?;
     video.map_or(Ok(()), |video| video.write((first..=last).map(|frame| job.outputs.picture(frame))))?;
-    job.report(&times, missing.len(), count, options.profile.as_deref())
+    job.report(&times, count, options.profile.as_deref())
 }
 
 /// Costs of rendering.
 #[derive(Default)]
 struct Times {
+    /// Frames that were rendered.
+    rendered: usize,
     frames: Vec<FrameTimes>,
     /// Whether the device has no clock.
     has_none: bool,
@@ -180,13 +218,16 @@ struct Times {
 
 /// The frames to render, and where they go.
 struct Job<'a> {
-    shot: &'a Shot,
+    shot: &'a Arc<Shot>,
     /// First frame that is rendered.
     first: u32,
     outputs: Outputs,
     strips: Vec<Strip>,
     /// Whether passes are timed.
     timed: bool,
+    /// Whether frames are claimed.
+    claims: bool,
+    cache: Option<Cache>,
     common: &'a Common,
 }
 
@@ -233,8 +274,46 @@ impl Job<'_> {
         }
     }
 
-    /// Renders the `missing` frames, which are some.
-    fn render(&self, missing: &[u32], mut inputs: Inputs, mut origins: Origins) -> Result<Times, Failure> {
+    /// Renders the `missing` frames, but for those that other processes do.
+    fn render_all(&self, mut missing: Vec<u32>, inputs: Inputs, origins: Origins) -> Result<Times, Failure> {
+        let collect = |frame, pixels: &[[f32; 4]]| self.collect(frame, pixels);
+        let turns = Turns::new(&self.outputs, self.claims, &collect);
+        let mut opened = Some((inputs, origins));
+        let mut times = Times::default();
+        while !missing.is_empty() {
+            let (inputs, origins) = match opened.take() {
+                Some(opened) => opened,
+                None => self.open()?,
+            };
+            let others = self.render(&missing, inputs, origins, &turns, &mut times)?;
+            if turns.is_unsure() {
+                self.say("the folder's file system has no locks: frames may be rendered by several processes");
+            }
+            if !others.is_empty() {
+                let (count, s) = (others.len(), if others.len() == 1 { "" } else { "s" });
+                self.say(&format!("waiting for {count} frame{s} that other processes render"));
+            }
+            missing = turns.wait(others)?;
+        }
+        Ok(times)
+    }
+
+    /// The shot's input, and hashes of what its frames are made from.
+    fn open(&self) -> Result<(Inputs, Origins<'_>), Failure> {
+        let inputs = Inputs::open(self.shot)?;
+        let origins = Origins::new(self.shot, inputs.effects())?;
+        Ok((inputs, origins))
+    }
+
+    /// Renders those of the `missing` frames, which are some, that no other process is at; the others, with their origins.
+    fn render(
+        &self,
+        missing: &[u32],
+        mut inputs: Inputs,
+        mut origins: Origins,
+        turns: &Turns,
+        times: &mut Times,
+    ) -> Result<Vec<(u32, u128)>, Failure> {
         let has_layers = self.outputs.has_layers();
         let effects = inputs.describe(missing, has_layers, self.common)?;
         inputs.notes(self.shot).iter().for_each(|note| self.say(note));
@@ -242,51 +321,64 @@ impl Job<'_> {
         origins.check()?;
         memory::doing("opening the device", None);
         let mut renderer = Renderer::new(self.common, self.shot, effects, has_layers, self.timed, background.as_ref())?;
-        let has_none = !renderer.has_clock();
+        times.has_none = !renderer.has_clock();
         if self.common.verbose {
             self.say(&(renderer.describe() + &inputs.choices()));
         }
         let (queue, shared) = Shared::new(self.common.threads());
-        let work = |frame: Frame| self.write(&frame);
-        let times = thread::scope(|scope| {
+        let work = |frame: Frame| self.write(frame);
+        let others = thread::scope(|scope| {
             let (ahead, steps) = sync_channel(1);
-            let reader = move || inputs.read_ahead(self.shot, origins, missing, &ahead);
-            thread::Builder::new().spawn_scoped(scope, reader).map_err(|e| no_thread("reads", &e))?;
+            let reader = Reader { shot: self.shot, inputs, origins, turns, cache: self.cache.as_ref() };
+            let reader = move || reader.run(missing, &ahead);
+            let reader = thread::Builder::new().spawn_scoped(scope, reader).map_err(|e| no_thread("reads", &e))?;
             let pool = Pool::start(scope, self.common.threads(), queue, &shared, work)?;
-            let rendered = self.step(&mut renderer, missing.len(), &steps, |frame| pool.send(&shared, frame));
+            let rendered = self.step(&mut renderer, missing.len(), &steps, times, |frame| pool.send(&shared, frame));
             // Frames in the queue are written even if the next one failed or the program was interrupted.
             let written = pool.finish(&shared);
             drop(steps);
-            rendered.and_then(|times| written.map(|()| times))
+            rendered.and(written)?;
+            reader.join().map_err(|_| Failure::new(Failure::DEVICE, "the thread that reads frames has failed"))
         })?;
         renderer.finish()?;
-        Ok(Times { frames: times, has_none })
+        Ok(others)
     }
 
-    /// Takes steps as they come and hands the rendered frames, so many, to `send`.
+    /// Takes steps as they come and hands the rendered frames, at most so many, to `send`.
     fn step(
         &self,
         renderer: &mut Renderer,
         count: usize,
         steps: &Receiver<Read>,
+        times: &mut Times,
         send: impl Fn(Frame) -> Result<(), Failure>,
-    ) -> Result<Vec<FrameTimes>, Failure> {
+    ) -> Result<(), Failure> {
         let progress = self.progress(count as u64);
-        let mut times = Vec::new();
         for step in steps {
             interrupt::check()?;
-            let step = step?;
+            let mut step = step?;
             memory::doing("rendering frame", Some(step.number));
-            let (frame, frame_times) = renderer.step(&step)?;
+            let (frame, frame_times) = renderer.step(&mut step)?;
             renderer.remarks().iter().for_each(|remark| self.say(remark));
             if let Some(frame) = frame {
-                times.extend(frame_times);
+                times.rendered += 1;
+                times.frames.extend(frame_times);
                 send(frame)?;
                 progress.inc(1);
             }
+            self.keep(renderer, &step)?;
         }
         progress.finish_and_clear();
-        Ok(times)
+        Ok(())
+    }
+
+    /// Keeps what a step leaves, if it is to be kept. Without it all goes on as well, only slower.
+    fn keep(&self, renderer: &mut Renderer, step: &Step) -> Result<(), Failure> {
+        if let (Some(cache), Some(key)) = (&self.cache, step.keeps) {
+            let past = renderer.past()?;
+            cache.write(key, &past).unwrap_or_else(|error| self.say(&format!("--cache: {error}")));
+        }
+        Ok(())
     }
 
     fn progress(&self, frames: u64) -> ProgressBar {
@@ -305,9 +397,10 @@ impl Job<'_> {
         }
     }
 
-    fn write(&self, frame: &Frame) -> Result<(), Failure> {
+    fn write(&self, frame: Frame) -> Result<(), Failure> {
         memory::doing("writing frame", Some(frame.number));
-        self.outputs.write(frame)?;
+        self.outputs.write(&frame)?;
+        drop(frame.claim);
         self.collect(frame.number, &frame.pixels);
         if self.common.verbose {
             self.say(&format!("wrote {}", self.outputs.picture(frame.number).display()));
@@ -320,10 +413,10 @@ impl Job<'_> {
     }
 
     /// The profile's file, and the table on standard output.
-    fn report(&self, times: &Times, rendered: usize, count: usize, file: Option<&Path>) -> Result<(), Failure> {
-        let Times { frames: times, has_none } = times;
+    fn report(&self, times: &Times, count: usize, file: Option<&Path>) -> Result<(), Failure> {
+        let Times { frames: times, has_none, rendered } = times;
         if let Some(path) = file {
-            if let Some(why) = untimed(times.len(), rendered, *has_none) {
+            if let Some(why) = untimed(times.len(), *rendered, *has_none) {
                 self.say(&format!("{}: {why}", path.display()));
             }
             let is_csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
@@ -339,7 +432,7 @@ impl Job<'_> {
             table += &profile::skips(times);
         }
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
-        let frames = if rendered == 1 { "frame" } else { "frames" };
+        let frames = if *rendered == 1 { "frame" } else { "frames" };
         let more = if count > 1 { " ..." } else { "" };
         let first = self.outputs.picture(self.first);
         print(&format!("{table}{rendered} {frames} rendered{kept}: {}{more}\n", first.display()))

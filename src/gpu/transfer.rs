@@ -190,6 +190,32 @@ pub unsafe fn record_readback(
     barrier((Stage::ALL_TRANSFER, Access::TRANSFER_WRITE), (Stage::HOST, Access::HOST_READ));
 }
 
+/// Records copies from places in a buffer to ranges (buffer, offset and size) and makes them visible to all that follows.
+///
+/// # Safety
+/// `host` holds valid handles and `commands` is in recording state outside of a render pass; nothing else uses the ranges, and
+/// `from` holds all that is copied.
+#[cfg(feature = "cli")]
+pub unsafe fn record_upload(
+    host: &Host,
+    commands: vk::CommandBuffer,
+    from: vk::Buffer,
+    copies: &[(u64, (vk::Buffer, u64, u64))],
+) {
+    for (src_offset, (buffer, dst_offset, size)) in copies {
+        let regions = [vk::BufferCopy { src_offset: *src_offset, dst_offset: *dst_offset, size: *size }];
+        // SAFETY: the caller's.
+        unsafe { host.device.cmd_copy_buffer(commands, from, *buffer, &regions) };
+    }
+    let after = [vk::MemoryBarrier2::default()
+        .src_stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)
+        .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+        .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+    // SAFETY: the caller's.
+    unsafe { host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&after)) };
+}
+
 /// Records zeroes over a range of a buffer.
 ///
 /// # Safety

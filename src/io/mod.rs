@@ -6,8 +6,10 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -62,7 +64,7 @@ pub struct WriteError {
     pub source: io::Error,
 }
 
-/// Writes `path` so that it appears whole or not at all: into a hidden file `.NAME.PID.part` beside it, synced, then
+/// Writes `path` so that it appears whole or not at all: into a hidden file `.NAME.UNIQUE.PID.part` beside it, synced, then
 /// renamed; where NAME is long, that of the hidden file has a hash of it in its place. Folders that are missing are made, a
 /// file of that name is replaced, and a `.part` that a killed run left behind does not disturb (see [`remove_stale_parts`]). On an error the `.part` is removed and what was at `path` stays.
 pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
@@ -114,12 +116,24 @@ fn begin(path: &Path) -> io::Result<PathBuf> {
     if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
         return Err(io::Error::new(io::ErrorKind::AlreadyExists, "there is something of that name that is not a file"));
     }
-    let folder = folder_of(path);
-    fs::create_dir_all(folder)?;
-    let mut part = OsString::from(".");
-    part.push(stem(name));
-    part.push(format!(".{}.part", std::process::id()));
-    Ok(folder.join(part))
+    fs::create_dir_all(folder_of(path))?;
+    // Other machines may have a process of the same number.
+    static UNIQUE: LazyLock<u64> = LazyLock::new(|| RandomState::new().hash_one(0));
+    let process = std::process::id();
+    Ok(beside(path, name, &format!("{:08x}.{process}.part", *UNIQUE as u32)))
+}
+
+/// The hidden file beside `path`, which ends in a file name, that ends in `.KIND`.
+pub fn hidden(path: &Path, kind: &str) -> PathBuf {
+    beside(path, path.file_name().unwrap_or_default(), kind)
+}
+
+fn beside(path: &Path, name: &OsStr, end: &str) -> PathBuf {
+    let mut file = OsString::from(".");
+    file.push(stem(name));
+    file.push(".");
+    file.push(end);
+    folder_of(path).join(file)
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -146,7 +160,7 @@ fn fill(part: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>)
     writer.get_ref().sync_all()
 }
 
-/// Removes what killed runs left of [`write_atomic`] to any of `paths`: every `.NAME.PID.part` whose process is gone.
+/// Removes what killed runs left of [`write_atomic`] to any of `paths`: every `.NAME.UNIQUE.PID.part` whose process is gone.
 /// Other processes that write the same files keep theirs. Nothing is removed where processes cannot be looked up (no
 /// `/proc`), and what cannot be removed stays.
 pub fn remove_stale_parts(paths: impl IntoIterator<Item = PathBuf>) {
@@ -184,12 +198,12 @@ fn stale_parts(folder: &Path) -> Parts {
     parts
 }
 
-/// Stem and process of a `.STEM.PID.part`.
+/// Stem and process of a `.STEM.UNIQUE.PID.part`.
 fn part_of(file: &[u8]) -> Option<(&[u8], u32)> {
-    let rest = file.strip_prefix(b".")?.strip_suffix(b".part")?;
-    let dot = rest.iter().rposition(|byte| *byte == b'.')?;
-    let process = std::str::from_utf8(&rest[dot + 1..]).ok()?.parse().ok()?;
-    Some((&rest[..dot], process))
+    let mut parts = file.strip_prefix(b".")?.strip_suffix(b".part")?.rsplitn(3, |byte| *byte == b'.');
+    let process = std::str::from_utf8(parts.next()?).ok()?.parse().ok()?;
+    let _unique = parts.next()?;
+    Some((parts.next()?, process))
 }
 
 #[cfg(test)]
@@ -253,13 +267,14 @@ pub(crate) mod tests {
     #[test]
     fn stale_parts_do_not_disturb() {
         let folder = Folder::new();
-        let own = format!(".frame.bin.{}.part", std::process::id());
-        for stale in [".frame.bin.1.part", &own] {
-            fs::write(folder.0.join(stale), b"half a frame, longer than the new one").unwrap();
+        let own = begin(&folder.0.join("frame.bin")).unwrap();
+        let stale = folder.0.join(".frame.bin.0.1.part");
+        for stale in [&stale, &own] {
+            fs::write(stale, b"half a frame, longer than the new one").unwrap();
         }
         write_atomic(&folder.0.join("frame.bin"), |w| w.write_all(b"new")).unwrap();
         assert_eq!(fs::read(folder.0.join("frame.bin")).unwrap(), b"new");
-        assert_eq!(folder.names(), [".frame.bin.1.part", "frame.bin"]);
+        assert_eq!(folder.names(), [".frame.bin.0.1.part", "frame.bin"]);
     }
 
     #[test]
@@ -272,16 +287,16 @@ pub(crate) mod tests {
         ended.wait().unwrap();
         let (gone, own) = (ended.id(), std::process::id());
         let kept = [
-            format!(".1.png.{own}.part"),
+            format!(".1.png.0.{own}.part"),
             ".1.png.part".into(),
-            ".1.png.x.part".into(),
-            format!(".10.png.{gone}.part"),
+            ".1.png.0.x.part".into(),
+            format!(".10.png.0.{gone}.part"),
             "1.png".into(),
-            format!("1.png.{gone}.part"),
+            format!("1.png.0.{gone}.part"),
         ];
         let long = "long".repeat(60);
         let stem = stem(OsStr::new(&long)).into_owned().into_string().unwrap();
-        let removed = [".1.png.", ".2.png.", &format!(".{stem}.")].map(|part| format!("{part}{gone}.part"));
+        let removed = [".1.png.", ".2.png.", &format!(".{stem}.")].map(|part| format!("{part}0.{gone}.part"));
         kept.iter().chain(&removed).for_each(|name| fs::write(folder.0.join(name), b"half").unwrap());
         remove_stale_parts(["1.png", "2.png", "3.png", &long, "no folder/1.png"].map(|name| folder.0.join(name)));
         let mut kept = kept;

@@ -4,6 +4,7 @@ use std::any::Any;
 use std::fmt;
 
 use super::Scene;
+use super::past::Past;
 use crate::effect::{Effect, Effort, Kind};
 use crate::error::Result;
 use crate::gpu::executor::Executor;
@@ -149,6 +150,10 @@ pub(crate) trait Player {
     ) -> Result<()>;
     /// As [`Feed::finished`].
     fn finished(&mut self);
+    /// What the next frame goes on from; none if it does not.
+    fn past(&self) -> Option<Past>;
+    /// As [`Effect::go_on_from`].
+    fn go_on_from(&mut self, words: &[u32]);
     /// Destroys all of it.
     ///
     /// # Safety
@@ -208,6 +213,14 @@ impl<F: Feed<Kind: 'static>> Player for Fed<F> {
 
     fn finished(&mut self) {
         self.feed.finished();
+    }
+
+    fn past(&self) -> Option<Past> {
+        self.effect.past()
+    }
+
+    fn go_on_from(&mut self, words: &[u32]) {
+        self.effect.go_on_from(words);
     }
 
     unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {

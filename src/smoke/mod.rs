@@ -29,7 +29,7 @@ use crate::effect::{DeviceTraits, Effect, Effort, Kind};
 use crate::error::{Error, Result};
 use crate::gpu::resources::{Kept, Resources};
 use crate::host::{HostBuffer, NamedFormat, depth_format, target_format};
-use crate::plan::{Pass, Plan};
+use crate::plan::{BufferId, Pass, Plan};
 use crate::view::{Light, View};
 use layout::Layout;
 use params::{HELD_RANGE, SmokeParams};
@@ -156,6 +156,29 @@ impl Kind for SmokeKind {
             let moved = old.state.moved && kept.buffer(layout::MOVED);
             self.state = State { quiet: 0, shadowed: None, stale: old.state.begun, moved, ..old.state };
         }
+    }
+
+    const PAST: &'static [BufferId] = &[
+        layout::HISTORY,
+        layout::PARTICLES,
+        layout::DYING,
+        layout::DYING_STEPS,
+        layout::SPHERES,
+        layout::RADII,
+        layout::GROUPS,
+    ];
+
+    fn past(&self) -> Vec<u32> {
+        let State { frames, range_before, held, unmet, .. } = self.state;
+        vec![frames, range_before, held.into(), unmet.into()]
+    }
+
+    fn go_on_from(&mut self, words: &[u32]) {
+        let &[frames, range_before, held, unmet] = words else { return };
+        // All that is made from volumes and settings is made anew.
+        let (begun, stale, shape) = (true, true, self.state.shape);
+        let (held, unmet) = (held != 0, unmet != 0);
+        self.state = State { begun, stale, shape, frames, range_before, held, unmet, ..State::default() };
     }
 
     fn formats(desc: &Desc) -> Vec<NamedFormat> {

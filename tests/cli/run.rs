@@ -29,7 +29,7 @@ impl Folder {
         names(&self.0)
     }
 
-    /// Files that were not finished, anywhere in it.
+    /// Files that were not finished, and frames that were claimed and not let go, anywhere in it.
     pub fn parts(&self) -> Vec<String> {
         let mut found = Vec::new();
         let mut folders = vec![self.0.clone()];
@@ -38,7 +38,7 @@ impl Folder {
                 let path = folder.join(&name);
                 if path.is_dir() {
                     folders.push(path);
-                } else if name.ends_with(".part") {
+                } else if name.ends_with(".part") || name.ends_with(".claim") {
                     found.push(name);
                 }
             }

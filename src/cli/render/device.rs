@@ -1,7 +1,7 @@
 //! The device's side of `celfx render`: a shot's frames, in order.
 
-use super::input::Step;
 use super::outputs::Frame;
+use super::reader::Step;
 use crate::cli::{Common, Failure};
 use crate::gpu::headless::{Headless, Messages};
 use crate::io::image::Picture;
@@ -58,9 +58,16 @@ impl<'a> Renderer<'a> {
     }
 
     /// Takes a step, and renders it if that is asked for. With smoke, steps come without gaps from the shot's first frame.
-    pub(super) fn step(&mut self, step: &Step) -> Result<(Option<Frame>, Option<FrameTimes>), Failure> {
+    pub(super) fn step(&mut self, step: &mut Step) -> Result<(Option<Frame>, Option<FrameTimes>), Failure> {
         let Renderer { offline, shot, .. } = self;
         let Step { number, origin, rendered, .. } = *step;
+        if let Some(past) = step.past.take()
+            && !offline.go_on_from(&past)?
+        {
+            let why = "what --cache has of the frame before is not of these effects; empty that folder";
+            return Err(Failure::new(Failure::DEVICE, format!("frame {number}: {why}")));
+        }
+        let claim = step.claim.take();
         offline.set_timed(self.timed && rendered);
         let mut scene = program::scene(shot, number, rendered);
         step.put(&mut scene);
@@ -82,9 +89,14 @@ impl<'a> Renderer<'a> {
         let remarks = rendered.remarks().into_iter().map(|remark| format!("frame {number}: {remark}"));
         let remarks = remarks.collect();
         let layers = if self.layers { rendered.layers() } else { Vec::new() };
-        let frame = Frame { number, origin, pixels: picture.to_vec(), layers, camera: shot.camera(number) };
+        let frame = Frame { number, origin, pixels: picture.to_vec(), layers, camera: shot.camera(number), claim };
         self.remarks = remarks;
         Ok((Some(frame), self.offline.times()))
+    }
+
+    /// What the next frame goes on from.
+    pub(super) fn past(&mut self) -> Result<Vec<u8>, Failure> {
+        Ok(self.offline.past()?)
     }
 
     /// Whether the device can time passes.

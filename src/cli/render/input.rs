@@ -1,16 +1,13 @@
-//! Input of frames: that of the shot's effects, read ahead of the renderer.
+//! Input of frames: that of the shot's effects.
 
-use std::any::Any;
 use std::collections::HashSet;
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 
 use super::Failure;
-use super::origin::Origins;
-use crate::cli::{Common, memory};
+use crate::cli::Common;
 use crate::interrupt;
 use crate::io::shot::Shot;
-use crate::offline::{Effects, Scene};
+use crate::offline::Effects;
 use crate::program::{Brought, EFFECTS, Input, InputError};
 
 /// The input of a shot's effects.
@@ -20,32 +17,8 @@ pub(super) struct Inputs {
     names: Vec<&'static str>,
 }
 
-/// A frame, and what it brings.
-pub(super) struct Step {
-    /// The shot's number of it.
-    pub(super) number: u32,
-    /// A hash of what it is made from; 0 where it is not rendered.
-    pub(super) origin: u128,
-    /// Whether it is rendered, or only moves on what has a past.
-    pub(super) rendered: bool,
-    /// By the effect's name.
-    brought: Vec<(&'static str, Box<dyn Brought>)>,
-}
-
-/// A step, or why there are no more.
-pub(super) type Read = Result<Step, Failure>;
-
-impl Step {
-    /// Puts what the frame brings into its scene.
-    pub(super) fn put<'a>(&'a self, scene: &mut Scene<'a>) {
-        self.brought.iter().for_each(|(_, brought)| brought.put(scene));
-    }
-
-    /// Input of the frame, by the effect's name.
-    pub(super) fn brought(&self) -> Vec<(&'static str, &dyn Any)> {
-        self.brought.iter().map(|(name, brought)| (*name, &**brought as &dyn Any)).collect()
-    }
-}
+/// What a frame brings to the effect of a name.
+pub(super) type NamedBrought = (&'static str, Box<dyn Brought>);
 
 impl Inputs {
     /// Of a shot. What frames look like may follow from all of it, which is looked at then.
@@ -91,37 +64,18 @@ impl Inputs {
         self.effects.iter().filter_map(|effect| effect.choices()).map(|choice| format!("; {choice}")).collect()
     }
 
-    /// Reads what the steps bring that render the `missing` frames, one step ahead of who takes them: what has a past is
-    /// stepped from the shot's first frame.
-    pub(super) fn read_ahead(mut self, shot: &Shot, mut origins: Origins, missing: &[u32], to: &SyncSender<Read>) {
-        let has_past = self.effects.iter().any(|effect| effect.has_past());
-        let steps = match missing.last().filter(|_| has_past) {
-            Some(last) => (shot.frames[0]..=*last).collect(),
-            None => missing.to_vec(),
-        };
-        for number in steps {
-            memory::doing("reading the input of frame", Some(number));
-            let step = self.step(number, missing.binary_search(&number).is_ok(), &mut origins);
-            let failed = step.is_err();
-            // The renderer has gone where nobody takes it.
-            if to.send(step).is_err() || failed {
-                return;
-            }
-        }
+    /// Whether a frame depends on those before it.
+    pub(super) fn has_past(&self) -> bool {
+        self.effects.iter().any(|effect| effect.has_past())
     }
 
-    fn step(&mut self, number: u32, rendered: bool, origins: &mut Origins) -> Read {
-        // The hash first: what is read between it and the check is what it is of.
-        let origin = match rendered {
-            true => origins.of(number, &self.effects)?,
-            false => origins.advance(number, &self.effects).map(|()| 0)?,
-        };
+    /// What a frame brings, by the effect's name.
+    pub(super) fn read(&mut self, frame: u32, rendered: bool) -> Result<Vec<NamedBrought>, InputError> {
         let mut all = Vec::new();
         for (effect, name) in self.effects.iter_mut().zip(&self.names) {
-            all.extend(effect.read(number, rendered)?.map(|brought| (*name, brought)));
+            all.extend(effect.read(frame, rendered)?.map(|brought| (*name, brought)));
         }
-        origins.check()?;
-        Ok(Step { number, origin, rendered, brought: all })
+        Ok(all)
     }
 }
 

@@ -82,9 +82,12 @@ fn things(layers: &[Layer], width: usize) -> impl Iterator<Item = Things> {
         let alpha: Vec<f32> = colour.iter().map(|[.., alpha]| *alpha).collect();
         let depth = value(shown.depth)?;
         let from = inked(depth, &alpha, width);
-        let at = |values: &[f32]| from.iter().map(|pixel| values[*pixel]).collect();
+        let at = |values: &[f32]| -> Vec<f32> { from.iter().map(|pixel| values[*pixel]).collect() };
         let id = shown.id.and_then(value).map(at).unwrap_or_default();
-        Some(Things { name: effect.name(), alpha, depth: at(depth), id })
+        // What there is and is not drawn, as fire too cool for a tone, is nowhere.
+        let is_drawn = |(depth, alpha): (f32, &f32)| if *alpha > 0.0 { depth } else { f32::INFINITY };
+        let depth = at(depth).into_iter().zip(&alpha).map(is_drawn).collect();
+        Some(Things { name: effect.name(), alpha, depth, id })
     })
 }
 

@@ -18,8 +18,10 @@ pub(super) struct Origins<'a> {
     files: Files,
     /// The hash of all that frames have in common.
     common: Xxh3,
-    /// The hash of all that effects with a past have gone through before a frame, and that frame.
-    past: (u32, Xxh3),
+    /// The hash of all that effects with a past have gone through.
+    past: Xxh3,
+    /// What it was after each frame, from the shot's first.
+    pasts: Vec<u128>,
 }
 
 /// The input of a shot's effects.
@@ -36,16 +38,15 @@ impl<'a> Origins<'a> {
             other => add(&mut common, other),
         }
         effects.iter().try_for_each(|effect| effect.add_common(&mut common, &mut files))?;
-        Ok(Origins { shot, files, common, past: (shot.frames[0], Xxh3::new()) })
+        Ok(Origins { shot, files, common, past: Xxh3::new(), pasts: Vec::new() })
     }
 
-    /// The hash of a frame. Frames are best asked for in ascending order: smoke has all volumes up to its frame in it.
+    /// The hash of a frame. Smoke has all volumes up to its frame in it.
     pub(super) fn of(&mut self, frame: u32, effects: &Effects) -> Result<u128, ReadError> {
         let mut hash = self.common.clone();
         add(&mut hash, frame);
         self.add_view(&mut hash, frame);
-        self.advance(frame, effects)?;
-        add(&mut hash, self.past.1.digest128());
+        add(&mut hash, self.gone_through(frame, effects)?);
         for effect in effects.iter().filter(|effect| !effect.has_past()) {
             effect.add_frame(&mut hash, &mut self.files, frame)?;
         }
@@ -57,22 +58,36 @@ impl<'a> Origins<'a> {
         self.files.check()
     }
 
-    /// Takes effects that have a past through a frame: what they see of camera and light leaves something to the next, too.
-    pub(super) fn advance(&mut self, frame: u32, effects: &Effects) -> Result<(), ReadError> {
+    /// The same of the files that a frame brings, whenever they were asked for.
+    pub(super) fn check_of(&mut self, frame: u32, effects: &Effects) -> Result<(), ReadError> {
+        effects.iter().try_for_each(|effect| effect.add_frame(&mut Xxh3::new(), &mut self.files, frame))?;
+        self.check()
+    }
+
+    /// The hash of what the frame after this one goes on from.
+    pub(super) fn past(&mut self, frame: u32, effects: &Effects) -> Result<u128, ReadError> {
+        let mut hash = self.common.clone();
+        add(&mut hash, ("past", self.gone_through(frame, effects)?));
+        Ok(hash.digest128())
+    }
+
+    /// The hash of what effects that have a past have gone through up to a frame, with that: what they see of camera and light leaves
+    /// something to the next, too. Nothing if none has.
+    fn gone_through(&mut self, frame: u32, effects: &Effects) -> Result<u128, ReadError> {
         let with_past = || effects.iter().filter(|effect| effect.has_past());
         if with_past().next().is_none() {
-            return Ok(());
+            return Ok(0);
         }
-        if self.past.0 > frame + 1 {
-            self.past = (self.shot.frames[0], Xxh3::new());
+        let [first, _] = self.shot.frames;
+        let at = (frame - first) as usize;
+        while self.pasts.len() <= at {
+            let (frame, mut hash) = (first + self.pasts.len() as u32, self.past.clone());
+            self.add_view(&mut hash, frame);
+            with_past().try_for_each(|effect| effect.add_frame(&mut hash, &mut self.files, frame))?;
+            self.pasts.push(hash.digest128());
+            self.past = hash;
         }
-        while self.past.0 <= frame {
-            let (at, mut hash) = (self.past.0, self.past.1.clone());
-            self.add_view(&mut hash, at);
-            with_past().try_for_each(|effect| effect.add_frame(&mut hash, &mut self.files, at))?;
-            self.past = (at + 1, hash);
-        }
-        Ok(())
+        Ok(self.pasts[at])
     }
 
     fn add_view(&self, hash: &mut Xxh3, frame: u32) {

@@ -5,6 +5,7 @@ use std::{fmt, fs};
 
 use xxhash_rust::xxh3::xxh3_128;
 
+use super::turns::Claim;
 use super::{Failure, layered};
 use crate::io::array::write_npy;
 use crate::io::file::digest;
@@ -28,13 +29,15 @@ pub(super) struct Frame {
     pub(super) layers: Vec<Layer>,
     /// What it is seen through.
     pub(super) camera: Camera,
+    /// Keeps other processes from it until it is written.
+    pub(super) claim: Option<Claim>,
 }
 
 #[cfg(test)]
 impl Frame {
     /// Without pixels and layers.
     pub(super) fn of_nothing(number: u32) -> Frame {
-        Frame { number, origin: 0, pixels: Vec::new(), layers: Vec::new(), camera: Camera::default() }
+        Frame { number, origin: 0, pixels: Vec::new(), layers: Vec::new(), camera: Camera::default(), claim: None }
     }
 }
 
@@ -150,9 +153,9 @@ impl Outputs {
             LayerFiles::One(pattern) => {
                 let (channels, texts) = layered::channels(self.size[0] as usize, &frame.pixels, &frame.layers);
                 let note = Note { origin: frame.origin, layers: None }.to_string();
-                let Frame { number, camera, .. } = *frame;
-                let header = Header { frame: number, fps: self.fps, camera, note: Some(&note), texts };
-                write_exr_layered(&pattern.path(number), self.size, channels, &header)?;
+                let Frame { number, camera, .. } = frame;
+                let header = Header { frame: *number, fps: self.fps, camera: *camera, note: Some(&note), texts };
+                write_exr_layered(&pattern.path(*number), self.size, channels, &header)?;
             }
         }
         let path = self.picture(frame.number);
