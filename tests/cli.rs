@@ -5,6 +5,8 @@
 
 #[path = "cli/blur.rs"]
 mod blur;
+#[path = "cli/colour.rs"]
+mod colour;
 #[path = "cli/exposure.rs"]
 mod exposure;
 #[path = "cli/farm.rs"]

@@ -10,6 +10,7 @@ use celfx::blur::motion::PixelClip;
 use celfx::blur::reference::passes::{Moments, passes};
 use celfx::blur::{BlurKind, Desc, Settings};
 use celfx::effect::Effort;
+use celfx::io::display::Display;
 use celfx::io::image::write_exr_channels;
 use celfx::io::passes::PassFrame;
 use celfx::io::picture::{Format, read, write};
@@ -190,7 +191,7 @@ fn see(film: &Film, made: &[(&str, &[Picture; 2])]) {
     for (name, pictures) in made {
         for (what, picture) in ["picture", "colour"].iter().zip(*pictures) {
             let path = std::path::Path::new(&folder).join(format!("{name}_{what}.png"));
-            write(&path, Format::Png, film.shot.size, picture, None).expect("written");
+            write(&path, Format::Png, film.shot.size, picture, &Display::Srgb, None).expect("written");
         }
     }
 }

@@ -61,6 +61,7 @@ buffers! {
     NEXT_LAYER = "NextLayer": Layer,
     SUBFRAME_LAYER = "SubframeLayer": Layer,
     MASK_LAYER = "MaskLayer": Layer,
+    OBJECT_LAYER = "ObjectLayer": Layer,
     LINES = "Lines",
     CORNER_GROUPS = "CornerGroups": Sequence,
     GROUP_STARTS = "GroupStarts": Sequence,
@@ -332,7 +333,7 @@ impl Layout {
         for id in NAME_LAYERS.into_iter().chain([SUBFRAME_LAYER, MASK_LAYER]) {
             self.set(id, kept(4));
         }
-        for id in [COLOUR_LAYER, PREVIOUS_LAYER, NEXT_LAYER] {
+        for id in [COLOUR_LAYER, PREVIOUS_LAYER, NEXT_LAYER, OBJECT_LAYER] {
             self.set(id, kept(16));
         }
         self.set(PICTURE, 16 * pixels);

@@ -97,6 +97,9 @@ passes! {
         distort(desc, image, depth, desc.size.map(|side| scale * side))
     });
     layers = Pass::compute("blur.layers", &glsl::layers::SHADER);
+    /// Of the mesh where nothing moves, and of the refined one.
+    objects: [PassId; 2] = [("blur.depth", 0), ("blur.layers", 1)]
+        .map(|(name, refined)| Pass::compute(name, &glsl::objects::SHADER).specialise([refined]));
     frames = copies("blur.frames", HOST_FRAMES, FRAMES);
     /// Frames i - 1 and i + 2.
     outer_visibility: [PassId; 2] = [0, 1].map(|i| {

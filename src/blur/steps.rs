@@ -59,6 +59,8 @@ struct There {
     is_composed: bool,
     /// Normals, and those of frame i.
     has_normals: bool,
+    /// The objects that samples see, if layers are kept.
+    has_objects: bool,
 }
 
 /// Why an output is the image of frame i + 1, if that is known before the device has looked.
@@ -157,7 +159,7 @@ impl Steps<'_> {
         self.ghosts();
         self.lines(interval);
         let is_composed = self.desc.settings.smears();
-        self.depth(frame, There { is_seen: true, is_composed, ..there });
+        self.depth(frame, There { is_seen: true, is_composed, has_objects: true, ..there });
     }
 
     /// Skips all that follows from motion where nothing moves.
@@ -262,6 +264,9 @@ impl Steps<'_> {
         };
         self.plan.step(pass, Command::CopyImage { from, to: FRAMES[1], extent: self.desc.size });
         let pixels = Command::Dispatch { threads: [width, height, 1] };
+        if self.desc.layers && !there.has_objects {
+            self.plan.step(self.passes.objects[0], pixels);
+        }
         self.plan.step_with(self.passes.surface, pixels, &BackgroundConstants::new(background, &frame.target));
     }
 
@@ -415,7 +420,9 @@ impl Steps<'_> {
             return self.plan.skip(self.passes.layers, "no layers are kept");
         }
         let [width, height] = self.desc.size;
-        self.plan.step(self.passes.layers, Command::Dispatch { threads: [width, height, 1] });
+        let pixels = Command::Dispatch { threads: [width, height, 1] };
+        self.plan.step(self.passes.layers, pixels);
+        self.plan.step(self.passes.objects[1], pixels);
     }
 
     fn frames(&mut self, frame: &Frame, outer: [bool; 2]) {

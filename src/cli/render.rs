@@ -25,12 +25,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::{Common, Failure, frames, memory, print, visible};
 use crate::interrupt;
-use crate::io::image::Picture;
+use crate::io::display::Display;
+use crate::io::image::{Packing, Picture};
 use crate::io::overlap::{self, Files};
 use crate::io::pattern::Pattern;
 use crate::io::shot::{Background, Shot};
 use crate::io::{picture, remove_stale_parts, write_atomic};
 use crate::profile::{self, FrameTimes};
+use crate::program::layers::Wanted;
 use crate::program::{self, layers};
 use cache::Cache;
 use device::Renderer;
@@ -77,6 +79,9 @@ pub(super) struct Options {
     /// frame for compositing, with the picture, Z, all layers that are images, and Cryptomatte
     #[arg(long, value_name = "DIR|FILE.####.exr")]
     layers: Option<PathBuf>,
+    /// How one file a frame for compositing is packed, always without loss [default: zip]
+    #[arg(long, value_name = "NAME")]
+    compression: Option<Packing>,
     /// Write the times of all passes: .json (Chrome trace, opens in Perfetto) or .csv
     #[arg(long, value_name = "FILE", value_parser = profile_path)]
     profile: Option<PathBuf>,
@@ -132,12 +137,14 @@ impl Options {
 
     /// As on the command line, but for frames and files of all of them: what parts of a sequence have in common. They resume.
     pub(super) fn arguments(&self) -> Vec<OsString> {
-        let Options { shot, set, output, layers, resume, cache, .. } = self;
+        let Options { shot, set, output, layers, compression, resume, cache, .. } = self;
         let resume = if *resume == Some(Resume::Strict) { "--resume=strict" } else { "--resume" };
         let mut all = vec![OsString::from(shot)];
         all.extend(set.iter().flat_map(|set| ["--set".into(), set.into()]));
         all.extend(["--output".into(), output.into()]);
         all.extend(frames::path("--layers", layers));
+        let packing = compression.and_then(|packing| packing.to_possible_value());
+        all.extend(frames::option("--compression", &packing.map(|value| value.get_name().to_owned())));
         all.extend(frames::path("--cache", cache));
         all.push(resume.into());
         all
@@ -173,6 +180,8 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let names = layers::names(|effect| shot.has(effect));
     let layers = options.layers.as_deref().map(|path| (path, &names[..]));
     let outputs = Outputs::new(&options.output, layers, options.others(), (shot.size, shot.fps), frames)?;
+    let display = Display::new(&shot.output).map_err(|(key, why)| Failure::usage(format!("{key} = {why}")))?;
+    let outputs = outputs.packed(options.compression)?.shown_on(display);
     overlap::check(&shot.inputs(), &outputs.all(), shot.frames, frames)?;
     outputs.probe(frames)?;
     interrupt::install(Failure::INTERRUPTED);
@@ -202,7 +211,8 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     remove_stale_parts(own.iter().flat_map(|frame| job.outputs.files(*frame)).chain(job.outputs.others()));
     let times = job.render_all(missing, inputs, origins)?;
     job.strips.iter().try_for_each(Strip::write)?;
-    video.map_or(Ok(()), |video| video.write((first..=last).map(|frame| job.outputs.picture(frame))))?;
+    let shown = (first..=last).map(|frame| job.outputs.picture(frame));
+    video.map_or(Ok(()), |video| video.write(shown, &job.outputs.display(true)))?;
     job.report(&times, count, options.profile.as_deref())
 }
 
@@ -246,7 +256,7 @@ impl Job<'_> {
         for frame in self.first..=last {
             interrupt::check()?;
             match self.outputs.find(frame, origins.of(frame, inputs.effects())?) {
-                Found::Finished(pixels) => self.collect(frame, &pixels),
+                Found::Finished(pixels) => self.collect(frame, &pixels, true),
                 Found::Nothing => missing.push(frame),
                 Found::Other => {
                     missing.push(frame);
@@ -276,7 +286,7 @@ impl Job<'_> {
 
     /// Renders the `missing` frames, but for those that other processes do.
     fn render_all(&self, mut missing: Vec<u32>, inputs: Inputs, origins: Origins) -> Result<Times, Failure> {
-        let collect = |frame, pixels: &[[f32; 4]]| self.collect(frame, pixels);
+        let collect = |frame, pixels: &[[f32; 4]]| self.collect(frame, pixels, true);
         let turns = Turns::new(&self.outputs, self.claims, &collect);
         let mut opened = Some((inputs, origins));
         let mut times = Times::default();
@@ -314,13 +324,13 @@ impl Job<'_> {
         turns: &Turns,
         times: &mut Times,
     ) -> Result<Vec<(u32, u128)>, Failure> {
-        let has_layers = self.outputs.has_layers();
-        let effects = inputs.describe(missing, has_layers, self.common)?;
+        let wanted = self.outputs.wanted();
+        let effects = inputs.describe(missing, wanted != Wanted::None, self.common)?;
         inputs.notes(self.shot).iter().for_each(|note| self.say(note));
         let background = background(self.shot)?;
         origins.check()?;
         memory::doing("opening the device", None);
-        let mut renderer = Renderer::new(self.common, self.shot, effects, has_layers, self.timed, background.as_ref())?;
+        let mut renderer = Renderer::new(self.common, self.shot, effects, wanted, self.timed, background.as_ref())?;
         times.has_none = !renderer.has_clock();
         if self.common.verbose {
             self.say(&(renderer.describe() + &inputs.choices()));
@@ -401,15 +411,17 @@ impl Job<'_> {
         memory::doing("writing frame", Some(frame.number));
         self.outputs.write(&frame)?;
         drop(frame.claim);
-        self.collect(frame.number, &frame.pixels);
+        self.collect(frame.number, &frame.pixels, false);
         if self.common.verbose {
             self.say(&format!("wrote {}", self.outputs.picture(frame.number).display()));
         }
         Ok(())
     }
 
-    fn collect(&self, frame: u32, pixels: &[[f32; 4]]) {
-        self.strips.iter().for_each(|strip| strip.add((frame - self.first) as usize, pixels));
+    /// Shows a frame, which was read from its picture's file or has just been made, in what is of all frames together.
+    fn collect(&self, frame: u32, pixels: &[[f32; 4]], is_read: bool) {
+        let display = self.outputs.display(is_read);
+        self.strips.iter().for_each(|strip| strip.add((frame - self.first) as usize, pixels, &display));
     }
 
     /// The profile's file, and the table on standard output.

@@ -20,7 +20,7 @@ use super::{WriteError, file, write_atomic};
 
 pub use coded::read_png;
 pub(super) use coded::{decode, read_coded};
-pub use layered::{Channel, Header, write_exr_layered};
+pub use layered::{Channel, Header, Packing, write_exr_layered};
 pub(super) use openexr::read_colours;
 pub use openexr::{Channels, Wanted, read_exr, read_named};
 
@@ -127,14 +127,15 @@ pub fn write_png(path: &Path, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<(),
 
 /// Writes 8-bit sRGB pixels with straight alpha as a PNG. Atomic.
 pub fn write_png8(path: &Path, size: [u32; 2], pixels: &[[u8; 4]]) -> Result<(), WriteError> {
-    write_png8_noted(path, size, pixels, None)
+    write_png8_noted(path, size, pixels, None, None)
 }
 
-/// As [`write_png8`], with a text of Latin letters in a `tEXt` chunk named [`NOTE`].
+/// As [`write_png8`], for another gamma of displays if there is one, with a text of Latin letters in a `tEXt` chunk named [`NOTE`].
 pub(super) fn write_png8_noted(
     path: &Path,
     size: [u32; 2],
     pixels: &[[u8; 4]],
+    gamma: Option<f64>,
     note: Option<&str>,
 ) -> Result<(), WriteError> {
     write_encoded(path, |buffer| {
@@ -144,6 +145,9 @@ pub(super) fn write_png8_noted(
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_compression(png::Compression::Fast);
         encoder.set_filter(png::Filter::Adaptive);
+        if let Some(gamma) = gamma {
+            encoder.set_source_gamma(png::ScaledFloat::new((1.0 / gamma) as f32));
+        }
         if let Some(note) = note {
             encoder.add_text_chunk(NOTE.to_owned(), note.to_owned())?;
         }

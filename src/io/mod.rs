@@ -14,6 +14,7 @@ use std::sync::LazyLock;
 use xxhash_rust::xxh3::xxh3_64;
 
 pub mod array;
+pub mod display;
 pub mod file;
 pub mod image;
 pub mod overlap;

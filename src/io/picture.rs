@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use super::image::{
-    Fit, Picture, exr_note, png_note, read_coded, read_colours, srgb8, write_exr_noted, write_png8_noted,
-};
+use super::display::Display;
+use super::image::{Fit, Picture, exr_note, png_note, read_coded, read_colours, write_exr_noted, write_png8_noted};
 use super::{ReadError, WriteError};
 use crate::view::BRIGHTEST;
 
@@ -81,16 +80,17 @@ fn checked(path: &Path, picture: Picture<[f32; 4]>) -> Result<Picture<[f32; 4]>,
     }
 }
 
-/// Writes linear premultiplied pixels in the given format, and a text of Latin letters that changes none of them. Atomic.
+/// Writes linear premultiplied pixels in the given format, as PNG for a display, and a text of Latin letters that changes none of them. Atomic.
 pub fn write(
     path: &Path,
     format: Format,
     size: [u32; 2],
     pixels: &[[f32; 4]],
+    display: &Display,
     note: Option<&str>,
 ) -> Result<(), WriteError> {
     match format {
-        Format::Png => write_png8_noted(path, size, &srgb8(pixels), note),
+        Format::Png => write_png8_noted(path, size, &display.codes(pixels), display.gamma(), note),
         Format::Exr => write_exr_noted(path, size, pixels, note),
     }
 }
@@ -116,7 +116,8 @@ mod tests {
         for name in ["a.png", "a.EXR"] {
             let path = folder.0.join(name);
             for written in [None, Some("a note"), Some("")] {
-                write(&path, Format::of(&path).expect("known"), [2, 1], &pixels, written).expect("written");
+                write(&path, Format::of(&path).expect("known"), [2, 1], &pixels, &Display::Srgb, written)
+                    .expect("written");
                 let expected = Picture { size: [2, 1], pixels: pixels.to_vec() };
                 assert_eq!(read(&path).expect("readable"), expected, "{name}");
                 assert_eq!(note(&path).as_deref(), written, "{name}");

@@ -34,6 +34,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::display::{Display, Output};
 use super::overlap::Files;
 use super::pattern::PatternError;
 use super::scene::AnimatedMesh;
@@ -120,6 +121,8 @@ impl Section<'_> {
     }
 }
 
+/// What names of OCIO configs that are built in begin with.
+const OCIO: &str = "ocio://";
 /// Strength of a second light where the shot does not say it.
 const SECOND_STRENGTH: f64 = 0.3;
 
@@ -146,6 +149,8 @@ pub struct Shot {
     pub seed: u32,
     /// The background of the effects.
     pub background: Background,
+    /// How pictures that people look at are coded.
+    pub output: Output,
     /// Its settings of effects, by their names; at least of one.
     parts: Vec<(&'static str, Arc<dyn Part>)>,
     camera: CameraTrack,
@@ -228,6 +233,7 @@ impl Shot {
                 Background::Image(path) => Background::Image(folder.join(path)),
                 other => other,
             },
+            output: output(tree, folder)?,
             camera: CameraTrack::new(tree, folder, frames, fps, tree.size()?)?,
             light: light_track(tree, "light")?.unwrap_or(LightTrack::of(light.source)),
             ambient: tree.number("light.ambient", light.ambient)?,
@@ -317,6 +323,19 @@ impl Shot {
             && self.light.is_constant()
             && second.is_none_or(|(light, _)| light.is_constant())
             && numbers.into_iter().all(Track::is_constant)
+    }
+}
+
+fn output(tree: &Tree, folder: &Path) -> Result<Output, ShotError> {
+    let config = tree.text("output.config")?.map(|config| match config.starts_with(OCIO) {
+        true => PathBuf::from(config),
+        false => folder.join(config),
+    });
+    let view = tree.text("output.view")?.unwrap_or(Output::default().view);
+    let output = Output { view, config, space: tree.text("output.space")? };
+    match Display::new(&output) {
+        Ok(_) => Ok(output),
+        Err((key, why)) => Err(tree.wrong(key, format!("{key} = {why}"))),
     }
 }
 

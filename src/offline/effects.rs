@@ -70,7 +70,8 @@ impl Effects {
     /// them leaves, which costs less. Whether there is to be an image.
     pub(super) fn share_depth(&mut self) -> bool {
         let has = |depth: Depth| self.0.iter().any(|effect| effect.depth() == depth);
-        let is_shared = has(Depth::Solid) && (has(Depth::Hidden) || has(Depth::Leaves));
+        let is_wanted = self.0.iter().any(|effect| effect.wants_depth());
+        let is_shared = is_wanted || has(Depth::Solid) && (has(Depth::Hidden) || has(Depth::Leaves));
         let mut is_left = false;
         for effect in &mut self.0 {
             effect.share(Sharing { image: is_shared.then_some(FORMAT), buffer: is_left && !is_shared });
@@ -99,6 +100,7 @@ trait Described: fmt::Debug {
     fn name(&self) -> &'static str;
     fn size(&self) -> [u32; 2];
     fn depth(&self) -> Depth;
+    fn wants_depth(&self) -> bool;
     fn share(&mut self, sharing: Sharing);
     fn boxed(&self) -> Box<dyn Described>;
     fn as_any(&self) -> &dyn Any;
@@ -116,6 +118,10 @@ impl<D: Describe> Described for D {
 
     fn depth(&self) -> Depth {
         D::DEPTH
+    }
+
+    fn wants_depth(&self) -> bool {
+        Describe::wants_depth(self)
     }
 
     fn share(&mut self, sharing: Sharing) {

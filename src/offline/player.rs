@@ -24,6 +24,11 @@ pub trait Describe: Clone + fmt::Debug + 'static {
     /// Width and height of the picture.
     fn size(&self) -> [u32; 2];
 
+    /// Whether it needs a depth image whatever else is drawn.
+    fn wants_depth(&self) -> bool {
+        false
+    }
+
     /// Takes part in the depth that effects share.
     fn share(&mut self, _: Sharing) {}
 

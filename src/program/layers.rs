@@ -21,6 +21,9 @@ pub(crate) enum LayerData {
     Rgb(Vec<[f32; 3]>),
     /// Channels `R G B A`.
     Colour(Vec<[f32; 4]>),
+    /// What each of a pixel's four samples shows: a number from 1, 0 where it shows nothing, and what these are called, in their
+    /// order. Channels `R G B A`.
+    Objects { samples: Vec<[u32; 4]>, names: Vec<String> },
     /// An array of this shape, the last axis running fastest.
     Array { shape: Vec<u64>, values: Vec<f32> },
 }
@@ -34,6 +37,21 @@ impl LayerData {
 
 /// A layer's name, as in the file name, and whether it is an array.
 pub(crate) type LayerName = (&'static str, bool);
+
+/// Which layers are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    None,
+    /// Those that are images.
+    Images,
+    All,
+}
+
+impl Wanted {
+    fn has(self, entry: &LayerEntry) -> bool {
+        self == Wanted::All || self == Wanted::Images && !entry.is_array
+    }
+}
 
 /// A line of an effect's table.
 pub(crate) struct LayerEntry {
@@ -65,12 +83,17 @@ impl LayerEntry {
 
 /// The layers that say what is seen of an effect, by their names: who and where it is in files for compositing.
 pub(crate) struct Shown {
-    /// Colours, premultiplied.
-    pub(crate) colour: &'static str,
     /// View depth; infinite where nothing is, or ink alone.
     pub(crate) depth: &'static str,
-    /// Numbers of what it consists of, 0 where none is; none: it is one thing.
-    pub(crate) id: Option<&'static str>,
+    pub(crate) who: Who,
+}
+
+/// Who is seen in a pixel.
+pub(crate) enum Who {
+    /// The effect, as much as there is alpha in the layer `colour`: one thing, or what the layer `id` has numbers of.
+    Effect { colour: &'static str, id: Option<&'static str> },
+    /// Objects at four samples.
+    Objects(&'static str),
 }
 
 /// A check after each frame, whether layers are written or not.
@@ -137,10 +160,10 @@ pub(crate) fn names(is_there: impl Fn(&str) -> bool) -> Vec<LayerName> {
 
 /// The buffers that are read back after each frame: those that are watched, and with layers those that these are made of.
 /// Each once.
-pub(crate) fn buffers(effects: &Effects, layers: bool) -> Vec<EffectBuffer> {
+pub(crate) fn buffers(effects: &Effects, wanted: Wanted) -> Vec<EffectBuffer> {
     let mut all = Vec::new();
     for effect in EFFECTS.iter().filter(|effect| effects.named(effect.name()).is_some()) {
-        let layers = effect.layers.iter().filter(|_| layers).flat_map(|entry| entry.buffers);
+        let layers = effect.layers.iter().filter(|entry| wanted.has(entry)).flat_map(|entry| entry.buffers);
         let watched = effect.watch.iter().flat_map(|watch| watch.buffers);
         for buffer in layers.chain(watched).map(|id| EffectBuffer { effect: effect.name(), id: *id }) {
             if !all.contains(&buffer) {
@@ -179,10 +202,11 @@ impl Rendered<'_> {
     }
 
     /// Its layers.
-    pub(crate) fn layers(&self) -> Vec<Layer> {
+    pub(crate) fn layers(&self, wanted: Wanted) -> Vec<Layer> {
         let made = EFFECTS.iter().filter_map(|effect| Some((effect, self.made(effect.name())?)));
         let layers = made.flat_map(|(effect, made)| {
-            effect.layers.iter().map(move |entry| Layer { name: entry.name, data: (entry.decode)(&made) })
+            let entries = effect.layers.iter().filter(|entry| wanted.has(entry));
+            entries.map(move |entry| Layer { name: entry.name, data: (entry.decode)(&made) })
         });
         layers.collect()
     }
@@ -219,6 +243,7 @@ pub(super) mod tests {
             LayerData::Value(values) | LayerData::Array { values, .. } => values.clone(),
             LayerData::Rgb(pixels) => pixels.as_flattened().to_vec(),
             LayerData::Colour(pixels) => pixels.as_flattened().to_vec(),
+            LayerData::Objects { samples, .. } => samples.iter().flatten().map(|number| *number as f32).collect(),
         }
     }
 

@@ -4,9 +4,9 @@ use ash::vk;
 use celfx::blur::motion::{Motion, Window};
 use celfx::blur::reference::raster::{Clip, Raster, Shape, raster};
 use celfx::blur::settings::{Ghosts, Lines};
-use celfx::blur::{Background, DepthFormat, Desc, Interval, Settings};
+use celfx::blur::{Background, DepthFormat, Desc, Interval, Mesh, MeshInput, Settings};
 use celfx::low_level::blur::layout;
-use celfx::low_level::blur::params::Vertex;
+use celfx::low_level::blur::params::{BASE_MASK, Vertex};
 use celfx::view::{Camera, Light, Projection};
 
 use crate::common::blur::{BESIDE, BlurRig, Shot, desc, incomplete};
@@ -36,7 +36,12 @@ impl Scene {
 
     /// One whose pictures begin so far from the upper left of their images.
     fn in_larger_images(settings: Settings, depth: Option<(bool, f32)>, toon: bool, corner: [u32; 2]) -> Option<Scene> {
-        let (mesh, mut animation) = (grid(SIDES), swing(SIDES, 8, SIZE, 0.3));
+        Scene::of(grid(SIDES), settings, depth, toon, corner)
+    }
+
+    /// Of a mesh of as many vertices as that grid has.
+    fn of(mesh: Mesh, settings: Settings, depth: Option<(bool, f32)>, toon: bool, corner: [u32; 2]) -> Option<Scene> {
+        let mut animation = swing(SIDES, 8, SIZE, 0.3);
         let seen = animation.all_seen();
         let window = Window { frame: I as u32, poses: &animation.poses(&seen), current: I, between: &[] };
         let motion = Motion::new(&settings, SIZE).expect("settings");
@@ -82,8 +87,7 @@ impl Scene {
     fn seen(&self, frame: usize) -> Samples {
         let points = self.animation.poses[frame].len();
         let clips: Vec<Clip> = (0..points).map(|point| self.animation.clip(frame, point).to_array()).collect();
-        let triangles = grid(SIDES);
-        let corners = triangles.triangles().iter().map(|t| t.map(|point| clips[point as usize]));
+        let corners = self.rig.mesh.triangles().iter().map(|t| t.map(|point| clips[point as usize]));
         Samples::new(corners.collect(), self.animation.cameras[I].near)
     }
 
@@ -264,6 +268,55 @@ fn edges_are_the_meshs_share_of_each_pixel() {
         edges += usize::from((1..4).contains(&count));
     }
     assert!(compared > PIXELS * 7 / 10 && edges > 50, "{compared}, {edges}");
+}
+
+/// The layer of objects, where frames are smeared and where nothing moves, of images and of frames that are drawn.
+#[test]
+fn samples_know_the_objects_that_they_see() {
+    // The grid torn into two, of which neither has the number 0, nor the one after the other.
+    const FIRST: u32 = 3;
+    let [columns, rows] = SIDES;
+    let objects: Vec<u32> = (0..columns * rows).map(|at| if at / columns < FIRST { 7 } else { 4 }).collect();
+    let whole = grid(SIDES);
+    let is_of_one =
+        |triangle: &&[u32; 3]| triangle.map(|at| objects[at as usize]).windows(2).all(|two| two[0] == two[1]);
+    let triangles: Vec<[u32; 3]> = whole.triangles().iter().filter(is_of_one).copied().collect();
+    let mesh = || {
+        let (vertices, objects) = (objects.len(), Some(&objects[..]));
+        Mesh::new(&MeshInput { vertices, triangles: &triangles, objects, weld: None, normals: None, rest: None })
+    };
+    // In ascending order of the objects.
+    let number = |base: u32| if objects[triangles[base as usize][0] as usize] == 4 { 1 } else { 2 };
+    for (toon, moves) in [(false, true), (false, false), (true, true), (true, false)] {
+        let depth = Some((true, f32::INFINITY));
+        let Some(mut scene) = Scene::of(mesh().expect("a mesh"), incomplete(), depth, toon, [0; 2]) else { return };
+        scene.render(true, true);
+        if !moves {
+            scene.render(false, false);
+        }
+        let samples = if moves { scene.distorted() } else { scene.seen(I + 1) };
+        let finished = scene.rig.finished();
+        let base = |name: u32| if moves { finished[name as usize - 1][3] & BASE_MASK } else { name - 1 };
+        let layer: Vec<[u32; 4]> = scene.rig.layer(layout::OBJECT_LAYER);
+        let (mut compared, mut of_each) = (0, [0; 3]);
+        for (pixel, found) in layer.iter().enumerate() {
+            let width = SIZE[0] as usize;
+            let (x, y) = (2 * (pixel % width), 2 * (pixel / width));
+            for (i, (dx, dy)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+                let at = (y + dy) * 2 * width + x + dx;
+                if !samples.raster.uncertain[at] {
+                    let expected = match samples.raster.seen[at] {
+                        0 => 0,
+                        name => number(base(name)),
+                    };
+                    assert_eq!(found[i], expected, "toon {toon}, moves {moves}: pixel {pixel}, sample {i}");
+                    compared += 1;
+                    of_each[expected as usize] += 1;
+                }
+            }
+        }
+        assert!(compared > 3 * PIXELS && of_each.iter().all(|count| *count > 500), "{compared}, {of_each:?}");
+    }
 }
 
 /// The share that the mesh covers: the second half of the second word.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use celfx::io::image::read_exr;
 
 use super::run::{self, Folder, has_device};
-use super::succeeds;
+use super::{fails, succeeds};
 
 /// The channels of a file, by their names.
 fn channels(folder: &Folder, name: &str) -> BTreeMap<String, Vec<f32>> {
@@ -53,4 +53,37 @@ fn one_file_has_the_picture_the_layers_and_who_is_where() {
     std::fs::remove_file(folder.0.join("comp.0006.exr")).expect("removed");
     succeeds(&folder, &again);
     assert_eq!(channels(&folder, "comp.0006.exr"), one);
+}
+
+#[test]
+fn a_mesh_has_its_objects_and_depth_in_it() {
+    if !has_device() {
+        return;
+    }
+    let folder = Folder::new();
+    // The first frame, in which nothing moves, and one that is smeared.
+    for frame in ["1", "8"] {
+        let render = ["render", "builtin:blur", "-q", "--frames", frame, "--set", "size=[96, 96]", run::validate()];
+        succeeds(&folder, &[&render[..], &["-o", "plain.exr"]].concat());
+        let one = ["-o", "b.exr", "--layers", "comp.####.exr", "--compression", "piz"];
+        succeeds(&folder, &[&render[..], &one].concat());
+        assert_eq!(channels(&folder, "plain.exr"), channels(&folder, "b.exr"), "frame {frame}: layers change no pixel");
+        let one = channels(&folder, &format!("comp.000{frame}.exr"));
+        let samples = ["R", "G", "B", "A"].map(|name| &one[&format!("blur_object.{name}")][..]);
+        let ranks =
+            ["CryptoObject00.G", "CryptoObject00.A", "CryptoObject01.G", "CryptoObject01.A"].map(|name| &one[name]);
+        let (mut whole, mut edges) = (0, 0);
+        for pixel in 0..96 * 96 {
+            let seen = samples.iter().filter(|sample| sample[pixel] > 0.0).count();
+            let shares = ranks.map(|rank| rank[pixel]);
+            assert_eq!(shares.iter().sum::<f32>(), 0.25 * seen as f32, "frame {frame}, {pixel}");
+            assert!(shares.is_sorted_by(|a, b| a >= b), "{shares:?}");
+            assert_eq!(one["Z"][pixel] < 1e9, seen > 0, "frame {frame}, {pixel}");
+            whole += usize::from(shares[0] == 1.0);
+            edges += usize::from(shares[1] > 0.0);
+        }
+        assert!(whole > 300 && edges > 5, "frame {frame}: {whole}, {edges}");
+    }
+    let wrong = ["render", "builtin:blur", "--compression", "piz", "--layers", "folder"];
+    fails(&folder, &wrong, 2, &["--compression", "--layers FILE.####.exr"]);
 }

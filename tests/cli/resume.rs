@@ -3,6 +3,7 @@
 use std::fs;
 
 use celfx::data::Volume;
+use celfx::io::display::Display;
 use celfx::io::picture;
 use celfx::io::volume::write_npz;
 
@@ -90,7 +91,8 @@ fn strict_refuses_frames_of_other_settings() {
     fails(&folder, &other, 2, &["--resume=strict", "o/0001.png was not made from", "2 more frames"]);
     // A frame of an older version says nothing.
     let pixels = picture::read(&folder.0.join("o/0003.png")).expect("readable").pixels;
-    picture::write(&folder.0.join("o/0003.png"), picture::Format::Png, [48, 48], &pixels, None).expect("written");
+    picture::write(&folder.0.join("o/0003.png"), picture::Format::Png, [48, 48], &pixels, &Display::Srgb, None)
+        .expect("written");
     fails(&folder, &strict, 2, &["o/0003.png was not made from"]);
     let after = ["1", "2"].map(|frame| fs::read(folder.0.join(format!("o/000{frame}.png"))).expect(frame));
     assert!(before[..2] == after && folder_names(&folder, "o").len() == 3, "nothing was rendered");

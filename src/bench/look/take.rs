@@ -12,7 +12,7 @@ use crate::gpu::headless::Headless;
 use crate::io::picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{EffectBuffer, Effects, Offline, Scene};
-use crate::program::layers::{self, Layer, LayerData, Rendered};
+use crate::program::layers::{self, Layer, LayerData, Rendered, Wanted};
 use crate::program::smoke::Smoke;
 use crate::program::{self, Brought, EFFECTS, Input};
 use crate::smoke::Sequence;
@@ -89,7 +89,7 @@ impl<'a> Take<'a> {
             effects = input.describe(effects, rendered, true)?;
         }
         let mut offline = Offline::new(device, effects.clone())?;
-        let buffers = layers::buffers(&effects, true);
+        let buffers = layers::buffers(&effects, Wanted::All);
         offline.set_layers(&buffers)?;
         offline.set_timed(false);
         match &shot.background {
@@ -163,7 +163,7 @@ impl<'a> Take<'a> {
             skipped: Vec::new(),
         };
         let projection = Projection::of_valid(&camera.view(self.shot.size), self.shot.size);
-        Still { projection, picture: rendered.picture.to_vec(), layers: rendered.layers() }
+        Still { projection, picture: rendered.picture.to_vec(), layers: rendered.layers(Wanted::All) }
     }
 
     /// How the frame stepped to last moves smoke; none where no frame has brought a volume.

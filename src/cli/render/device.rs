@@ -8,7 +8,7 @@ use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{EffectBuffer, Effects, Offline};
 use crate::profile::FrameTimes;
-use crate::program::layers::{self, Rendered};
+use crate::program::layers::{self, Rendered, Wanted};
 use crate::program::{self, EFFECTS};
 
 /// Renders the frames of one shot, in order.
@@ -19,27 +19,27 @@ pub(super) struct Renderer<'a> {
     effects: Effects,
     /// Buffers read back with each frame.
     buffers: Vec<EffectBuffer>,
-    /// Whether layers are made.
-    layers: bool,
+    /// Layers that are made.
+    wanted: Wanted,
     timed: bool,
     /// Remarks on the frame rendered last.
     remarks: Vec<String>,
 }
 
 impl<'a> Renderer<'a> {
-    /// Opens the device and makes everything that frames need. `layers`: they are read back; `timed`: passes are timed.
+    /// Opens the device and makes everything that frames need. `wanted`: layers that are read back; `timed`: passes are timed.
     pub(super) fn new(
         common: &Common,
         shot: &'a Shot,
         effects: Effects,
-        layers: bool,
+        wanted: Wanted,
         timed: bool,
         background: Option<&Picture<[f32; 4]>>,
     ) -> Result<Renderer<'a>, Failure> {
         let headless = Headless::new(&common.device()?)?;
         let messages = headless.messages();
         let mut offline = Offline::new(headless, effects.clone())?;
-        let buffers = layers::buffers(&effects, layers);
+        let buffers = layers::buffers(&effects, wanted);
         offline.set_layers(&buffers)?;
         match (&shot.background, background) {
             (_, Some(picture)) => offline.set_backdrop(&picture.pixels)?,
@@ -47,7 +47,7 @@ impl<'a> Renderer<'a> {
             _ => offline.set_background([0.0; 4]),
         }
         check(&messages)?;
-        Ok(Renderer { offline, messages, shot, effects, buffers, layers, timed, remarks: Vec::new() })
+        Ok(Renderer { offline, messages, shot, effects, buffers, wanted, timed, remarks: Vec::new() })
     }
 
     /// The device, and the memory that the effects take, for people.
@@ -88,7 +88,7 @@ impl<'a> Renderer<'a> {
         };
         let remarks = rendered.remarks().into_iter().map(|remark| format!("frame {number}: {remark}"));
         let remarks = remarks.collect();
-        let layers = if self.layers { rendered.layers() } else { Vec::new() };
+        let layers = rendered.layers(self.wanted);
         let frame = Frame { number, origin, pixels: picture.to_vec(), layers, camera: shot.camera(number), claim };
         self.remarks = remarks;
         Ok((Some(frame), self.offline.times()))

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use crate::io::image::Channel;
 use crate::program::EFFECTS;
-use crate::program::layers::{Layer, LayerData};
+use crate::program::layers::{Layer, LayerData, Shown, Who};
 
 /// Depth where nothing is seen, as Blender writes it: programs that read it do not all know infinity.
 const NOTHING: f32 = 1e10;
@@ -54,40 +54,101 @@ fn of_layer(layer: &Layer) -> Vec<Channel> {
         LayerData::Value(values) => vec![plain(format!("{name}Y"), values.clone())],
         LayerData::Rgb(pixels) => colour(&name, pixels),
         LayerData::Colour(pixels) => colour(&name, pixels),
+        LayerData::Objects { samples, .. } => {
+            let of = |(c, end): (usize, &str)| {
+                plain(format!("{name}{end}"), samples.iter().map(|sample| sample[c] as f32).collect())
+            };
+            ["R", "G", "B", "A"].into_iter().enumerate().map(of).collect()
+        }
         LayerData::Array { .. } => Vec::new(),
     }
 }
 
 /// What is seen of an effect, a value a pixel.
-struct Things {
+struct Things<'a> {
     /// The effect's name.
-    name: &'static str,
-    alpha: Vec<f32>,
+    effect: &'static str,
     /// Infinite where nothing is.
     depth: Vec<f32>,
-    /// Empty: it is one thing.
-    id: Vec<f32>,
+    who: Seen<'a>,
+}
+
+/// Who is seen of an effect.
+enum Seen<'a> {
+    /// One thing, or, if there are ids, what has these numbers.
+    Effect { alpha: Vec<f32>, id: Vec<f32> },
+    /// Numbers at four samples, from 1, and their names.
+    Objects(&'a [[u32; 4]], &'a [String]),
+}
+
+impl Things<'_> {
+    /// Most things that a pixel shows.
+    fn most(&self) -> usize {
+        match self.who {
+            Seen::Effect { .. } => 1,
+            Seen::Objects(..) => 4,
+        }
+    }
+
+    /// The things that a pixel shows: the number of each, and its share.
+    fn shares(&self, pixel: usize) -> impl Iterator<Item = (Option<u32>, f32)> {
+        let mut all = [None; 4];
+        match &self.who {
+            Seen::Effect { alpha, id } if alpha[pixel] > 0.0 => {
+                all[0] = Some((id.get(pixel).map(|id| *id as u32), alpha[pixel].min(1.0)));
+            }
+            Seen::Effect { .. } => {}
+            Seen::Objects(samples, _) => {
+                for (i, number) in samples[pixel].iter().enumerate().filter(|(_, number)| **number > 0) {
+                    // The first of those that see the same has the share of all.
+                    let same = samples[pixel].iter().filter(|other| *other == number).count();
+                    let is_first = !samples[pixel][..i].contains(number);
+                    all[i] = is_first.then_some((Some(*number), 0.25 * same as f32));
+                }
+            }
+        }
+        all.into_iter().flatten()
+    }
+
+    /// What a number stands for.
+    fn name(&self, number: Option<u32>) -> String {
+        match (&self.who, number) {
+            (Seen::Objects(_, names), Some(number)) => {
+                names.get(number as usize - 1).cloned().unwrap_or_else(|| number.to_string())
+            }
+            (_, Some(number)) => format!("{}.{number}", self.effect),
+            (_, None) => self.effect.to_owned(),
+        }
+    }
 }
 
 /// Of all effects that say it. What ink alone covers is of the thing around which it is drawn.
-fn things(layers: &[Layer], width: usize) -> impl Iterator<Item = Things> {
+fn things<'a>(layers: &'a [Layer], width: usize) -> impl Iterator<Item = Things<'a>> {
     let data = |name: &str| layers.iter().find(|layer| layer.name == name).map(|layer| &layer.data);
     let value = move |name: &str| match data(name) {
         Some(LayerData::Value(values)) => Some(&values[..]),
         _ => None,
     };
-    EFFECTS.iter().filter_map(move |effect| {
-        let shown = effect.shown.as_ref()?;
-        let Some(LayerData::Colour(colour)) = data(shown.colour) else { return None };
-        let alpha: Vec<f32> = colour.iter().map(|[.., alpha]| *alpha).collect();
-        let depth = value(shown.depth)?;
-        let from = inked(depth, &alpha, width);
-        let at = |values: &[f32]| -> Vec<f32> { from.iter().map(|pixel| values[*pixel]).collect() };
-        let id = shown.id.and_then(value).map(at).unwrap_or_default();
-        // What there is and is not drawn, as fire too cool for a tone, is nowhere.
-        let is_drawn = |(depth, alpha): (f32, &f32)| if *alpha > 0.0 { depth } else { f32::INFINITY };
-        let depth = at(depth).into_iter().zip(&alpha).map(is_drawn).collect();
-        Some(Things { name: effect.name(), alpha, depth, id })
+    EFFECTS.iter().filter_map(move |entry| {
+        let Shown { depth, who } = entry.shown.as_ref()?;
+        let (effect, depth) = (entry.name(), value(depth)?);
+        match who {
+            Who::Objects(objects) => {
+                let Some(LayerData::Objects { samples, names }) = data(objects) else { return None };
+                Some(Things { effect, depth: depth.to_vec(), who: Seen::Objects(samples, names) })
+            }
+            Who::Effect { colour, id } => {
+                let Some(LayerData::Colour(colour)) = data(colour) else { return None };
+                let alpha: Vec<f32> = colour.iter().map(|[.., alpha]| *alpha).collect();
+                let from = inked(depth, &alpha, width);
+                let at = |values: &[f32]| -> Vec<f32> { from.iter().map(|pixel| values[*pixel]).collect() };
+                let id = id.and_then(value).map(at).unwrap_or_default();
+                // What there is and is not drawn, as fire too cool for a tone, is nowhere.
+                let is_drawn = |(depth, alpha): (f32, &f32)| if *alpha > 0.0 { depth } else { f32::INFINITY };
+                let depth = at(depth).into_iter().zip(&alpha).map(is_drawn).collect();
+                Some(Things { effect, depth, who: Seen::Effect { alpha, id } })
+            }
+        }
     })
 }
 
@@ -113,34 +174,35 @@ fn inked(depth: &[f32], alpha: &[f32], width: usize) -> Vec<usize> {
 fn cryptomatte(things: &[Things], pixels: usize) -> (Vec<Channel>, Texts) {
     // By the effect and the number, so that a name is made once and not for each pixel.
     let mut names: BTreeMap<(&str, Option<u32>), (String, u32)> = BTreeMap::new();
-    let mut id_of = |effect: &'static str, number: Option<f32>| {
-        let (_, id) = names.entry((effect, number.map(f32::to_bits))).or_insert_with(|| {
-            let name = number.map_or(effect.to_owned(), |number| format!("{effect}.{number}"));
+    let mut id_of = |things: &Things, number: Option<u32>| {
+        let (_, id) = names.entry((things.effect, number)).or_insert_with(|| {
+            let name = things.name(number);
             let id = id(&name);
             (name, id)
         });
         *id
     };
-    // Of each pixel an id and a share for each of the effects, the largest first.
+    let most = things.iter().map(Things::most).sum::<usize>().next_multiple_of(2);
+    // Of each pixel an id and a share of each thing, the largest first.
     let ranks = |pixel: usize| -> Vec<(u32, f32)> {
-        let is_there = |things: &&Things| things.alpha[pixel] > 0.0;
-        let mut there: Vec<&Things> = things.iter().filter(is_there).collect();
+        let mut there: Vec<&Things> = things.iter().collect();
         there.sort_by(|a, b| a.depth[pixel].total_cmp(&b.depth[pixel]));
         let mut open = 1.0;
-        let mut all: Vec<(u32, f32)> = there
-            .into_iter()
-            .filter_map(|things| {
-                let share = open * things.alpha[pixel].min(1.0);
-                open -= share;
-                (share > 0.0).then(|| (id_of(things.name, things.id.get(pixel).copied()), share))
-            })
-            .collect();
+        let mut all = Vec::with_capacity(most);
+        for things in there {
+            let mut covered = 0.0;
+            for (number, share) in things.shares(pixel).filter(|_| open > 0.0) {
+                all.push((id_of(things, number), open * share));
+                covered += share;
+            }
+            open *= 1.0 - covered;
+        }
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
-        all.resize(things.len().next_multiple_of(2), (0, 0.0));
+        all.resize(most, (0, 0.0));
         all
     };
     let all: Vec<Vec<(u32, f32)>> = (0..pixels).map(ranks).collect();
-    let channels = (0..things.len()).step_by(2).flat_map(|rank| {
+    let channels = (0..most).step_by(2).flat_map(|rank| {
         let names = [("R", rank, false), ("G", rank, true), ("B", rank + 1, false), ("A", rank + 1, true)];
         names.map(|(name, rank, is_share)| {
             let value = |ranks: &Vec<(u32, f32)>| if is_share { ranks[rank].1 } else { f32::from_bits(ranks[rank].0) };

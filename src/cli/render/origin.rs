@@ -9,6 +9,7 @@
 use xxhash_rust::xxh3::Xxh3;
 
 use crate::io::ReadError;
+use crate::io::display::Output;
 use crate::io::shot::{Background, Shot};
 use crate::program::{Files, Input, add};
 
@@ -36,6 +37,14 @@ impl<'a> Origins<'a> {
         match &shot.background {
             Background::Image(path) => add(&mut common, files.digest(path)?),
             other => add(&mut common, other),
+        }
+        // Frames of the usual display are those of versions that had no other.
+        if shot.output != Output::default() {
+            let Output { view, config, space } = &shot.output;
+            match config.as_ref().filter(|config| config.exists()) {
+                Some(file) => add(&mut common, (view, space, files.digest(file)?)),
+                None => add(&mut common, (view, space, config)),
+            }
         }
         effects.iter().try_for_each(|effect| effect.add_common(&mut common, &mut files))?;
         Ok(Origins { shot, files, common, past: Xxh3::new(), pasts: Vec::new() })

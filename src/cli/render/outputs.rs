@@ -8,13 +8,14 @@ use xxhash_rust::xxh3::xxh3_128;
 use super::turns::Claim;
 use super::{Failure, layered};
 use crate::io::array::write_npy;
+use crate::io::display::Display;
 use crate::io::file::digest;
-use crate::io::image::{Header, write_exr, write_exr_layered};
+use crate::io::image::{Header, Packing, write_exr, write_exr_layered};
 use crate::io::overlap::Files;
 use crate::io::pattern::Pattern;
 use crate::io::picture::{self, Format};
 use crate::io::{ReadError, WriteError, probe};
-use crate::program::layers::{Layer, LayerData, LayerName};
+use crate::program::layers::{Layer, LayerData, LayerName, Wanted};
 use crate::view::Camera;
 
 /// A frame that is done on the device.
@@ -58,10 +59,14 @@ pub(super) struct Outputs {
     picture: Pattern,
     format: Format,
     layers: LayerFiles,
+    /// Of the one file of layers.
+    packing: Packing,
     /// Those of all frames together: the profile, the contact sheet, the animation.
     others: Vec<Files>,
     size: [u32; 2],
     fps: f64,
+    /// What PNG files are coded for.
+    display: Display,
 }
 
 /// The state of a frame on disk.
@@ -93,12 +98,50 @@ impl Outputs {
         picture.check_frames(first, last)?;
         let layers =
             layers.map_or(Ok(LayerFiles::None), |(path, names)| LayerFiles::new(path, names, [first, last]))?;
-        Ok(Outputs { given, picture, format, layers, others, size, fps })
+        Ok(Outputs {
+            given,
+            picture,
+            format,
+            layers,
+            packing: Packing::default(),
+            others,
+            size,
+            fps,
+            display: Display::Srgb,
+        })
     }
 
-    /// Whether layers are written.
-    pub(super) fn has_layers(&self) -> bool {
-        !matches!(self.layers, LayerFiles::None)
+    /// With pictures coded for this display.
+    pub(super) fn shown_on(self, display: Display) -> Outputs {
+        Outputs { display, ..self }
+    }
+
+    /// What a frame is coded for where it is shown beside others: one that has just been made, and one that was read from its
+    /// picture's file.
+    pub(super) fn display(&self, is_read: bool) -> Display {
+        if is_read && self.format == Format::Png { self.display.read_back() } else { self.display.clone() }
+    }
+
+    /// With the one file of layers packed so, if that is said: an error if there is none.
+    pub(super) fn packed(self, packing: Option<Packing>) -> Result<Outputs, Failure> {
+        let is_one = matches!(self.layers, LayerFiles::One(_));
+        if packing.is_some() && !is_one {
+            return Err(Failure::usage("--compression is of one file a frame: expected --layers FILE.####.exr"));
+        }
+        Ok(Outputs { packing: packing.unwrap_or_default(), ..self })
+    }
+
+    /// The layers that are written.
+    pub(super) fn wanted(&self) -> Wanted {
+        match self.layers {
+            LayerFiles::None => Wanted::None,
+            LayerFiles::One(_) => Wanted::Images,
+            LayerFiles::Each(_) => Wanted::All,
+        }
+    }
+
+    fn has_layers(&self) -> bool {
+        self.wanted() != Wanted::None
     }
 
     /// The frame's picture.
@@ -154,7 +197,8 @@ impl Outputs {
                 let (channels, texts) = layered::channels(self.size[0] as usize, &frame.pixels, &frame.layers);
                 let note = Note { origin: frame.origin, layers: None }.to_string();
                 let Frame { number, camera, .. } = frame;
-                let header = Header { frame: *number, fps: self.fps, camera: *camera, note: Some(&note), texts };
+                let (fps, packing, note) = (self.fps, self.packing, Some(&note[..]));
+                let header = Header { frame: *number, fps, camera: *camera, packing, note, texts };
                 write_exr_layered(&pattern.path(*number), self.size, channels, &header)?;
             }
         }
@@ -164,7 +208,7 @@ impl Outputs {
             false => None,
         };
         let note = Note { origin: frame.origin, layers }.to_string();
-        Ok(picture::write(&path, self.format, self.size, &frame.pixels, Some(&note))?)
+        Ok(picture::write(&path, self.format, self.size, &frame.pixels, &self.display, Some(&note))?)
     }
 
     fn write_layer(&self, path: &Path, data: &LayerData) -> Result<(), WriteError> {
@@ -172,6 +216,10 @@ impl Outputs {
             LayerData::Value(values) => write_exr(path, self.size, values),
             LayerData::Rgb(pixels) => write_exr(path, self.size, pixels),
             LayerData::Colour(pixels) => write_exr(path, self.size, pixels),
+            LayerData::Objects { samples, .. } => {
+                let values: Vec<[f32; 4]> = samples.iter().map(|sample| sample.map(|number| number as f32)).collect();
+                write_exr(path, self.size, &values)
+            }
             LayerData::Array { shape, values } => write_npy(path, shape, values),
         }
     }
@@ -359,7 +407,7 @@ mod tests {
             assert!(matches!(with.find(7, ORIGIN), Found::Nothing) && is_finished(&without));
             // As older versions wrote it.
             let path = without.picture(7);
-            picture::write(&path, without.format, [2, 1], &frame(7).pixels, None).expect("written");
+            picture::write(&path, without.format, [2, 1], &frame(7).pixels, &Display::Srgb, None).expect("written");
             assert!(matches!(without.find(7, ORIGIN), Found::Other));
         }
     }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::Failure;
-use crate::io::image::{Picture, contact_sheet, srgb8, write_apng, write_gif, write_png8};
+use crate::io::display::Display;
+use crate::io::image::{Picture, contact_sheet, write_apng, write_gif, write_png8};
 
 /// Longest side of a contact sheet in pixels.
 const SHEET_SIDE: u64 = 4096;
@@ -63,12 +64,12 @@ impl Strip {
         Strip { path: path.to_owned(), kind, size, factor, places, frames: Mutex::new(vec![Vec::new(); shown]) }
     }
 
-    /// Takes the frame of this index, linear and premultiplied.
-    pub(super) fn add(&self, index: usize, pixels: &[[f32; 4]]) {
+    /// Takes the frame of this index, linear and premultiplied, to be shown on a display.
+    pub(super) fn add(&self, index: usize, pixels: &[[f32; 4]], display: &Display) {
         let Some(place) = self.places.get(index).copied().flatten() else { return };
         let small = match self.factor {
-            1 => srgb8(pixels),
-            factor => srgb8(&reduced(pixels, self.size, factor)),
+            1 => display.codes(pixels),
+            factor => display.codes(&reduced(pixels, self.size, factor)),
         };
         let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(frame) = frames.get_mut(place) {

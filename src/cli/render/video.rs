@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 
 use super::Failure;
+use crate::io::display::Display;
 use crate::io::{make_atomic, picture};
 
 const PROGRAM: &str = "ffmpeg";
@@ -56,8 +57,8 @@ impl Video {
         }
     }
 
-    /// Encodes pictures, one at a time; what is transparent is black.
-    pub(super) fn write(&self, pictures: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+    /// Encodes pictures for a display, one at a time; what is transparent is black.
+    pub(super) fn write(&self, pictures: impl Iterator<Item = PathBuf>, display: &Display) -> Result<(), Failure> {
         let mut unreadable = None;
         let made = make_atomic(&self.path, |part| {
             let [width, height] = self.size;
@@ -75,7 +76,7 @@ impl Video {
             let fed = input.map_or(Ok(()), |mut input| {
                 for path in pictures {
                     match picture::read_sized(&path, self.size) {
-                        Ok(picture) => input.write_all(&over_black(&picture.pixels))?,
+                        Ok(picture) => input.write_all(&over_black(&picture.pixels, display))?,
                         Err(error) => {
                             unreadable = Some(error);
                             break;
@@ -100,8 +101,8 @@ impl Video {
     }
 }
 
-/// Bytes of red, green and blue in sRGB of linear premultiplied pixels.
-fn over_black(pixels: &[[f32; 4]]) -> Vec<u8> {
+/// Bytes of red, green and blue of linear premultiplied pixels.
+fn over_black(pixels: &[[f32; 4]], display: &Display) -> Vec<u8> {
     let opaque: Vec<[f32; 4]> = pixels.iter().map(|[r, g, b, _]| [*r, *g, *b, 1.0]).collect();
-    crate::io::image::srgb8(&opaque).into_iter().flat_map(|[r, g, b, _]| [r, g, b]).collect()
+    display.codes(&opaque).into_iter().flat_map(|[r, g, b, _]| [r, g, b]).collect()
 }

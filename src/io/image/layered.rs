@@ -29,6 +29,23 @@ pub struct Channel {
     pub is_half: bool,
 }
 
+/// How the file is packed, by OpenEXR's names. All keep every bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Packing {
+    /// Not at all.
+    None,
+    /// Runs of equal bytes.
+    Rle,
+    /// Deflate, a row at a time.
+    Zips,
+    /// Deflate, 16 rows at a time.
+    #[default]
+    Zip,
+    /// Wavelets: smaller for grain.
+    Piz,
+}
+
 /// What the file says of the picture beside its pixels.
 #[derive(Clone, Debug)]
 pub struct Header<'a> {
@@ -38,13 +55,15 @@ pub struct Header<'a> {
     pub fps: f64,
     /// What it is seen through.
     pub camera: Camera,
+    /// How it is packed.
+    pub packing: Packing,
     /// What it was made from; none: not said.
     pub note: Option<&'a str>,
     /// More texts, by their names.
     pub texts: Vec<(String, String)>,
 }
 
-/// Writes a file of one part: channels by their names, in ZIP blocks of 16 rows. Its header has the primaries of sRGB, the
+/// Writes a file of one part: channels by their names. Its header has the primaries of sRGB, the
 /// frame's number (`celfx/frame`) and rate, and the matrices of its view as row vectors are multiplied by them. Atomic.
 pub fn write_exr_layered(
     path: &Path,
@@ -55,7 +74,14 @@ pub fn write_exr_layered(
     write_encoded(path, |buffer| {
         check_size(size, channels.iter().map(|channel| channel.values.len()).min().unwrap_or(0))?;
         let channels = AnyChannels::sort(channels.into_iter().map(samples).collect());
-        let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
+        let compression = match header.packing {
+            Packing::None => Compression::Uncompressed,
+            Packing::Rle => Compression::RLE,
+            Packing::Zips => Compression::ZIP1,
+            Packing::Zip => Compression::ZIP16,
+            Packing::Piz => Compression::PIZ,
+        };
+        let encoding = Encoding { compression, ..Encoding::SMALL_LOSSLESS };
         let (view, pixels) = (header.camera.view(size), (size[0] as usize, size[1] as usize));
         let layer = Layer::new(pixels, of_layer(header, &view), encoding, channels);
         let attributes = of_image(header, IntegerBounds::from_dimensions(pixels));
@@ -129,12 +155,15 @@ mod tests {
         let channels = vec![channel("R", [1e6, 0.1], true), channel("smoke_id.Y", [0.1, f32::INFINITY], false)];
         let camera = Camera { pixel_aspect: 2.0, ..Camera::default() };
         let texts = vec![("cryptomatte/0000000/name".to_owned(), "CryptoObject".to_owned())];
-        let header = Header { frame: 7, fps: 24.0, camera, note: Some("origin 1"), texts };
-        write_exr_layered(&path, [2, 1], channels, &header).expect("written");
-        let found = read_exr(&path).expect("readable");
         let half = f16::from_f32(0.1).to_f32();
         let expected = [("R", vec![LARGEST, half]), ("smoke_id.Y", vec![0.1, f32::INFINITY])];
-        assert_eq!(found.channels, expected.map(|(name, values)| (name.to_owned(), values)));
+        let expected = expected.map(|(name, values)| (name.to_owned(), values));
+        for packing in [Packing::None, Packing::Rle, Packing::Zips, Packing::Piz, Packing::Zip] {
+            let (note, texts) = (Some("origin 1"), texts.clone());
+            let header = Header { frame: 7, fps: 24.0, camera, packing, note, texts };
+            write_exr_layered(&path, [2, 1], channels.clone(), &header).expect("written");
+            assert_eq!(read_exr(&path).expect("readable").channels, expected, "{packing:?}");
+        }
         assert_eq!(exr_note(&path).as_deref(), Some("origin 1"));
         let metadata = exr::meta::MetaData::read_from_file(&path, false).expect("a header");
         let [header] = &metadata.headers[..] else { panic!("one part") };

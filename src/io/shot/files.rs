@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::tree::Tree;
-use super::{Shot, ShotError, Table};
+use super::{OCIO, Shot, ShotError, Table};
 use crate::io::overlap::Files;
 use crate::io::pattern::Pattern;
 use crate::io::scene;
 
-/// A key whose value may be the name of a file. A value that begins with `builtin:` is none.
+/// A key whose value may be the name of a file. A value that begins with `builtin:` or `ocio://` is none.
 #[derive(Clone, Copy, Debug)]
 pub struct FileKey {
     name: &'static str,
@@ -36,7 +36,10 @@ impl FileKey {
 }
 
 /// Those of the shot itself.
-const KEYS: [FileKey; 2] = [FileKey::or_words("background", &["none"]), FileKey::one("camera.file")];
+const KEYS: [FileKey; 3] =
+    [FileKey::or_words("background", &["none"]), FileKey::one("camera.file"), FileKey::one("output.config")];
+/// What values begin with that are no names of files.
+const BUILT_IN: [&str; 2] = ["builtin:", OCIO];
 
 /// Every such key.
 fn keys<'a>(tables: &'a [&'static Table]) -> impl Iterator<Item = FileKey> + 'a {
@@ -48,7 +51,7 @@ pub(super) fn named(tree: &Tree, folder: &Path, tables: &[&'static Table]) -> Re
     let mut files = Vec::new();
     for FileKey { name, words, is_pattern } in keys(tables) {
         let Some(value) = tree.word(name) else { continue };
-        if value.is_empty() || value.starts_with("builtin:") || words.contains(&value) {
+        if value.is_empty() || BUILT_IN.iter().any(|start| value.starts_with(start)) || words.contains(&value) {
             continue;
         }
         let pattern = match is_pattern {

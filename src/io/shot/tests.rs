@@ -10,6 +10,7 @@ use crate::io::tests::Folder;
 use crate::io::volume::Grids;
 use crate::program::{self, blur::Blur, flame::Flame, smoke::Smoke};
 use crate::smoke::{Settings, settings};
+use crate::srgb::linear_from_srgb;
 
 fn load(text: &str, sets: &[&str]) -> Result<Shot, ShotError> {
     let folder = Folder::new();
@@ -448,6 +449,24 @@ fn a_camera_of_a_file_moves_whatever_else_is_played() {
     assert_eq!((top.orthographic, top.near, top.far, top.shift.x), (Some(3.0), 1e-6, 9.0, 0.5));
     assert!(load(&["camera.name=Top"]).is_ok_and(|shot| shot.camera(1).orthographic == Some(3.0)));
     assert_eq!(load(&[]).expect("a shot").camera(1).orthographic, None);
+}
+
+#[test]
+fn colours_may_be_picked_from_a_screen() {
+    let picked = load("background = \"#e07A5F\"\n[smoke]\ntones = [[0, \"#000000\"], [0.5, \"#ffffff\"]]", &[]);
+    let picked = picked.expect("a shot");
+    let [r, g, b] = [0xe0, 0x7a, 0x5f].map(|code| linear_from_srgb(f64::from(code) / 255.0) as f32);
+    assert_eq!(picked.background, Background::Colour([r, g, b]));
+    let tones: Vec<_> = smoke_of(&picked).settings.tones.iter().map(|tone| tone.colour).collect();
+    assert_eq!(tones, [[0.0; 3], [1.0; 3]]);
+    let set = load("[smoke]", &["smoke.outline.colour=#808080"]).expect("a shot");
+    assert!((smoke_of(&set).settings.outline.colour[0] - 0.2159).abs() < 1e-4);
+    for wrong in ["#e07a5", "#e07a5f0", "#e07a5g", "#+07a5f", "e07a5f"] {
+        load(&format!("[smoke]\noutline.colour = \"{wrong}\""), &[]).expect_err(wrong);
+    }
+    // A name is a name.
+    let named = load("[blur]\nshares = [[\"#e07A5F\", 0.5]]", &[]).expect("a shot");
+    assert_eq!(named.part::<Blur>().expect("a blur").shares, [("#e07A5F".to_owned(), 0.5)]);
 }
 
 #[test]

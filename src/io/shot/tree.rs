@@ -5,6 +5,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::keys::{self, INSTEAD_OF_FILE, Keys};
 use super::{ShotError, Table};
+use crate::srgb::linear_from_srgb;
 
 /// Where a key was given.
 #[derive(Clone, Debug)]
@@ -48,7 +49,9 @@ impl Tree {
             let line = line(e.span().map_or(0, |span| span.start));
             ShotError::Wrong { place: format!("{name}:{line}"), message: one_line(e.message()) }
         })?;
-        let root = Node { place: Place::Line(1), kind: convert_table(table.get_ref(), &|at| Place::Line(line(at))) };
+        let kind = convert_table(table.get_ref(), &|at| Place::Line(line(at)));
+        let mut root = Node { place: Place::Line(1), kind };
+        read_colours(&mut root.kind, "");
         Ok(Tree { name: name.to_owned(), root, tables: tables.to_vec(), keys: Keys::new(tables) })
     }
 
@@ -63,13 +66,14 @@ impl Tree {
         if self.keys.allowed(key).is_none() {
             return Err(wrong(self.unknown(key)));
         }
-        let kind = match DeValue::parse(value) {
+        let mut kind = match DeValue::parse(value) {
             Ok(parsed) => convert(parsed.get_ref(), &|_| Place::Set),
             Err(e) if value.is_empty() || value.starts_with(['[', '{', '"', '\'']) => {
                 return Err(wrong(one_line(e.message())));
             }
             Err(_) => Kind::Leaf(Value::String(value.to_owned())),
         };
+        read_colours(&mut kind, key);
         // Of what excludes each other, naming one on the command line takes the place of the file's.
         match key {
             "light.direction" => self.remove("light.position"),
@@ -203,6 +207,38 @@ pub(super) fn value(node: &Node) -> Value {
 
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Last parts of the names of keys that take colours.
+const COLOURS: [&str; 4] = ["background", "colour", "tones", "tones_above"];
+
+/// Makes linear RGB of colours as people pick them, `"#E07A5F"`, in sRGB.
+fn read_colours(kind: &mut Kind, path: &str) {
+    match kind {
+        Kind::Table(entries) => entries.iter_mut().for_each(|(key, node)| read_colours(&mut node.kind, key)),
+        Kind::Leaf(value) if COLOURS.contains(&path.rsplit('.').next().unwrap_or(path)) => read_colour(value),
+        Kind::Leaf(_) => {}
+    }
+}
+
+fn read_colour(value: &mut Value) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(read_colour),
+        Value::String(text) => {
+            if let Some(colour) = picked(text) {
+                *value = Value::Array(colour.map(Value::Float).into());
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Linear RGB of `#rrggbb`.
+fn picked(text: &str) -> Option<[f64; 3]> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let codes = u32::from_str_radix(digits, 16).ok().filter(|_| !digits.starts_with('+'))?;
+    let [_, r, g, b] = codes.to_be_bytes();
+    Some([r, g, b].map(|code| linear_from_srgb(f64::from(code) / 255.0)))
 }
 
 fn convert_table(table: &DeTable, place: &dyn Fn(usize) -> Place) -> Kind {

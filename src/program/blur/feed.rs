@@ -21,6 +21,11 @@ impl Describe for Desc {
         self.size
     }
 
+    /// Layers say where and what of the mesh pixels show.
+    fn wants_depth(&self) -> bool {
+        self.layers
+    }
+
     fn share(&mut self, Sharing { image, .. }: Sharing) {
         if image.is_some() {
             self.depth = image;

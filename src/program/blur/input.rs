@@ -25,6 +25,8 @@ struct BlurInput {
     /// Both are there once frames are to be rendered.
     motion: Option<Motion>,
     images: Option<Images>,
+    /// Names of the mesh's objects, by their numbers in it.
+    objects: Arc<[String]>,
     notes: Vec<String>,
 }
 
@@ -58,6 +60,8 @@ type Image = Arc<Picture<[f32; 4]>>;
 pub(super) struct BlurBrought {
     /// The motion.
     pub(super) frame: BlurFrame,
+    /// Names of the objects of a mesh, by their numbers in it.
+    pub(super) names: Arc<[String]>,
     /// The pictures of the frames that it is between.
     images: [Option<Image>; 2],
     /// Those of the frame before and of the one after, where the shot has such.
@@ -67,7 +71,7 @@ pub(super) struct BlurBrought {
 pub(super) fn open(shot: &Arc<Shot>) -> Opened {
     let Some(blur) = shot.part::<Blur>() else { return Ok(None) };
     let (shot, blur) = (shot.clone(), blur.clone());
-    Ok(Some(Box::new(BlurInput { shot, blur, motion: None, images: None, notes: Vec::new() })))
+    Ok(Some(Box::new(BlurInput { shot, blur, motion: None, images: None, objects: Arc::default(), notes: Vec::new() })))
 }
 
 impl Input for BlurInput {
@@ -124,6 +128,7 @@ impl Input for BlurInput {
         }
         let scene = self.blur.mesh(&self.shot)?;
         self.notes = notes(&scene, &self.blur);
+        self.objects = scene.topology().objects.clone().into();
         let of_shot = self.shot.clone();
         let view = move |frame: f64| of_shot.camera(frame).view(of_shot.size);
         let motion = Animation::new(scene, view, frames, &self.blur.settings, size, threads)?;
@@ -157,7 +162,16 @@ impl Input for BlurInput {
         };
         let (earlier, before) = (image(earlier)?, image(Some(before))?);
         let (after, later) = (image(Some(after))?, image(later)?);
-        Ok(Some(Box::new(BlurBrought { frame, images: [before, after], outer: [earlier, later] })))
+        let names = self.objects.clone();
+        Ok(Some(Box::new(BlurBrought { frame, names, images: [before, after], outer: [earlier, later] })))
+    }
+}
+
+impl BlurBrought {
+    /// Names of objects in the order of their numbers on the device; where they have none, their numbers.
+    pub(super) fn objects(&self) -> Vec<String> {
+        let name = |object: &u32| self.names.get(*object as usize).cloned().unwrap_or_else(|| object.to_string());
+        self.frame.mesh.objects().iter().map(name).collect()
     }
 }
 

@@ -3,14 +3,16 @@
 
 use super::input::BlurBrought;
 use crate::blur::layout::{
-    COLOUR_LAYER, CONTROL, FINISHED, MASK_LAYER, NEXT_LAYER, PICTURE, PREVIOUS_LAYER, SUBFRAME_LAYER, VERTICES,
+    COLOUR_LAYER, CONTROL, FINISHED, MASK_LAYER, NEXT_LAYER, OBJECT_LAYER, PICTURE, PREVIOUS_LAYER, SUBFRAME_LAYER,
+    SURFACE, VERTICES,
 };
 use crate::blur::params::{Control, ENDED_BY_BUDGET, ROUNDS, SHOWN_NEXT, Vertex};
 use crate::blur::settings::{Refine, Settings};
 use crate::blur::{Desc, Interval, Mesh};
 use crate::offline::BlurFrame;
 use crate::plan::BufferId;
-use crate::program::layers::{LayerData, LayerEntry, Made, Watch};
+use crate::program::layers::{LayerData, LayerEntry, Made, Shown, Watch, Who};
+use crate::shaders::blur::blocks::Covering;
 
 pub(super) const LAYERS: &[LayerEntry] = &[
     LayerEntry::array("blur.vertices", &[CONTROL, VERTICES], vertices),
@@ -24,8 +26,15 @@ pub(super) const LAYERS: &[LayerEntry] = &[
     }),
     LayerEntry::image("blur.mask", &[MASK_LAYER], mask),
     LayerEntry::image("blur.colour", &[COLOUR_LAYER], |made| LayerData::Colour(shown(made, COLOUR_LAYER))),
+    LayerEntry::image("blur.depth", &[SURFACE], |made| {
+        LayerData::Value(made.image::<Covering>(SURFACE).iter().map(|covering| covering.depth).collect())
+    }),
+    LayerEntry::image("blur.object", &[OBJECT_LAYER], objects),
     LayerEntry::image("blur", &[PICTURE], |made| LayerData::Colour(picture(made))),
 ];
+
+/// Where and what of the mesh pixels show.
+pub(super) const SHOWN: Shown = Shown { depth: "blur.depth", who: Who::Objects("blur.object") };
 
 /// Says it where a frame's refinement did not come to its own end.
 pub(super) const REFINEMENT: Watch = Watch { buffers: &[CONTROL], says: refinement_ended };
@@ -92,6 +101,12 @@ fn triangles(made: &Made) -> LayerData {
 /// The part of the smear that pixels show.
 fn shown(made: &Made, id: BufferId) -> Vec<[f32; 4]> {
     if is_still(made) { vec![[0.0; 4]; made.pixels()] } else { made.image(id) }
+}
+
+fn objects(made: &Made) -> LayerData {
+    let brought: Option<&BlurBrought> = made.brought();
+    let names = brought.map(|brought| brought.objects()).unwrap_or_default();
+    LayerData::Objects { samples: made.image(OBJECT_LAYER), names }
 }
 
 fn mask(made: &Made) -> LayerData {

@@ -17,7 +17,7 @@ pub(super) static ENTRY: EffectEntry = EffectEntry {
     table: &shot::TABLE,
     open: input::open,
     layers: layers::LAYERS,
-    shown: None,
+    shown: Some(layers::SHOWN),
     watch: Some(layers::REFINEMENT),
     variants: variants::variants,
     benchmark: Benchmark(bench::blur::measure),

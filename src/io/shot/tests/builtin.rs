@@ -189,7 +189,8 @@ fn what_built_in_shots_show_commented_out_is_valid_too() {
             }
             tried.push(key);
         }
-        let mut expected = vec!["light.position", "light.second.direction", "light.second.position"];
+        let mut expected =
+            vec!["light.position", "light.second.direction", "light.second.position", "output.config", "output.space"];
         expected.extend((!shot.has("blur")).then_some("camera.orthographic"));
         if let Some(Smoke { settings, .. }) = shot.part() {
             expected.extend([
