@@ -10,6 +10,7 @@ mod past;
 pub(crate) mod picture;
 mod player;
 mod slices;
+mod vectors;
 
 use std::mem::ManuallyDrop;
 use std::time::Duration;
@@ -36,6 +37,7 @@ use picture::{host_image, image_desc, pixel_bytes, put};
 pub use player::{Depth, Describe, EffectBuffer, Feed, Left, Place, Sharing};
 pub(crate) use player::{Player, make};
 use slices::{Pace, Slicer};
+use vectors::SharedVectors;
 
 /// Format of the target.
 pub const TARGET_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -51,6 +53,8 @@ pub struct Scene<'a> {
     pub camera: Camera,
     /// What it is seen through instead, if it is not a camera's.
     pub view: Option<View>,
+    /// What the frame before was seen through; none: there is none, or no motion vectors are asked for.
+    pub previous: Option<View>,
     /// The light.
     pub light: Light,
     /// The light of its fire on smoke that was made for one.
@@ -122,9 +126,11 @@ struct Parts {
     backdrop: Option<Image>,
     /// That of what is solid, and of all that it hides.
     depth: Option<SharedDepth>,
+    /// Motion vectors, if there are to be any.
+    vectors: Option<SharedVectors>,
     /// Of backdrops: each is waited for before the next.
     upload: Upload,
-    /// The picture, then the layers.
+    /// The picture, then motion vectors, then the layers.
     frame: Download,
     /// Single buffers.
     buffer: Download,
@@ -171,9 +177,9 @@ impl Offline {
     }
 
     fn create(&mut self, mut effects: Effects, effort: Effort) -> Result<()> {
-        let is_shared = effects.share_depth();
+        let (is_shared, has_vectors) = (effects.share_depth(), effects.has_vectors());
         let queue_family = self.device.queue_family();
-        let Parts { players, target, depth, profiler, .. } = &mut self.parts;
+        let Parts { players, target, depth, vectors, profiler, .. } = &mut self.parts;
         effects.make(&mut self.device, effort, |name, player| players.push((name, player)))?;
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own and outlives what is made here.
@@ -183,6 +189,9 @@ impl Offline {
             if is_shared {
                 *depth = Some(SharedDepth::new(&host, allocator, self.size)?);
             }
+            if has_vectors {
+                *vectors = Some(SharedVectors::new(&host, allocator, self.size)?);
+            }
             *target = Some(Image::new(&host, allocator, &image_desc("target", self.size))?);
         }
         self.make_download()
@@ -191,7 +200,7 @@ impl Offline {
     /// Room for a frame's picture and layers; now, so that too little memory shows before frames are rendered.
     fn make_download(&mut self) -> Result<()> {
         self.is_read = false;
-        let end = self.layer_copies().last().map_or(pixel_bytes(self.size), |copy| copy.to + copy.from.2);
+        let end = self.layer_copies().last().map_or(self.images_end(), |copy| copy.to + copy.from.2);
         let (host, allocator) = self.device.parts();
         // SAFETY: the device is this host's own, and every frame has been waited for.
         unsafe { self.parts.frame.fit(&host, allocator, "frame read back", end) }
@@ -281,6 +290,7 @@ impl Offline {
                 target: target.filter(|_| scene.rendered),
                 background: if is_first { self.background() } else { Background::Keep },
                 depth: self.parts.depth.as_ref().map(|depth| depth.placed(is_first)),
+                vectors: self.parts.vectors.as_ref().map(|vectors| vectors.placed(is_first)),
                 left,
             };
             let (_, player) = &mut self.parts.players[index];
@@ -300,7 +310,7 @@ impl Offline {
         let mut layers = self.layer_copies();
         layers.retain(|copy| copy.from.2 > 0);
         let target = self.target(ImageState::default()).filter(|_| scene.rendered);
-        let Parts { players, depth, profiler, frame: download, .. } = &mut self.parts;
+        let Parts { players, depth, vectors, profiler, frame: download, .. } = &mut self.parts;
         let (host, submitter) = self.device.recording();
         let mut slicer = Slicer::new(submitter, &mut self.pace, name)?;
         let stream = &mut slicer;
@@ -312,13 +322,15 @@ impl Offline {
                 timing = Timing::Profiler(profiler);
             }
             depth.iter().filter(|_| scene.rendered).for_each(|depth| depth.clear(&host, stream.current()));
+            vectors.iter().filter(|_| scene.rendered).for_each(|vectors| vectors.clear(&host, stream.current()));
             for ((_, player), place) in players.iter_mut().zip(places) {
                 if let Some(place) = place {
                     player.record(&host, stream, scene, place, &mut timing)?;
                 }
             }
             if let (Some(target), Some(download)) = (target, download.buffer()) {
-                let images = [Copy { from: (target.image, target.extent), to: 0 }];
+                let mut images = vec![Copy { from: (target.image, target.extent), to: 0 }];
+                images.extend(vectors.iter().map(|own| Copy { from: own.source(), to: pixel_bytes(self.size) }));
                 record_readback(&host, stream.current(), &images, &layers, download);
             }
         }
@@ -342,6 +354,20 @@ impl Offline {
         bytemuck::try_cast_slice(bytes).unwrap_or_default()
     }
 
+    /// Motion vectors of the frame rendered last: pixels to the right and down from where what a pixel shows is to where it was a
+    /// frame earlier, 0 where no effect is. Empty if there are none ([`Effects::with_vectors`]).
+    pub fn vectors(&self) -> &[[f32; 2]] {
+        let size = self.parts.vectors.as_ref().map_or(0, SharedVectors::bytes);
+        let bytes = self.read_range(pixel_bytes(self.size), size);
+        bytemuck::try_cast_slice(bytes).unwrap_or_default()
+    }
+
+    /// Where what is read back of images ends.
+    fn images_end(&self) -> u64 {
+        let vectors = self.parts.vectors.as_ref().map_or(0, SharedVectors::bytes);
+        pixel_bytes(self.size) + vectors.next_multiple_of(16)
+    }
+
     /// The layers that [`Offline::set_layers`] asked for, in that order, as the frame rendered last left them. Each is
     /// empty if there is none.
     pub fn layers(&self) -> Vec<&[u8]> {
@@ -355,7 +381,7 @@ impl Offline {
 
     /// Where each layer comes from and goes to: one after the other behind the picture.
     fn layer_copies(&self) -> Vec<Copy<(vk::Buffer, u64, u64)>> {
-        let mut end = pixel_bytes(self.size);
+        let mut end = self.images_end();
         let place = |buffer: &EffectBuffer| {
             let (from, to) = (self.parts.buffer(*buffer), end);
             end += from.2.next_multiple_of(16);
@@ -465,10 +491,11 @@ impl Offline {
         let (host, allocator) = self.device.parts();
         // SAFETY: every submission has been waited for, or its device is lost; nothing is used afterwards.
         unsafe {
-            let Parts { players, target, backdrop, depth, upload, frame, buffer, profiler } = &mut self.parts;
+            let Parts { players, target, backdrop, depth, vectors, upload, frame, buffer, profiler } = &mut self.parts;
             players.iter_mut().for_each(|(_, player)| player.destroy(&host, allocator));
             target.iter_mut().chain(backdrop).for_each(|image| image.destroy(&host, allocator));
             depth.iter_mut().for_each(|depth| depth.destroy(&host, allocator));
+            vectors.iter_mut().for_each(|vectors| vectors.destroy(&host, allocator));
             upload.destroy(&host, allocator);
             [frame, buffer].into_iter().for_each(|buffer| buffer.destroy(&host, allocator));
             profiler.iter_mut().for_each(|profiler| profiler.destroy(&host));

@@ -33,6 +33,8 @@ mod run;
 mod smoke;
 #[path = "cli/tuning.rs"]
 mod tuning;
+#[path = "cli/vectors.rs"]
+mod vectors;
 #[path = "cli/video.rs"]
 mod video;
 #[path = "cli/vignette.rs"]

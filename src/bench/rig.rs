@@ -143,6 +143,7 @@ impl Rig {
             target: Some(target).filter(|_| scene.rendered),
             background: Background::Clear([0.0; 4]),
             depth: None,
+            vectors: None,
             left: Left::default(),
         };
         player.upload(&mut self.headless, scene, &place)?;

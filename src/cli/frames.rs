@@ -97,6 +97,7 @@ mod tests {
             "o/####.exr",
             "--layers",
             "l.exr",
+            "--motion",
             "--compression",
             "piz",
             "--resume=strict",

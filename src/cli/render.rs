@@ -79,6 +79,9 @@ pub(super) struct Options {
     /// frame for compositing, with the picture, Z, all layers that are images, and Cryptomatte
     #[arg(long, value_name = "DIR|FILE.####.exr")]
     layers: Option<PathBuf>,
+    /// Add motion vectors to the layers: pixels to the right and up, from what a pixel shows to where it was a frame before
+    #[arg(long, requires = "layers")]
+    motion: bool,
     /// How one file a frame for compositing is packed, always without loss [default: zip]
     #[arg(long, value_name = "NAME")]
     compression: Option<Packing>,
@@ -137,12 +140,13 @@ impl Options {
 
     /// As on the command line, but for frames and files of all of them: what parts of a sequence have in common. They resume.
     pub(super) fn arguments(&self) -> Vec<OsString> {
-        let Options { shot, set, output, layers, compression, resume, cache, .. } = self;
+        let Options { shot, set, output, layers, motion, compression, resume, cache, .. } = self;
         let resume = if *resume == Some(Resume::Strict) { "--resume=strict" } else { "--resume" };
         let mut all = vec![OsString::from(shot)];
         all.extend(set.iter().flat_map(|set| ["--set".into(), set.into()]));
         all.extend(["--output".into(), output.into()]);
         all.extend(frames::path("--layers", layers));
+        all.extend(motion.then(|| "--motion".into()));
         let packing = compression.and_then(|packing| packing.to_possible_value());
         all.extend(frames::option("--compression", &packing.map(|value| value.get_name().to_owned())));
         all.extend(frames::path("--cache", cache));
@@ -177,7 +181,8 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     memory::doing("reading the shot", None);
     let (shot, frames) = options.shot()?;
     let [first, last] = frames;
-    let names = layers::names(|effect| shot.has(effect));
+    let mut names = layers::names(|effect| shot.has(effect));
+    names.extend(options.motion.then_some(layers::VECTORS));
     let layers = options.layers.as_deref().map(|path| (path, &names[..]));
     let outputs = Outputs::new(&options.output, layers, options.others(), (shot.size, shot.fps), frames)?;
     let display = Display::new(&shot.output).map_err(|(key, why)| Failure::usage(format!("{key} = {why}")))?;
@@ -202,7 +207,8 @@ pub(super) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let timed = options.profile.is_some() || !common.quiet;
     let cache = options.cache.as_deref().map(Cache::new);
     let claims = options.resume.is_some();
-    let job = Job { shot: &shot, first, outputs, strips, timed, claims, cache, common };
+    let vectors = options.motion;
+    let job = Job { shot: &shot, first, outputs, strips, timed, vectors, claims, cache, common };
     memory::doing("reading the shot's input", None);
     let (inputs, mut origins) = job.open()?;
     let missing = job.missing(last, options.resume, &mut origins, &inputs)?;
@@ -235,6 +241,8 @@ struct Job<'a> {
     strips: Vec<Strip>,
     /// Whether passes are timed.
     timed: bool,
+    /// Whether there are motion vectors among the layers.
+    vectors: bool,
     /// Whether frames are claimed.
     claims: bool,
     cache: Option<Cache>,
@@ -326,6 +334,7 @@ impl Job<'_> {
     ) -> Result<Vec<(u32, u128)>, Failure> {
         let wanted = self.outputs.wanted();
         let effects = inputs.describe(missing, wanted != Wanted::None, self.common)?;
+        let effects = if self.vectors { effects.with_vectors() } else { effects };
         inputs.notes(self.shot).iter().for_each(|note| self.say(note));
         let background = background(self.shot)?;
         origins.check()?;

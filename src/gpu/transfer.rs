@@ -276,8 +276,41 @@ pub unsafe fn record_picture(
 /// `host` holds valid handles and `commands` is in recording state outside of a render pass. The image has a depth and no
 /// stencil, and is as a copy target can be.
 pub unsafe fn record_depth(host: &Host, commands: vk::CommandBuffer, image: vk::Image, depth: f32) {
+    let value = vk::ClearDepthStencilValue { depth, stencil: 0 };
+    // SAFETY: the caller's.
+    unsafe {
+        let range = record_clearing(host, commands, image, vk::ImageAspectFlags::DEPTH);
+        host.device.cmd_clear_depth_stencil_image(commands, image, CLEARED.layout, &value, &[range]);
+    }
+}
+
+/// Records zeroes over all of a colour image, whatever it held, and leaves it in state [`CLEARED`].
+///
+/// # Safety
+/// `host` holds valid handles and `commands` is in recording state outside of a render pass. The image has colours, and is as a
+/// copy target can be.
+#[cfg(feature = "cli")]
+pub unsafe fn record_black(host: &Host, commands: vk::CommandBuffer, image: vk::Image) {
+    let value = vk::ClearColorValue { float32: [0.0; 4] };
+    // SAFETY: the caller's.
+    unsafe {
+        let range = record_clearing(host, commands, image, vk::ImageAspectFlags::COLOR);
+        host.device.cmd_clear_color_image(commands, image, CLEARED.layout, &value, &[range]);
+    }
+}
+
+/// Records what there must be before an image is cleared; all of it.
+///
+/// # Safety
+/// As for what clears it.
+unsafe fn record_clearing(
+    host: &Host,
+    commands: vk::CommandBuffer,
+    image: vk::Image,
+    aspect_mask: vk::ImageAspectFlags,
+) -> vk::ImageSubresourceRange {
     let range = vk::ImageSubresourceRange {
-        aspect_mask: vk::ImageAspectFlags::DEPTH,
+        aspect_mask,
         base_mip_level: 0,
         level_count: 1,
         base_array_layer: 0,
@@ -290,12 +323,11 @@ pub unsafe fn record_depth(host: &Host, commands: vk::CommandBuffer, image: vk::
         .new_layout(CLEARED.layout)
         .image(image)
         .subresource_range(range)];
-    let value = vk::ClearDepthStencilValue { depth, stencil: 0 };
     // SAFETY: the caller's.
     unsafe {
         host.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().image_memory_barriers(&barriers));
-        host.device.cmd_clear_depth_stencil_image(commands, image, CLEARED.layout, &value, &[range]);
     }
+    range
 }
 
 fn image_copy(offset: u64, [width, height]: [u32; 2]) -> vk::BufferImageCopy {

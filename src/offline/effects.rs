@@ -5,17 +5,22 @@ use std::fmt;
 
 use super::depth::FORMAT;
 use super::player::{self, Depth, Describe, Feed, Player, Sharing};
+use super::vectors;
 use crate::effect::{Effort, Kind};
 use crate::error::{Error, Result};
 use crate::gpu::headless::Headless;
 
 /// Descriptions of effects, in the order in which they are drawn: at least one, all of one picture size.
 #[derive(Debug, Default)]
-pub struct Effects(Vec<Box<dyn Described>>);
+pub struct Effects {
+    all: Vec<Box<dyn Described>>,
+    /// Whether they write motion vectors.
+    vectors: bool,
+}
 
 impl Clone for Effects {
     fn clone(&self) -> Effects {
-        Effects(self.0.iter().map(|effect| effect.boxed()).collect())
+        Effects { all: self.all.iter().map(|effect| effect.boxed()).collect(), vectors: self.vectors }
     }
 }
 
@@ -29,33 +34,44 @@ impl Effects {
     /// One more, which is drawn last.
     #[must_use]
     pub fn with(mut self, desc: impl Describe) -> Effects {
-        self.0.push(Box::new(desc));
+        self.all.push(Box::new(desc));
         self
+    }
+
+    /// The same, with motion vectors of each frame's picture ([`crate::offline::Offline::vectors`]).
+    #[must_use]
+    pub fn with_vectors(self) -> Effects {
+        Effects { vectors: true, ..self }
+    }
+
+    /// Whether they write motion vectors.
+    pub(super) fn has_vectors(&self) -> bool {
+        self.vectors
     }
 
     /// The description of an effect, if it is one of them.
     pub fn get<D: Describe>(&self) -> Option<&D> {
-        self.0.iter().find_map(|effect| effect.as_any().downcast_ref())
+        self.all.iter().find_map(|effect| effect.as_any().downcast_ref())
     }
 
     /// The same, by the effect's name.
     pub(crate) fn named(&self, name: &str) -> Option<&dyn Any> {
-        self.0.iter().find(|effect| effect.name() == name).map(|effect| effect.as_any())
+        self.all.iter().find(|effect| effect.name() == name).map(|effect| effect.as_any())
     }
 
     /// How many there are.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.all.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.all.is_empty()
     }
 
     /// The size of the picture that all of them make.
     pub(super) fn size(&self) -> Result<[u32; 2]> {
-        let mut sizes = self.0.iter().map(|effect| (effect.name(), effect.size()));
+        let mut sizes = self.all.iter().map(|effect| (effect.name(), effect.size()));
         let refuse = |why: String| Err(Error::HostResource { name: "effects", why });
         let Some((first, size)) = sizes.next() else { return refuse("none; expected at least one".to_owned()) };
         match sizes.find(|(_, other)| *other != size) {
@@ -69,12 +85,13 @@ impl Effects {
     /// Makes effects hide each other: what is solid and what it hides by a depth image, others by the depth that one of
     /// them leaves, which costs less. Whether there is to be an image.
     pub(super) fn share_depth(&mut self) -> bool {
-        let has = |depth: Depth| self.0.iter().any(|effect| effect.depth() == depth);
-        let is_wanted = self.0.iter().any(|effect| effect.wants_depth());
+        let has = |depth: Depth| self.all.iter().any(|effect| effect.depth() == depth);
+        let is_wanted = self.all.iter().any(|effect| effect.wants_depth());
         let is_shared = is_wanted || has(Depth::Solid) && (has(Depth::Hidden) || has(Depth::Leaves));
         let mut is_left = false;
-        for effect in &mut self.0 {
-            effect.share(Sharing { image: is_shared.then_some(FORMAT), buffer: is_left && !is_shared });
+        for effect in &mut self.all {
+            let vectors = self.vectors.then_some(vectors::FORMAT);
+            effect.share(Sharing { image: is_shared.then_some(FORMAT), buffer: is_left && !is_shared, vectors });
             is_left |= effect.depth() == Depth::Leaves;
         }
         is_shared
@@ -87,7 +104,7 @@ impl Effects {
         effort: Effort,
         mut take: impl FnMut(&'static str, Box<dyn Player>),
     ) -> Result<()> {
-        for effect in self.0 {
+        for effect in self.all {
             let name = effect.name();
             take(name, effect.make(device, effort)?);
         }

@@ -3,6 +3,8 @@
 use std::any::Any;
 use std::fmt;
 
+use ash::vk;
+
 use super::Scene;
 use super::past::Past;
 use crate::effect::{Effect, Effort, Kind};
@@ -11,7 +13,7 @@ use crate::gpu::executor::Executor;
 use crate::gpu::headless::Headless;
 use crate::gpu::profiler::Timing;
 use crate::gpu::recorder::Stream;
-use crate::host::{Background, DepthFormat, Host, HostBuffer, HostImage, MemorySource};
+use crate::host::{Background, DepthFormat, Host, HostBuffer, HostImage, MemorySource, TemporalImages};
 use crate::plan::BufferId;
 
 /// Description of an effect, and how it is fed.
@@ -29,7 +31,7 @@ pub trait Describe: Clone + fmt::Debug + 'static {
         false
     }
 
-    /// Takes part in the depth that effects share.
+    /// Takes part in the depth and the motion vectors that effects share.
     fn share(&mut self, _: Sharing) {}
 
     /// Takes no more memory than this device should give.
@@ -52,13 +54,15 @@ pub enum Depth {
     Solid,
 }
 
-/// The depth that effects of a picture share.
+/// What effects of a picture share.
 #[derive(Clone, Copy, Debug)]
 pub struct Sharing {
     /// There is an image, which all of them test and write.
     pub image: Option<DepthFormat>,
     /// There is none, and an effect before this one leaves its depth in a buffer.
     pub buffer: bool,
+    /// Format of motion vectors, if they write such.
+    pub vectors: Option<vk::Format>,
 }
 
 /// Results of effects for those that are drawn after them.
@@ -79,8 +83,18 @@ pub struct Place {
     pub background: Background,
     /// The shared depth image.
     pub depth: Option<HostImage>,
+    /// That of motion vectors.
+    pub vectors: Option<HostImage>,
     /// By the effects before it.
     pub left: Left,
+}
+
+impl Place {
+    /// Outputs beside the picture, of an effect that does not know what the frame before was seen through.
+    pub fn temporal(&self, scene: &Scene) -> TemporalImages {
+        let motion = self.target.and(self.vectors);
+        TemporalImages { motion, reactive: None, previous: motion.and(scene.previous) }
+    }
 }
 
 /// Carries what scenes bring to the device, and says it as frames of one effect.

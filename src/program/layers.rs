@@ -21,6 +21,8 @@ pub(crate) enum LayerData {
     Rgb(Vec<[f32; 3]>),
     /// Channels `R G B A`.
     Colour(Vec<[f32; 4]>),
+    /// Motion vectors: channels `X Y`.
+    Vector(Vec<[f32; 2]>),
     /// What each of a pixel's four samples shows: a number from 1, 0 where it shows nothing, and what these are called, in their
     /// order. Channels `R G B A`.
     Objects { samples: Vec<[u32; 4]>, names: Vec<String> },
@@ -37,6 +39,9 @@ impl LayerData {
 
 /// A layer's name, as in the file name, and whether it is an array.
 pub(crate) type LayerName = (&'static str, bool);
+
+/// The layer of motion vectors, of all effects together.
+pub(crate) const VECTORS: LayerName = ("vector", false);
 
 /// Which layers are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -243,6 +248,7 @@ pub(super) mod tests {
             LayerData::Value(values) | LayerData::Array { values, .. } => values.clone(),
             LayerData::Rgb(pixels) => pixels.as_flattened().to_vec(),
             LayerData::Colour(pixels) => pixels.as_flattened().to_vec(),
+            LayerData::Vector(pixels) => pixels.as_flattened().to_vec(),
             LayerData::Objects { samples, .. } => samples.iter().flatten().map(|number| *number as f32).collect(),
         }
     }

@@ -93,6 +93,7 @@ pub(crate) fn scene<'a>(shot: &Shot, number: u32, rendered: bool) -> Scene<'a> {
         sequence: if number == shot.frames[0] { Sequence::Restart } else { Sequence::Advance },
         dt: (1.0 / shot.fps) as f32,
         camera: shot.camera(number),
+        previous: (number > shot.frames[0]).then(|| shot.camera(number - 1).view(shot.size)),
         light: shot.light(number),
         rendered,
         number,

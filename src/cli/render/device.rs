@@ -8,7 +8,7 @@ use crate::io::image::Picture;
 use crate::io::shot::{Background, Shot};
 use crate::offline::{EffectBuffer, Effects, Offline};
 use crate::profile::FrameTimes;
-use crate::program::layers::{self, Rendered, Wanted};
+use crate::program::layers::{self, Layer, LayerData, Rendered, Wanted};
 use crate::program::{self, EFFECTS};
 
 /// Renders the frames of one shot, in order.
@@ -88,7 +88,12 @@ impl<'a> Renderer<'a> {
         };
         let remarks = rendered.remarks().into_iter().map(|remark| format!("frame {number}: {remark}"));
         let remarks = remarks.collect();
-        let layers = rendered.layers(self.wanted);
+        let mut layers = rendered.layers(self.wanted);
+        if !offline.vectors().is_empty() {
+            // As other programs have it, y is up.
+            let vectors = offline.vectors().iter().map(|[x, y]| [*x, -*y]).collect();
+            layers.push(Layer { name: layers::VECTORS.0, data: LayerData::Vector(vectors) });
+        }
         let frame = Frame { number, origin, pixels: picture.to_vec(), layers, camera: shot.camera(number), claim };
         self.remarks = remarks;
         Ok((Some(frame), self.offline.times()))

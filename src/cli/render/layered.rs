@@ -54,6 +54,10 @@ fn of_layer(layer: &Layer) -> Vec<Channel> {
         LayerData::Value(values) => vec![plain(format!("{name}Y"), values.clone())],
         LayerData::Rgb(pixels) => colour(&name, pixels),
         LayerData::Colour(pixels) => colour(&name, pixels),
+        LayerData::Vector(pixels) => {
+            let of = |(c, end): (usize, &str)| plain(format!("{name}{end}"), pixels.iter().map(|v| v[c]).collect());
+            ["X", "Y"].into_iter().enumerate().map(of).collect()
+        }
         LayerData::Objects { samples, .. } => {
             let of = |(c, end): (usize, &str)| {
                 plain(format!("{name}{end}"), samples.iter().map(|sample| sample[c] as f32).collect())

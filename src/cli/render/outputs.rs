@@ -10,12 +10,12 @@ use super::{Failure, layered};
 use crate::io::array::write_npy;
 use crate::io::display::Display;
 use crate::io::file::digest;
-use crate::io::image::{Header, Packing, write_exr, write_exr_layered};
+use crate::io::image::{Header, Packing, write_exr, write_exr_channels, write_exr_layered};
 use crate::io::overlap::Files;
 use crate::io::pattern::Pattern;
 use crate::io::picture::{self, Format};
 use crate::io::{ReadError, WriteError, probe};
-use crate::program::layers::{Layer, LayerData, LayerName, Wanted};
+use crate::program::layers::{Layer, LayerData, LayerName, VECTORS, Wanted};
 use crate::view::Camera;
 
 /// A frame that is done on the device.
@@ -48,8 +48,8 @@ enum LayerFiles {
     None,
     /// One of each layer.
     Each(Vec<(LayerName, Pattern)>),
-    /// One of all that are images, with the picture.
-    One(Pattern),
+    /// One of all that are images, with the picture; and whether there are motion vectors in it.
+    One(Pattern, bool),
 }
 
 /// All files of a run.
@@ -124,7 +124,7 @@ impl Outputs {
 
     /// With the one file of layers packed so, if that is said: an error if there is none.
     pub(super) fn packed(self, packing: Option<Packing>) -> Result<Outputs, Failure> {
-        let is_one = matches!(self.layers, LayerFiles::One(_));
+        let is_one = matches!(self.layers, LayerFiles::One(..));
         if packing.is_some() && !is_one {
             return Err(Failure::usage("--compression is of one file a frame: expected --layers FILE.####.exr"));
         }
@@ -135,7 +135,7 @@ impl Outputs {
     pub(super) fn wanted(&self) -> Wanted {
         match self.layers {
             LayerFiles::None => Wanted::None,
-            LayerFiles::One(_) => Wanted::Images,
+            LayerFiles::One(..) => Wanted::Images,
             LayerFiles::Each(_) => Wanted::All,
         }
     }
@@ -158,7 +158,7 @@ impl Outputs {
         match &self.layers {
             LayerFiles::None => {}
             LayerFiles::Each(layers) => all.extend(layers.iter().map(layer)),
-            LayerFiles::One(pattern) => all.push(Files::new("--layers", pattern.clone())),
+            LayerFiles::One(pattern, _) => all.push(Files::new("--layers", pattern.clone())),
         }
         all.extend(self.others.iter().cloned());
         all
@@ -193,7 +193,7 @@ impl Outputs {
                     self.write_layer(&pattern.path(frame.number), &layer.data)?;
                 }
             }
-            LayerFiles::One(pattern) => {
+            LayerFiles::One(pattern, _) => {
                 let (channels, texts) = layered::channels(self.size[0] as usize, &frame.pixels, &frame.layers);
                 let note = Note { origin: frame.origin, layers: None }.to_string();
                 let Frame { number, camera, .. } = frame;
@@ -216,6 +216,10 @@ impl Outputs {
             LayerData::Value(values) => write_exr(path, self.size, values),
             LayerData::Rgb(pixels) => write_exr(path, self.size, pixels),
             LayerData::Colour(pixels) => write_exr(path, self.size, pixels),
+            LayerData::Vector(pixels) => {
+                let channel = |c: usize| pixels.iter().map(|vector| vector[c]).collect();
+                write_exr_channels(path, self.size, &[("X".to_owned(), channel(0)), ("Y".to_owned(), channel(1))])
+            }
             LayerData::Objects { samples, .. } => {
                 let values: Vec<[f32; 4]> = samples.iter().map(|sample| sample.map(|number| number as f32)).collect();
                 write_exr(path, self.size, &values)
@@ -228,7 +232,9 @@ impl Outputs {
     fn layer_digest(&self, frame: u32) -> Result<u128, ReadError> {
         let digests = self.layers.patterns().map(|pattern| digest(&pattern.path(frame)));
         let digests = digests.collect::<Result<Vec<u128>, _>>()?;
-        let bytes: Vec<u8> = digests.into_iter().flat_map(u128::to_le_bytes).collect();
+        let mut bytes: Vec<u8> = digests.into_iter().flat_map(u128::to_le_bytes).collect();
+        // A file without them is not one with them.
+        bytes.extend(matches!(self.layers, LayerFiles::One(_, true)).then_some(1));
         Ok(xxh3_128(&bytes))
     }
 
@@ -256,7 +262,7 @@ impl LayerFiles {
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
             let pattern = Pattern::parse(path)?;
             pattern.check_frames(first, last)?;
-            return Ok(LayerFiles::One(pattern));
+            return Ok(LayerFiles::One(pattern, names.contains(&VECTORS)));
         }
         let each = names.iter().map(|(name, is_array)| {
             let extension = if *is_array { "npy" } else { "exr" };
@@ -269,7 +275,7 @@ impl LayerFiles {
         let (each, one) = match self {
             LayerFiles::None => (&[][..], None),
             LayerFiles::Each(layers) => (&layers[..], None),
-            LayerFiles::One(pattern) => (&[][..], Some(pattern)),
+            LayerFiles::One(pattern, _) => (&[][..], Some(pattern)),
         };
         each.iter().map(|(_, pattern)| pattern).chain(one)
     }

@@ -8,7 +8,7 @@ use crate::gpu::capabilities::{DeviceTraits, own_memory};
 use crate::gpu::headless::Headless;
 use crate::gpu::image::Image;
 use crate::gpu::transfer::{COPIED_FROM, Upload};
-use crate::host::{Host, HostImage, MemorySource};
+use crate::host::{Host, HostImage, MemorySource, TemporalImages};
 use crate::offline::motion::{BlurFrame, FRAMES_BESIDE};
 use crate::offline::picture::{host_image, put};
 use crate::offline::{BlurScene, Depth, Describe, Feed, Left, Place, Scene, Sharing};
@@ -26,7 +26,8 @@ impl Describe for Desc {
         self.layers
     }
 
-    fn share(&mut self, Sharing { image, .. }: Sharing) {
+    fn share(&mut self, Sharing { image, vectors, .. }: Sharing) {
+        self.temporal.motion = vectors;
         if image.is_some() {
             self.depth = image;
         }
@@ -93,7 +94,8 @@ impl Feed for BlurFeed {
             target,
             depth: place.depth.map(|depth| DepthInput { host: depth, view }),
             background: place.background,
-            temporal: Default::default(),
+            // What the frame before was seen through stands in the interval.
+            temporal: TemporalImages { previous: None, ..place.temporal(scene) },
         })
     }
 

@@ -16,7 +16,8 @@ impl Describe for Desc {
         self.size
     }
 
-    fn share(&mut self, Sharing { image, buffer }: Sharing) {
+    fn share(&mut self, Sharing { image, buffer, vectors }: Sharing) {
+        self.temporal.motion = vectors;
         match (image, buffer) {
             (Some(format), _) => self.scene = Some(SceneFormat::Image(format)),
             (None, true) => self.scene = Some(SceneFormat::Buffer),
@@ -29,6 +30,7 @@ impl Describe for Desc {
 #[derive(Debug, Default)]
 pub struct FlameFeed {
     rows: Upload,
+    earlier: Upload,
     ids: Upload,
     velocities: Upload,
     depths: Upload,
@@ -40,13 +42,14 @@ pub struct FlameFeed {
 impl Feed for FlameFeed {
     type Kind = FlameKind;
 
-    fn upload(&mut self, _: &Flame, device: &mut Headless, scene: &Scene, place: &Place) -> Result<()> {
+    fn upload(&mut self, flame: &Flame, device: &mut Headless, scene: &Scene, place: &Place) -> Result<()> {
         let (host, allocator) = device.parts();
         // With smoke it is the smoke that hides the fire.
         let depth = scene.depth.filter(|_| place.left.depth.is_none());
         // SAFETY: the device's own handles, and every submission has been waited for.
         unsafe {
-            self.particles = scene.particles.map(|given| self.write(&host, allocator, given)).transpose()?;
+            let dt = flame.desc().temporal.motion.map(|_| scene.dt);
+            self.particles = scene.particles.map(|given| self.write(&host, allocator, given, dt)).transpose()?;
             let write = |depth| self.depths.write(&host, allocator, "upload", bytemuck::cast_slice(depth));
             self.depth = depth.map(write).transpose()?;
         }
@@ -66,7 +69,7 @@ impl Feed for FlameFeed {
                 Some(depth) => Some(SceneDepth::Image(depth)),
                 None => place.left.depth.or(self.depth).map(SceneDepth::Buffer),
             },
-            temporal: Default::default(),
+            temporal: place.temporal(scene),
         })
     }
 
@@ -76,14 +79,15 @@ impl Feed for FlameFeed {
 
     unsafe fn destroy(&mut self, host: &Host, allocator: &mut dyn MemorySource) {
         // SAFETY: the caller's.
-        [&mut self.rows, &mut self.ids, &mut self.velocities, &mut self.depths]
+        [&mut self.rows, &mut self.earlier, &mut self.ids, &mut self.velocities, &mut self.depths]
             .into_iter()
             .for_each(|upload| unsafe { upload.destroy(host, allocator) });
     }
 }
 
 impl FlameFeed {
-    /// Uploads particles: positions with temperatures, and their ids if they have any.
+    /// Uploads particles: positions with temperatures, and their ids if they have any; for motion vectors, as far as they have
+    /// velocities, where they were so many seconds before.
     ///
     /// # Safety
     /// As [`Upload::write`].
@@ -92,28 +96,35 @@ impl FlameFeed {
         host: &Host,
         allocator: &mut dyn MemorySource,
         particles: &Particles,
+        dt: Option<f32>,
     ) -> Result<ParticleInput> {
         let Particles { position, temperature, id, velocity } = particles;
         let rows = position.iter().zip(temperature).map(|([x, y, z], t)| [*x, *y, *z, *t]);
         let rows: Vec<[f32; 4]> = rows.collect();
         // SAFETY: the caller's.
-        let (position_temperature, ids, velocity) = unsafe {
+        let (position_temperature, previous, ids, velocity) = unsafe {
             let bytes = bytemuck::cast_slice(&rows);
             let uploaded = self.rows.write(host, allocator, "particle upload", bytes)?;
+            let earlier = dt.zip(velocity.as_ref()).map(|(dt, velocity)| {
+                let back =
+                    |([x, y, z, t], v): (&[f32; 4], &[f32; 3])| [x - dt * v[0], y - dt * v[1], z - dt * v[2], *t];
+                let rows: Vec<[f32; 4]> = rows.iter().zip(velocity).map(back).collect();
+                self.earlier.write(host, allocator, "earlier particle upload", bytemuck::cast_slice(&rows))
+            });
             let write = |ids: &[u32]| self.ids.write(host, allocator, "id upload", bytemuck::cast_slice(ids));
             let ids = id.as_deref().map(write).transpose()?;
             let velocity = velocity.as_ref().map(|velocity| {
                 let rows: Vec<[f32; 4]> = velocity.iter().map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
                 self.velocities.write(host, allocator, "velocity upload", bytemuck::cast_slice(&rows))
             });
-            (uploaded, ids, velocity.transpose()?)
+            (uploaded, earlier.transpose()?, ids, velocity.transpose()?)
         };
         Ok(ParticleInput {
             count: rows.len() as u32,
             hottest: rows.iter().map(|row| row[3]).fold(0.0, f32::max),
             position_temperature: at_least_a_row(position_temperature),
             ids: ids.map(at_least_a_row),
-            previous: None,
+            previous: previous.map(at_least_a_row),
             velocity: velocity.map(at_least_a_row),
         })
     }

@@ -16,7 +16,8 @@ impl Describe for Desc {
         self.size
     }
 
-    fn share(&mut self, Sharing { image, .. }: Sharing) {
+    fn share(&mut self, Sharing { image, vectors, .. }: Sharing) {
+        self.temporal.motion = vectors;
         if image.is_some() {
             (self.depth, self.edges) = (image, true);
         }
@@ -57,7 +58,7 @@ impl Feed for SmokeFeed {
             depth: place.target.and(place.depth),
             edges: place.target.and(place.left.edges),
             background: place.background,
-            temporal: Default::default(),
+            temporal: place.temporal(scene),
         })
     }
 
