@@ -31,7 +31,8 @@ test: setup
 	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked
 
 # The documentation without a warning, and the tests that take minutes, too: memory over 500 frames of each effect, each
-# Vulkan call failing in turn, and, where SwiftShader is installed, every pipeline compiled by it, prefix sums, the fire in every
+# Vulkan call failing in turn; views of OpenColorIO, what others read of what celfx writes, and farms on this machine, where what that
+# takes can be installed; and, where SwiftShader is installed, every pipeline compiled by it, prefix sums, the fire in every
 # shape of its kernels, hosts, and pictures in larger images.
 SWIFTSHADER = $(wildcard /usr/lib/chromium/vk_swiftshader_icd.json)
 
@@ -39,6 +40,11 @@ test-all: test
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --no-default-features
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 	$(ON_DRIVER) CELFX_REQUIRE_VULKAN=1 cargo test --locked -- --ignored
+	cargo clippy --locked --features ocio -- -D warnings
+	cargo test --locked --features ocio --lib display
+	cargo build --release --locked --features ocio --target-dir target/ocio
+	$(ON_DRIVER) tests/decoders.sh target/ocio/release/celfx
+	$(ON_DRIVER) tests/farm.sh target/ocio/release/celfx
 	$(if $(SWIFTSHADER),export VK_DRIVER_FILES=$(SWIFTSHADER) VK_ICD_FILENAMES=$(SWIFTSHADER) && \
 	  cargo test --locked --test kernels -- --ignored --nocapture && \
 	  cargo test --locked --test flame shapes && cargo test --locked --test scan && \

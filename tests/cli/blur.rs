@@ -83,7 +83,7 @@ fn a_blurred_frame_alone_equals_the_frame_of_the_sequence() {
         succeeds(&folder, &[&render[..], &alone].concat());
     }
     let names = run::names(&folder.0.join("alone"));
-    assert_eq!(names.len(), 3 * 9, "three frames, a picture and eight layers each: {names:?}");
+    assert_eq!(names.len(), 3 * 11, "three frames, a picture and ten layers each: {names:?}");
     for name in names {
         let [all, alone] = ["all", "alone"].map(|of| fs::read(folder.0.join(of).join(&name)).expect(&name));
         assert!(all == alone, "{name} differs");

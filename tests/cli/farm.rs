@@ -65,10 +65,10 @@ fn frames_that_begin_in_the_midst_are_those_of_the_sequence() {
     if !has_device() {
         return;
     }
-    // On twos, so that frames also begin within a drawing; with what dies and shrinks, and depth ranges that are smoothed.
-    for shot in ["builtin:smoke", "builtin:cloud"] {
+    // On twos and threes frames also begin within a drawing. With what dies and shrinks, and depth ranges that are smoothed.
+    for (shot, on) in [("builtin:smoke", "on=2"), ("builtin:smoke", "on=3"), ("builtin:cloud", "on=1")] {
         let folder = Folder::new();
-        let render = ["render", shot, SMALL, "-q", "--set=smoke.particles=200", run::validate()];
+        let render = ["render", shot, SMALL, "-q", "--set=smoke.particles=200", "--set", on, run::validate()];
         let frames = |frames: &'static str, to: &'static str, cache: &'static [&str]| {
             succeeds(&folder, &[&render[..], &["--frames", frames, "-o", to], cache].concat())
         };
@@ -96,6 +96,9 @@ fn frames_that_begin_in_the_midst_are_those_of_the_sequence() {
         }
         frames("14", "again/####.png", CACHE);
         assert!(pictures(&folder, "again")[0] == all[13], "{shot}");
+        let sizes = run::names(&folder.0.join("cache")).into_iter();
+        let sizes = sizes.map(|name| fs::metadata(folder.0.join("cache").join(name)).expect("a file").len());
+        assert_eq!(sizes.filter(|size| *size > 1000).count(), 2, "{shot}: those of this run are written anew");
     }
 }
 

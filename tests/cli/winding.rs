@@ -191,7 +191,7 @@ impl Stage {
             };
             all.extend(run::names(&self.0.0.join(&out)).into_iter().map(read));
         }
-        assert_eq!(all.len(), 9 * count, "a picture and eight layers a frame");
+        assert_eq!(all.len(), 11 * count, "a picture and ten layers a frame");
         all
     }
 }

@@ -36,11 +36,6 @@ impl Cache {
         self.folder.join(format!("{key:032x}.past"))
     }
 
-    /// Whether there is a file, whole or not.
-    pub(super) fn has(&self, key: u128) -> bool {
-        self.path(key).exists()
-    }
-
     /// What a frame left; none if it is not there or damaged.
     pub(super) fn read(&self, key: u128) -> Option<Vec<u8>> {
         let bytes = fs::read(self.path(key)).ok()?;
@@ -65,10 +60,10 @@ mod tests {
     fn what_is_damaged_is_not_there() {
         let folder = Folder::new();
         let cache = Cache::new(&folder.0.join("cache"));
-        assert!(!cache.has(7) && cache.read(7).is_none());
+        assert_eq!(cache.read(7), None);
         let past: Vec<u8> = (0..=255).collect();
         cache.write(7, &past).expect("written");
-        assert_eq!((cache.has(7), cache.read(7)), (true, Some(past)));
+        assert_eq!(cache.read(7), Some(past));
         let path = cache.path(7);
         let whole = fs::read(&path).expect("written");
         for length in 0..whole.len() {

@@ -146,6 +146,7 @@ impl Reader<'_> {
     fn keeps(&mut self, frame: u32) -> Result<Option<u128>, Failure> {
         let Some(cache) = self.cache.filter(|_| self.inputs.has_past()) else { return Ok(None) };
         let key = self.origins.past(frame, self.inputs.effects())?;
-        Ok((!cache.has(key)).then_some(key))
+        // One that is damaged is written anew.
+        Ok(cache.read(key).is_none().then_some(key))
     }
 }
