@@ -215,7 +215,9 @@ impl PassesInput {
             DVec4::W,
         )
         .transpose();
-        View { world_to_view: DMat4::IDENTITY, view_to_clip, jitter: [0.0; 2], reversed: false }
+        let view = View { world_to_view: DMat4::IDENTITY, view_to_clip, jitter: [0.0; 2], reversed: false };
+        // As the depth that effects of a picture share.
+        view.with_reversed(true)
     }
 }
 
