@@ -285,6 +285,7 @@ fn files_of_a_renderer_become_smears() {
     let output = folder.join("out.####.exr");
     let mut celfx = std::process::Command::new(env!("CARGO_BIN_EXE_celfx"));
     celfx.arg("render").arg(&shot).args(["-q", "--frames", &NUMBER.to_string(), "--validate", "-o"]).arg(&output);
+    celfx.args(["--motion", "--layers"]).arg(folder.join("one.####.exr"));
     let run = celfx.output().expect("the program");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let made = read(&folder.join(format!("out.{NUMBER:04}.exr"))).expect("a picture").pixels;
